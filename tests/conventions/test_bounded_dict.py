@@ -6,7 +6,7 @@ def test_a_new_one_takes_the_place_of_the_oldest_that_is_not_kept() -> None:
     room: BoundedDict[int] = BoundedDict(2, forgotten.append)
     assert room.add("a", 1)
     assert room.add("b", 2)
-    room.keep("a")
+    room.pin("a")
     assert room.add("c", 3)
     assert (room.get("a"), room.get("b"), room.get("c")) == (1, None, 3)
     assert forgotten == [2]
@@ -16,7 +16,7 @@ def test_a_new_one_takes_the_place_of_the_oldest_that_is_not_kept() -> None:
 def test_what_is_kept_is_not_pushed_out() -> None:
     room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
-    room.keep("a")
+    room.pin("a")
     assert not room.add("b", 2)
     assert len(room) == 1
     assert room.dropped == 1
@@ -25,7 +25,7 @@ def test_what_is_kept_is_not_pushed_out() -> None:
 def test_what_is_removed_makes_room() -> None:
     room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
-    room.keep("a")
+    room.pin("a")
     assert room.remove("a") == 1
     assert room.remove("a") is None
     assert room.add("b", 2)

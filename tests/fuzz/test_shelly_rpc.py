@@ -11,7 +11,7 @@ from pydantic import SecretStr
 from tests.conventions.shelly.rpc_documents import MODELS
 
 from homebot.conventions.payload import as_fields, parse_object
-from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_news_of_setup
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import RefusedError, WireError
 
@@ -32,11 +32,11 @@ def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Muta
         for kind, answer in (("info", model.info), ("config", model.config), ("status", model.status)):
             try:
                 frame = mutate.damaged_json(json.dumps({"id": 1, "src": "x", "result": answer}))
-                device.keep(kind, as_fields(parse_object(frame).get("result")), len(frame))  # type: ignore[arg-type]
+                device.record_answer(kind, as_fields(parse_object(frame).get("result")), len(frame))  # type: ignore[arg-type]
             except WireError:
-                device.keep(kind, answer, 10)  # type: ignore[arg-type]
+                device.record_answer(kind, answer, 10)  # type: ignore[arg-type]
         page = mutate.damaged({"components": model.components, "offset": 0, "total": len(model.components)})
-        device.keep_components(as_fields(page))
+        device.add_page(as_fields(page))
         described = device.describe()
         assert described is not None
         names = {one.part.id: {able.name for able in one.part.capabilities} for one in described.parts}
@@ -47,7 +47,7 @@ def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Muta
                 for part, readings in read:
                     assert readings.keys() <= names[part]
                     assert all(math.isfinite(value) for value in readings.values() if isinstance(value, float))
-        is_news_of_setup(as_fields(mutate.value()))
+        is_setup_change(as_fields(mutate.value()))
         for part in [*names, mutate.word()][:3]:
             try:
                 calls = device.calls(part, rng.choice(("on_off", "level", "position", "state")), mutate.plain(), 0.0)
@@ -62,7 +62,7 @@ def test_damaged_challenges_are_refused_or_signed(fuzz: Fuzz, mutator: type[Muta
     def case(rng: random.Random) -> None:
         login = RpcLogin(SecretStr("correct horse"))
         try:
-            login.take_challenge(mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
+            login.accept_challenge(mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
         except WireError:
             assert not login.is_challenged
             return

@@ -45,7 +45,7 @@ class BoundedDict(Generic[T]):
         self._passing[name] = value
         return True
 
-    def keep(self, name: str) -> None:
+    def pin(self, name: str) -> None:
         """Keep what is called *name* for good."""
         if name in self._passing:
             self._kept[name] = self._passing.pop(name)

@@ -10,17 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.conventions.shelly.rpc_documents import MODELS, Model
 
-from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcCall, is_news_of_setup
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcCall, is_setup_change
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 
 def asked(model: Model) -> Gen2RpcDevice:
     device = Gen2RpcDevice(model.info["id"])
-    device.keep("info", model.info, 100)
-    device.keep("config", model.config, 100)
-    device.keep("status", model.status, 100)
-    device.keep_components({"components": model.components, "offset": 0, "total": len(model.components)})
+    device.record_answer("info", model.info, 100)
+    device.record_answer("config", model.config, 100)
+    device.record_answer("status", model.status, 100)
+    device.add_page({"components": model.components, "offset": 0, "total": len(model.components)})
     return device
 
 
@@ -41,9 +41,9 @@ def frame(value: object) -> bytes:
 @pytest.mark.parametrize("address", [[], {}, 7, None])
 def test_a_valve_whose_address_is_no_text_is_described(address: object) -> None:
     device = Gen2RpcDevice("shellyblugwg3-a8032abe54dc")
-    device.keep("info", {"id": "shellyblugwg3-a8032abe54dc"}, 100)
-    device.keep("config", {"blutrv:200": {"addr": address}, "bthomedevice:200": {"addr": address}}, 100)
-    device.keep("status", {"blutrv:200": {"id": 200}, "bthomedevice:200": {"id": 200}}, 100)
+    device.record_answer("info", {"id": "shellyblugwg3-a8032abe54dc"}, 100)
+    device.record_answer("config", {"blutrv:200": {"addr": address}, "bthomedevice:200": {"addr": address}}, 100)
+    device.record_answer("status", {"blutrv:200": {"id": 200}, "bthomedevice:200": {"id": 200}}, 100)
     assert device.describe() is not None
 
 
@@ -104,8 +104,8 @@ def test_a_transition_is_sent_along() -> None:
 )
 def test_a_relay_is_a_light_where_its_owner_says_that_it_feeds_one(loads: object, expected: str) -> None:
     device = Gen2RpcDevice("shellyplus2pm-a8032abe54dc")
-    device.keep("config", {"sys": {"device": {}, "ui_data": {"consumption_types": loads}}}, 100)
-    device.keep("status", {"sys": {"uptime": 1}, "switch:1": {"id": 1, "output": True}}, 100)
+    device.record_answer("config", {"sys": {"device": {}, "ui_data": {"consumption_types": loads}}}, 100)
+    device.record_answer("status", {"sys": {"uptime": 1}, "switch:1": {"id": 1, "output": True}}, 100)
     described = device.describe()
     assert described is not None
     assert [one.part.service_type for one in described.parts] == [expected]
@@ -122,7 +122,7 @@ def test_a_valve_behind_a_gateway_is_described_once() -> None:
         {"key": "bthomesensor:200", "status": {"value": 90}, "config": {**valve, "obj_id": 1}},
         {"key": "bthomesensor:201", "status": {"value": 40}, "config": {"addr": "aa:bb:cc:dd:ee:02", "obj_id": 46}},
     ]
-    device.keep_components({"components": components, "offset": 0, "total": 4})
+    device.add_page({"components": components, "offset": 0, "total": 4})
     described = device.describe()
     assert described is not None
     assert [one.part.id for one in described.parts] == ["blutrv:200", "blutrv:200/battery", "bthomesensor:201"]
@@ -170,8 +170,8 @@ def test_a_sleeper_reports_its_whole_status_and_is_missed_after_two_and_a_half_p
 def test_a_battery_reports_only_what_it_was_described_with() -> None:
     model = MODELS["H&T Gen3"]
     device = Gen2RpcDevice(model.info["id"])
-    device.keep("info", model.info, 100)
-    device.keep("status", {"devicepower:0": {"id": 0, "battery": {"percent": 83}}}, 100)
+    device.record_answer("info", model.info, 100)
+    device.record_answer("status", {"devicepower:0": {"id": 0, "battery": {"percent": 83}}}, 100)
     device.describe()
     full = frame({"method": "NotifyFullStatus", "params": model.status})
     assert dict(device.read_notification(full)) == {"devicepower:0": {"battery": 83}}
@@ -180,31 +180,33 @@ def test_a_battery_reports_only_what_it_was_described_with() -> None:
 @pytest.mark.parametrize("event", ["config_changed", "component_added", "component_removed"])
 def test_a_device_that_is_set_up_anew_says_so(event: str) -> None:
     events = [{"component": "sys", "event": event, "restart_required": False, "ts": 1.0, "cfg_rev": 13}]
-    assert is_news_of_setup({"method": "NotifyEvent", "params": {"ts": 1.0, "events": events}})
-    assert not is_news_of_setup({"method": "NotifyStatus", "params": {"events": events}})
+    assert is_setup_change({"method": "NotifyEvent", "params": {"ts": 1.0, "events": events}})
+    assert not is_setup_change({"method": "NotifyStatus", "params": {"events": events}})
 
 
 def test_the_same_answers_are_no_news() -> None:
     device = asked(MODELS["Plus 1"])
     assert device.describe() is not None
-    device.keep("status", {**MODELS["Plus 1"].status, "switch:0": {"id": 0, "output": False, "temperature": {}}}, 100)
+    device.record_answer(
+        "status", {**MODELS["Plus 1"].status, "switch:0": {"id": 0, "output": False, "temperature": {}}}, 100
+    )
     assert device.describe() is None
 
 
 def test_components_come_in_pages_and_go_when_they_are_no_longer_listed() -> None:
     model = MODELS["BLU Gateway with a door sensor"]
     device = Gen2RpcDevice(model.info["id"])
-    device.keep("info", model.info, 100)
-    device.keep("status", model.status, 100)
-    assert device.keep_components({"components": model.components[:3], "offset": 0, "total": 4}) == 3
+    device.record_answer("info", model.info, 100)
+    device.record_answer("status", model.status, 100)
+    assert device.add_page({"components": model.components[:3], "offset": 0, "total": 4}) == 3
     first = device.describe()
     assert first is not None
     assert first.parts == ()
-    assert device.keep_components({"components": model.components[3:], "offset": 3, "total": 4}) == 0
+    assert device.add_page({"components": model.components[3:], "offset": 3, "total": 4}) == 0
     second = device.describe()
     assert second is not None
     assert len(second.parts) == len(model.parts)
-    assert device.keep_components({"components": [], "offset": 0, "total": 0}) == 0
+    assert device.add_page({"components": [], "offset": 0, "total": 0}) == 0
     third = device.describe()
     assert third is not None
     assert third.parts == ()
@@ -226,12 +228,12 @@ def test_any_answers_are_described_and_read(
     info: dict[str, Any], config: dict[str, Any], status: dict[str, Any], page: dict[str, Any], news: dict[str, Any]
 ) -> None:
     device = Gen2RpcDevice("shellyplus1-a8032abe54dc")
-    device.keep("info", info, 10)
-    device.keep("config", config, 10)
-    device.keep("status", status, 10)
-    device.keep_components(page)
+    device.record_answer("info", info, 10)
+    device.record_answer("config", config, 10)
+    device.record_answer("status", status, 10)
+    device.add_page(page)
     device.describe()
     list(device.read_status(device.components_status()))
     list(device.read_notification(frame({"method": "NotifyStatus", "params": news})))
-    is_news_of_setup(news)
+    is_setup_change(news)
     assert device.stale_after >= 0

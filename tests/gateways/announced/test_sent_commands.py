@@ -20,7 +20,7 @@ def announced(component: str, **config: Any) -> DescribedPart:
     """The part that Home Assistant discovery announces."""
     reader = HomeAssistantDiscovery(HomeAssistantSettings())
     topic, payload = f"homeassistant/{component}/door/config", json.dumps({**LOCK, **config}).encode()
-    (device,) = reader.take(topic, payload, retained=False)
+    (device,) = reader.read_message(topic, payload, retained=False)
     assert isinstance(device, DeviceAnnounced)
     (part,) = device.parts
     return part
@@ -38,7 +38,7 @@ def z2m_lock(**feature: Any) -> DescribedPart:
         "definition": definition,
     }
     payload = json.dumps([entry]).encode()
-    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert isinstance(device, DeviceAnnounced)
     return device.parts[0]
 
@@ -52,7 +52,7 @@ def thing_lock(**form: Any) -> DescribedPart:
         "securityDefinitions": {"n": {"scheme": "nosec"}},
         "properties": {"lock": {"type": "boolean", "forms": forms}},
     }
-    (device,) = ThingReader(("things",)).take("things/door/td", json.dumps(description).encode(), retained=True)
+    (device,) = ThingReader(("things",)).read_message("things/door/td", json.dumps(description).encode(), retained=True)
     assert isinstance(device, DeviceAnnounced)
     return device.parts[0]
 

@@ -234,7 +234,7 @@ class Version4:
         if described is None:
             was_described, device.is_described = device.is_described, False
             return (DeviceWithdrawn(whole.topic, "it no longer has any nodes"),) if was_described else ()
-        self._devices.keep(whole.topic)
+        self._devices.pin(whole.topic)
         device.is_described = True
         return (described,)
 

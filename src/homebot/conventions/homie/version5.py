@@ -297,7 +297,7 @@ class Version5:
         if described is None:
             was_described, device.is_described = device.is_described, False
             return (DeviceWithdrawn(name, "it no longer has any nodes"),) if was_described else ()
-        self._devices.keep(name)
+        self._devices.pin(name)
         device.is_described = True
         return (described,)
 

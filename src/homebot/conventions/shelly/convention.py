@@ -25,9 +25,9 @@ class ShellySettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
-        client: As whom devices of the second generation are asked; another homebot at the same broker needs another.
-        prefixes: Filters of topic prefixes of several levels that devices of the second generation were given, for
-            example ``home/shellies/+``.
+        client: The client id of requests to the second generation; unique for each homebot at a broker.
+        prefixes: Filters of custom topic prefixes of the second generation with several levels, for example
+            ``home/shellies/+``.
     """
 
     client: _Client = "homebot"
@@ -35,13 +35,13 @@ class ShellySettings(ConventionSettings):
 
 
 class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
-    """Understands what Shelly's devices report of themselves, and keeps it, bounded."""
+    """Discovery of Shelly's devices from their own messages, with bounded memory."""
 
     Settings: ClassVar[type[BaseModel]] = ShellySettings
     name: ClassVar[str] = "shelly"
 
     def filters(self) -> tuple[str, ...]:
-        """Return the filters of answers, signs of life, announcements, and what parts are known by."""
+        """Return the filters of answers, signs of life, announcements and the topics of parts."""
         client, prefixes = self.settings.client, ("+", "shellies/+", *self.settings.prefixes)
         second = (
             f"{client}/rpc",
@@ -52,7 +52,7 @@ class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
         return tuple(dict.fromkeys((*second, *_FIRST)))
 
     def birth_messages(self) -> Publications:
-        """Return what makes the first generation announce itself and report its states; the second is asked by id."""
+        """Return requests of announcements and states of the first generation; the second is asked by id."""
         return Publication("shellies/command", b"announce"), Publication("shellies/command", b"update")
 
     def load_reader(self) -> ShellyReader:
@@ -74,4 +74,4 @@ _FIRST = (
     *(f"shellies/+/{kind}/+" for kind in ("adc", "ext_temperature", "ext_humidity", "ext_switch", "sensor")),
     *(f"shellies/+/{kind}" for kind in ("temperature", "overtemperature", "overpower", "status")),
 )
-"""Narrow ones: what is below them is what parts are known by, and nothing else."""
+"""Narrow filters of the topics of parts."""

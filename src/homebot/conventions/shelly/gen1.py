@@ -1,8 +1,8 @@
-"""Devices of Shelly's first generation: how they are known, and their descriptions. Pure.
+"""Devices of Shelly's first generation: their announcements and descriptions. Pure.
 
-A device's model and mode say what it consists of; what it publishes besides is added. It announces itself on two topics
-at once, of which one counts where both say the same. One that does not announce itself is known once it reports that it
-is online and has published something known.
+The parts of a device follow from its model and mode, and from its other published topics. It announces itself on two
+topics at once; equal announcements count once. A device without announcement is described after it reported that it is
+online and published a known topic.
 
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 """
@@ -34,21 +34,15 @@ __all__ = ["Gen1"]
 
 @dataclass(slots=True)
 class _Gen1Device:
-    """All that one device has published so far.
+    """The messages of one device so far.
 
     Attributes:
         topics: Its topics.
-        model: What its name or its announcement says that it is; None where that is not known.
-        suffixes: Topics below its own on which it published.
-        mac: Its hardware address, once it announced itself; likewise the following.
-        model_name: Of its maker.
-        mode: How it is set up, where it has modes.
-        version: Of its firmware.
-        address: In the network.
-        is_announced: Whether it announced itself.
-        is_online: Whether it reported that it is online.
-        topic: Where it was first known by.
-        presses: What it reported of each of its inputs, at most 16.
+        model: Its model by name or announcement; None if unknown.
+        suffixes: Its published topics, below its own.
+        mode: Its mode, if the model has several.
+        topic: The topic of its first description.
+        presses: Filters of its inputs, at most 16.
     """
 
     topics: Gen1Topics
@@ -65,7 +59,7 @@ class _Gen1Device:
     presses: defaultdict[int, Presses] = field(default_factory=lambda: defaultdict(Presses))
 
     def announce(self, device_id: str, mac: str, announcement: Mapping[str, object]) -> bool:
-        """Take what it reports of itself; return whether that differs from its last report."""
+        """Record an announcement; return whether it differs from the last one."""
         before = self._announced_facts()
         mode = announcement.get("mode")
         self.mac = mac
@@ -77,7 +71,7 @@ class _Gen1Device:
         return self._announced_facts() != before
 
     def known(self) -> frozenset[str]:
-        """Return the topics that it publishes on: what is sure of its model, and what was seen."""
+        """Return its published topics: those of its model and mode, and those seen."""
         model = self.model
         if model is None:
             return frozenset(self.suffixes)
@@ -89,11 +83,7 @@ class _Gen1Device:
         return model.topics | mode | {suffix for suffix in self.suffixes if _kind(suffix) not in wrong}
 
     def describe(self, topic: str) -> DeviceAnnounced:
-        """Return its description; without parts where it is known by none yet.
-
-        Args:
-            topic: Where it reported last.
-        """
+        """Return its description, perhaps without parts; *topic* is that of its last message."""
         topics = self.topics
         sleeps = self.model is not None and self.model.sleeps
         declared = (self.mac, topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
@@ -142,10 +132,7 @@ _LEVELS = 3
 
 
 class Gen1:
-    """Knows the devices of the first generation in one broker.
-
-    There is room for 5,000: of more, the one that was named first and never described is forgotten.
-    """
+    """Registry of the devices of the first generation; of more than 5,000 the oldest undescribed one is dropped."""
 
     def __init__(self) -> None:
         self._devices: BoundedDict[_Gen1Device] = BoundedDict(_MAX_DEVICES)
@@ -153,11 +140,11 @@ class Gen1:
 
     @property
     def dropped(self) -> int:
-        """Number of devices that were forgotten or not taken for want of room."""
+        """Number of dropped devices."""
         return self._devices.dropped
 
-    def take(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        """Take a message below ``shellies/``.
+    def read_message(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        """Read a message below ``shellies/``.
 
         Raises:
             WireError: An announcement breaks the rules.
@@ -172,18 +159,13 @@ class Gen1:
             return self._announced(topic, name, payload) if payload else ()
         if suffix == "online":
             return self._online(topic, name, payload)
-        return self._take_state(topic, name, suffix) if payload and is_known_topic(suffix) else ()
+        return self._on_state(topic, name, suffix) if payload and is_known_topic(suffix) else ()
 
     def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         announcement = parse_object(payload)
-        device_id, mac = announcement.get("id"), announcement.get("mac", "")
-        if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
-            raise WireError(f"an announcement has the invalid id {shown(device_id)}")
-        if not isinstance(mac, str):
-            raise WireError(f"an announcement has the invalid mac {shown(mac)}")
-        mac = clean_text(mac, 20)
-        if not name and mac and mac in self._names:
-            name = self._names[mac]
+        device_id, mac = _ids(announcement)
+        if not name and mac:
+            name = self._names.get(mac, "")
         device = self._device(name or device_id)
         if device is None:
             return ()
@@ -204,7 +186,7 @@ class Gen1:
         device.is_online = True
         return () if device.is_announced else self._described(device, topic)
 
-    def _take_state(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
+    def _on_state(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()
@@ -238,6 +220,16 @@ class Gen1:
         described = device.describe(topic)
         if not described.parts:
             return ()
-        self._devices.keep(device.topics.name)
+        self._devices.pin(device.topics.name)
         device.topic = described.topic
         return (described,)
+
+
+def _ids(announcement: Mapping[str, object]) -> tuple[str, str]:
+    """Return the id and the hardware address of an announcement."""
+    device_id, mac = announcement.get("id"), announcement.get("mac", "")
+    if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
+        raise WireError(f"an announcement has the invalid id {shown(device_id)}")
+    if not isinstance(mac, str):
+        raise WireError(f"an announcement has the invalid mac {shown(mac)}")
+    return device_id, clean_text(mac, 20)

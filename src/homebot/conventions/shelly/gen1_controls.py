@@ -15,11 +15,9 @@ from homebot.conventions.command_values import (
     number_writer,
     option_writer,
     require_bool,
-    require_color,
     require_number,
 )
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -31,6 +29,7 @@ from homebot.conventions.payload import (
     to_text,
 )
 from homebot.conventions.shelly.gen1_models import Gen1Topics
+from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb, write_rgb
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
 
@@ -46,7 +45,7 @@ _PERCENT = (0.0, 100.0)
 
 
 def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
-    """Describe a relay: a plug where it is a socket."""
+    """Describe a relay, or a plug if it is a socket."""
     topic = topics.at(f"relay/{index}")
 
     def switch(on: bool) -> Publications:  # noqa: FBT001 - it is what the payload says
@@ -60,7 +59,7 @@ def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
 
 
 def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
-    """Describe a roller. One that was never calibrated does not know its position, and reports -1."""
+    """Describe a roller. Before its calibration it reports the position -1."""
     topic = topics.at(f"roller/{index}")
     reader = _RollerReader()
 
@@ -84,7 +83,7 @@ def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
 
 
 class _RollerReader:
-    """Reads what a roller reports in two messages: ``stop``, also where it arrived at an end, and its position."""
+    """Reader of the two messages of a roller: ``stop``, also at an end of its way, and its position."""
 
     def __init__(self) -> None:
         self._rests = False
@@ -109,7 +108,7 @@ class _RollerReader:
         return {"position": self._position, **(self._resting() if self._rests else NO_READINGS)}
 
     def _resting(self) -> Readings:
-        if not self._is_known:  # it was described anew: its position is yet to come
+        if not self._is_known:  # described anew, before the first position
             return NO_READINGS
         return {"movement": "stopped" if self._position is None else _ENDS.get(self._position, "stopped")}
 
@@ -125,11 +124,10 @@ _PRESSES = {
 
 
 class Presses:
-    """Distinguishes a new press from one that the device only repeats, by the counter beside it.
+    """Filter of repeated presses, by the counter in the message.
 
-    A device that was asked for its state reports its last press again. So the first one that is seen only sets the
-    counter, but for a device that wakes up to report it. It outlives a description, which a device that publishes on
-    one more topic gets anew.
+    A device repeats its last press when its state is requested. The first message therefore only sets the counter,
+    except for a device that wakes up to report it. The filter outlives the description of the device.
     """
 
     __slots__ = ("_count",)
@@ -138,7 +136,7 @@ class Presses:
         self._count: object = None
 
     def read(self, payload: bytes, *, counts_first: bool) -> Readings:
-        """Return the press that *payload* reports, if it is a new one; the first counts where *counts_first*."""
+        """Return the press in *payload* if it is new; the first one is new if *counts_first*."""
         message = to_json(payload)
         if not isinstance(message, dict):
             return NO_READINGS
@@ -155,7 +153,7 @@ class Presses:
 def build_input(
     topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
 ) -> BytesPart:
-    """Describe an input: a button where it has events, whose first press counts where *counts_first* says so."""
+    """Describe an input, or a button if it has events; see :meth:`Presses.read` for *counts_first*."""
     part = BytesPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
     if has_state:
         part.read_from(topics.at(f"input/{index}"), meaning_reader("state", {b"0": False, b"1": True}))
@@ -170,23 +168,23 @@ _WHITES: Mapping[str, tuple[int, int]] = {"SHBDUO-1": (2700, 6500), "SHBLB-1": (
 """Warmest and coldest white in kelvin of the models that can change it."""
 
 _ANY_WHITE = (2000, 6500)
-_LONGEST_TRANSITION = 5000
+_LONGEST_TRANSITION = 5000  # milliseconds
 _CHANNELS = ("red", "green", "blue")
 
 
 def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
-    """Describe a lamp of the *kind* ``light``, ``color`` or ``white``; the *model* is empty where it is not known."""
+    """Describe a lamp of the *kind* ``light``, ``color`` or ``white``; an unknown *model* is empty."""
     lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, _WHITES.get(model))
     part = BytesPart(f"{kind}:{index}", "light", advertised=kind)
     part.read_from(lamp.topic, meaning_reader("on_off", _SWITCHED))
     part.read_from(f"{lamp.topic}/status", lamp.read)
     part.add_command_topics(f"{lamp.topic}/command", f"{lamp.topic}/set")
     part.add_capability("on_off", writer=lamp.switch)
-    part.add_capability("level", writer=lamp.dim)
+    part.add_capability("level", writer=lamp.set_level)
     if lamp.white is not None:
-        part.add_capability("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
+        part.add_capability("color_temperature", writer=lamp.set_white, bounds=tuple(map(float, lamp.white)))
     if kind == "color":
-        part.add_capability("color", writer=lamp.paint)
+        part.add_capability("color", writer=lamp.set_color)
     return part
 
 
@@ -201,17 +199,12 @@ class _Gen1Lamp:
         if not isinstance(message, dict):
             return NO_READINGS
         is_color = self.kind == "color" and message.get("mode", "color") == "color"
-        found: dict[str, PlainValue] = {}
-        if isinstance(on := message.get("ison"), bool):
-            found["on_off"] = on
-        level = to_number(message.get("gain" if is_color else "brightness"))
-        if level is not None and 0 <= level <= 100:
-            found["level"] = level
+        found = dict(read_lamp(message, "ison", "gain" if is_color else "brightness"))
         kelvin = to_number(message.get("temp"))
         if self.white is not None and kelvin is not None:
             found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
-            found["color"] = _color(message) if is_color else None
+            found["color"] = read_rgb([message.get(name) for name in _CHANNELS]) if is_color else None
         return found
 
     def switch(self, value: PlainValue, transition: float) -> Publications:
@@ -220,7 +213,7 @@ class _Gen1Lamp:
             return self._set({"turn": turn}, transition)
         return (Publication(f"{self.topic}/command", turn.encode()),)
 
-    def dim(self, value: PlainValue, transition: float) -> Publications:
+    def set_level(self, value: PlainValue, transition: float) -> Publications:
         level = require_number("level", value, 0, 100, "%")
         if level == 0:
             return self.switch(value=False, transition=transition)
@@ -230,26 +223,18 @@ class _Gen1Lamp:
         both = {"gain": percent} if self.white is None else {"gain": percent, "brightness": percent}
         return self._set({"turn": "on", **both}, transition)
 
-    def warm(self, value: PlainValue, transition: float) -> Publications:
+    def set_white(self, value: PlainValue, transition: float) -> Publications:
         warmest, coldest = self.white or _ANY_WHITE
         kelvin = round(require_number("color_temperature", value, warmest, coldest, "K"))
         mode = {"mode": "white"} if self.kind == "color" else {}
         return self._set({"turn": "on", **mode, "temp": kelvin}, transition)
 
-    def paint(self, value: PlainValue, transition: float) -> Publications:
-        hue, saturation = require_color(value)
-        rgb = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
+    def set_color(self, value: PlainValue, transition: float) -> Publications:
         mode = {} if self.white is None else {"mode": "color"}
-        channels = {name: int(one) for name, one in zip(_CHANNELS, rgb, strict=True)}
+        channels = dict(zip(_CHANNELS, write_rgb(value), strict=True))
         return self._set({"turn": "on", **mode, **channels, "white": 0}, transition)
 
     def _set(self, fields: Mapping[str, object], transition: float) -> Publications:
         if transition:
             fields = {**fields, "transition": min(round(transition * 1000), _LONGEST_TRANSITION)}
         return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)
-
-
-def _color(message: Mapping[str, object]) -> tuple[float, ...] | None:
-    channels = [to_number(message.get(name)) for name in _CHANNELS]
-    known = tuple(one for one in channels if one is not None and 0 <= one <= 255)
-    return to_hue_saturation("rgb", known, _ANY_WHITE) if len(known) == len(_CHANNELS) else None

@@ -1,6 +1,6 @@
-"""Models of Shelly's first generation: the topics that each publishes from the start. A table, pure.
+"""Models of Shelly's first generation, and the topics of each without accessories. A table, pure.
 
-What only appears with an accessory, such as ``ext_temperature/0``, is not here: it is taken when it is seen.
+Topics of accessories, such as ``ext_temperature/0``, are added when they appear.
 
 Source: iobroker.shelly 12.0, ``lib/devices/gen1``; Shelly Gen1 API.
 """
@@ -16,17 +16,13 @@ __all__ = ["MODELS", "Gen1Model", "Gen1Topics", "find_model"]
 
 @dataclass(frozen=True, slots=True)
 class Gen1Topics:
-    """The topics of one device.
-
-    Attributes:
-        name: What the device is called there, for example ``shellyplug-s-122881``.
-    """
+    """The topics of one device; its name there is, for example, ``shellyplug-s-122881``."""
 
     name: str
 
     @property
     def topic(self) -> str:
-        """The topic that all of its topics are below."""
+        """The topic above all its topics."""
         return f"shellies/{self.name}"
 
     def at(self, suffix: str) -> str:
@@ -40,9 +36,9 @@ class Gen1Model:
 
     Attributes:
         name: Its number, as announced.
-        prefix: What its id begins with, before ``-`` and the end of its hardware address; in small letters.
-        topics: What it publishes in every mode, below its own topic.
-        modes: What it publishes besides in a mode.
+        prefix: The beginning of its id, before ``-`` and the end of its hardware address; in small letters.
+        topics: Its topics in every mode, below its own topic.
+        modes: Its further topics, by mode.
         sleeps: Whether it is off the network most of the time, so that silence means nothing.
         is_plug: Whether its relay is a socket.
     """
@@ -147,11 +143,11 @@ MODELS: tuple[Gen1Model, ...] = (
     _model("SHMOS-02", "shellymotion2", _MOTION),
     _model("SHTRV-01", "shellytrv", _MOTION),
 )
-"""All models. A model of several modes shows by its mode, or else by what it is seen to publish."""
+"""All models. Of a model with modes, the announced mode selects the topics, or else the topics seen."""
 
 
 def find_model(name: str, device_id: str) -> Gen1Model | None:
-    """Return the model by its number, or else by what *device_id* begins with; None where neither is known."""
+    """Return the model by its number, or else by the beginning of *device_id*; None if both are unknown."""
     return _BY_NAME.get(name) or _BY_PREFIX.get(device_id.casefold().rpartition("-")[0])
 
 

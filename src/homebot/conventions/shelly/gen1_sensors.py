@@ -27,15 +27,11 @@ class Gen1Sensor:
     """A value with a topic of its own.
 
     Attributes:
-        suffix: Its topic below the device's; where it has channels, without the number.
-        capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
-        values: What each payload means.
-        is_number: Whether a payload that is none of *values* is a number.
-        least: Smallest number that can be.
-        most: Largest number that can be; another is *unknown*.
-        category: See :attr:`homebot.devices.part.Part.category`.
-        unit: Where the capability has none.
-        service_type: Of its part, where that is not the usual one of the capability.
+        suffix: Its topic below the device's; without the number of a channel.
+        values: Values by payload.
+        is_number: Whether other payloads are numbers; outside of *least* and *most* they are *unknown*.
+        unit: The unit, if the capability has none.
+        service_type: The service type, if it differs from the usual one of the capability.
     """
 
     suffix: str
@@ -63,7 +59,7 @@ class Gen1Sensor:
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}
 _MOST_CELSIUS = 998.0
-"""A sensor that is broken or absent reports 999."""
+"""A broken or missing sensor reports 999."""
 
 _DOORS: Mapping[str, PlainValue] = {"open": True, "close": False, "unknown": None}
 _GASES: Mapping[str, PlainValue] = {"none": False, "mild": True, "heavy": True, "unknown": None}
@@ -98,7 +94,7 @@ SENSORS: Mapping[str, Gen1Sensor] = {
         Gen1Sensor("ext_switch", "state", _FLAG_VALUES),
     )
 }
-"""By :attr:`Gen1Sensor.suffix`; first what a device is there for."""
+"""By :attr:`Gen1Sensor.suffix`; the main purpose of a device comes first."""
 
 _METERED: Mapping[str, tuple[str, float]] = {
     "power": ("power", 1.0),
@@ -108,11 +104,11 @@ _METERED: Mapping[str, tuple[str, float]] = {
     "voltage": ("voltage", 1.0),
     "current": ("current", 1.0),
 }
-"""The capability of what a meter reports, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
+"""Capability and factor of the topics of a meter; Shelly counts watt-minutes or watt-hours."""
 
 
 def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
-    """Describe a sensor; where it is a channel, channel *index*."""
+    """Describe a sensor, or channel *index* of one."""
     part_id = sensor.suffix.removeprefix("sensor/")
     topic = topics.at(sensor.suffix)
     if index is not None:
@@ -129,14 +125,7 @@ def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = Non
 
 
 def build_meter(topics: Gen1Topics, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:
-    """Describe a meter.
-
-    Args:
-        topics: Those of its device.
-        part_id: Of the part.
-        suffixes: Topics below the device's, by what is reported there: power, energy, total, total_returned, voltage,
-            current.
-    """
+    """Describe a meter; *suffixes* are its topics by the names in ``_METERED``."""
     part = BytesPart(part_id, "electrical_meter", advertised="meter")
     for name, suffix in suffixes.items():
         capability, factor = _METERED[name]
@@ -155,7 +144,7 @@ _UNCLEAR = object()
 
 
 def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[BytesPart, ...]:
-    """Describe what a motion sensor reports in its one ``status``."""
+    """Describe the values in the one ``status`` of a motion sensor."""
     return tuple(
         _status_part(topics, part_id, capability, find, category)
         for part_id, capability, find, category in _MOTION
@@ -164,11 +153,11 @@ def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[BytesPar
 
 
 def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
-    """Describe a radiator valve. It takes degrees in the unit that it reports them in."""
+    """Describe a radiator valve. Its commands are in the unit of its reports."""
     topic = topics.at("thermostat/0/command/target_t")
     reader = _ValveReader()
 
-    def heat(celsius: float) -> Publications:
+    def set_target(celsius: float) -> Publications:
         degrees = to_fahrenheit(celsius) if reader.is_fahrenheit else celsius
         return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
@@ -176,7 +165,7 @@ def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     part.read_from(topics.at("status"), reader.read)
     part.read_from(topics.at("info"), reader.read)
     part.add_command_topics(topic)
-    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", heat)
+    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
@@ -235,7 +224,7 @@ def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find,
 
 
 class _ValveReader:
-    """Reads what a radiator valve reports, and whether it counts in Fahrenheit."""
+    """Reader of a radiator valve's status, and of its unit."""
 
     def __init__(self) -> None:
         self.is_fahrenheit = False

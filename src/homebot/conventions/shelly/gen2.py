@@ -1,9 +1,9 @@
-"""Shelly's second generation and later: who is there, and what they answer when asked. Pure.
+"""Devices of Shelly's second generation and later: their discovery by requests. Pure.
 
-These devices do not announce themselves. One that reports that it is online, or anything else, is asked who it is, how
-it is set up, how it is, and what was added to it, such as Bluetooth sensors and virtual components; the third answer
-makes it known. One that sleeps most of the time reports its whole status when it wakes, which does as well. One that
-does not answer is known by the components that it reports, where its topics begin with its own id.
+These devices do not announce themselves. After any message of a device, homebot requests its info, its configuration,
+its status and the components added to it, such as Bluetooth sensors; the status completes the description. A sleeping
+device sends its whole status when it wakes, which is enough. A device that does not answer is described by the
+components that it reports, if its topics begin with its own id.
 
 Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 """
@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
-from homebot.conventions.payload import parse_object, shown, text_of, to_json
+from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json
 from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, call, components_from
 from homebot.conventions.shelly.gen2_device import (
     Gen2Device,
+    fingerprint,
     is_config_change,
     is_prefix,
     kind_of,
-    looks,
     mac_in,
     page_name,
 )
@@ -28,7 +28,7 @@ from homebot.errors import WireError
 __all__ = ["MAX_ANSWER_BYTES", "Gen2"]
 
 MAX_ANSWER_BYTES = 128 * 1024
-"""Longest answer; that of a gateway with all the sensors it takes is about 40 kB."""
+"""Longest answer; the one of a gateway with all possible sensors has about 40 kB."""
 
 _MAX_DEVICES = 3000
 _MAX_KEPT_BYTES = 32 * 1024 * 1024
@@ -36,13 +36,12 @@ _REQUESTED_METHODS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetSta
 
 
 class Gen2:
-    """Knows the devices of the second generation in one broker.
+    """Registry of the devices of the second generation.
 
-    There is room for 3,000: of more, the one that was seen first and never described is forgotten. Answers are kept
-    up to 32 MB together.
+    Of more than 3,000 devices the oldest undescribed one is dropped; of more than 32 MB of answers the newest.
 
     Args:
-        client: As whom homebot asks; answers come on ``<client>/rpc`` and ``<client>/<prefix>/rpc``.
+        client: The client id of homebot; answers come on ``<client>/rpc`` and ``<client>/<prefix>/rpc``.
     """
 
     def __init__(self, client: str) -> None:
@@ -57,11 +56,11 @@ class Gen2:
 
     @property
     def dropped(self) -> int:
-        """Number of devices or answers that were forgotten or not taken for want of room."""
+        """Number of dropped devices and answers."""
         return self._devices.dropped + self._refused
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message on one of the filters.
+        """Read a message on one of the filters.
 
         Raises:
             WireError: An answer breaks the rules.
@@ -74,7 +73,7 @@ class Gen2:
             return self._notified(topic.removesuffix("/events/rpc"), payload)
         prefix, _, component = topic.partition("/status/")
         if component:
-            return self._take_status(prefix, component, payload) if mac_in(prefix) else ()
+            return self._on_status(prefix, component, payload) if mac_in(prefix) else ()
         return self._online(topic.removesuffix("/online"), payload, retained=retained)
 
     def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -89,23 +88,21 @@ class Gen2:
             return () if retained else (self._request(device),)
         return (self._request(device),) if retained else self._requests(device)
 
-    def _take_status(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+    def _on_status(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         device = self._device(prefix)
         if device is None or device.has_status:
             return ()
-        return self._learn_components(
-            device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload)
-        )
+        return self._add_components(device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload))
 
-    def _learn_components(
+    def _add_components(
         self, device: Gen2Device, components: Fields, topic: str, size: int
     ) -> tuple[AnnouncementEvent, ...]:
-        """Describe *device* by what it publishes without having answered, if ever it will."""
+        """Describe *device* by its published *components* before its first answer."""
         requests = self._requests(device)
         kept = device.sizes.get("components", 0) + size
         if not device.has_new_fields(components) or not self._has_room(device, "components", kept):
             return requests
-        device.learn_components(components, kept)
+        device.add_components(components, kept)
         return self._described(device, topic, device.prefix) + requests
 
     def _gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
@@ -119,21 +116,17 @@ class Gen2:
         self._kept -= sum(device.sizes.values())
 
     def _notified(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        frame = to_json(payload)
-        if not isinstance(frame, dict):
-            return ()
-        device = self._device(prefix)
-        if device is None:
-            return ()
+        frame = as_fields(to_json(payload))
+        device = self._device(prefix) if frame else None
         method, params = frame.get("method"), frame.get("params")
-        if not isinstance(params, dict):
+        if device is None or not isinstance(params, dict):
             return ()
         if device.has_status and device.described is not None:
             return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
         if method == "NotifyStatus" and mac_in(prefix):
-            return self._learn_components(device, params, f"{prefix}/events/rpc", len(payload))
+            return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
         requests = self._requests(device)
-        if method == "NotifyFullStatus" and self._keep(device, "status", params, len(payload)):
+        if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
             return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
         return requests
 
@@ -149,19 +142,14 @@ class Gen2:
         if device is None or not kind:
             return ()
         if kind == "components":
-            if following := self._take_page(device, result, len(payload)):
-                key = f"{device.prefix}#{page_name(following)}"  # its own: perhaps all is about to be asked again
+            start = device.page_start(result)
+            has_room = start is not None and self._has_room(device, page_name(start), len(payload))
+            if start is not None and has_room and (following := device.add_page(result, start, len(payload))):
+                key = f"{device.prefix}#{page_name(following)}"  # another key than that of a request of all answers
                 return (DeviceRequest(key, (self._call_components(device, following),)),)
-        elif not self._keep(device, kind, result, len(payload)):
+        elif not self._record_answer(device, kind, result, len(payload)):
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
-
-    def _take_page(self, device: Gen2Device, page: Fields, size: int) -> int:
-        """Take a page of components; return where the next one begins, 0 where there is none or no room."""
-        start = device.page_start(page)
-        if start is None or not self._has_room(device, page_name(start), size):
-            return 0
-        return device.keep_page(page, start, size)
 
     def _device(self, prefix: str) -> Gen2Device | None:
         device = self._devices.get(prefix)
@@ -172,7 +160,7 @@ class Gen2:
         return device
 
     def _requests(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
-        """Ask at the first sign of life, the second, the fourth, the eighth: it may be no Shelly at all."""
+        """Return a request at the first, second, fourth, eighth … sign of life: it may be no Shelly at all."""
         device.signs_of_life += 1
         return (self._request(device),) if device.signs_of_life & (device.signs_of_life - 1) == 0 else ()
 
@@ -185,14 +173,14 @@ class Gen2:
     def _call_components(self, device: Gen2Device, offset: int) -> Publication:
         return call(device.prefix, f"{self._client}/{device.prefix}", COMPONENTS, components_from(offset))
 
-    def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
+    def _record_answer(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
         if not self._has_room(device, kind, size):
             return False
-        device.keep(kind, result, size)
+        device.record_answer(kind, result, size)
         return True
 
     def _has_room(self, device: Gen2Device, kind: str, size: int) -> bool:
-        """Return whether *size* bytes of *kind* may be kept of *device*; they count from now on."""
+        """Reserve *size* bytes for an answer of *kind*; return whether there is room."""
         grown = size - device.sizes.get(kind, 0)
         if size > MAX_ANSWER_BYTES or self._kept + grown > _MAX_KEPT_BYTES:
             self._refused += 1
@@ -206,8 +194,8 @@ class Gen2:
         described = device.describe(self._client, topic, device_id)
         if not described.parts:
             return self._emptied(device)
-        self._devices.keep(device.prefix)
-        if device.described is not None and looks(device.described) == looks(described):
+        self._devices.pin(device.prefix)
+        if device.described is not None and fingerprint(device.described) == fingerprint(described):
             return ()
         device.described = described
         return (described,)

@@ -1,8 +1,7 @@
-"""One component of a Shelly of the second generation: its topics, its calls, and a part made of it. Pure.
+"""One component of a Shelly of the second generation: its topics, its calls and its part. Pure.
 
-What a component reports comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
-``Shelly.GetStatus``, or to ``Shelly.GetComponents`` where people or gateways added it, and what changed on
-``<prefix>/events/rpc``.
+A component reports on three topics: its whole status on ``<prefix>/status/<component>`` and in the answer to
+``Shelly.GetStatus``, or to ``Shelly.GetComponents`` if it was added later, and changes on ``<prefix>/events/rpc``.
 
 Source: Shelly Gen2+ API, General, RPC Protocol, RPC Channels (MQTT), Notifications.
 """
@@ -16,7 +15,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, read_number, text_of
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, percent_of, read_number, text_of
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
@@ -30,6 +29,7 @@ __all__ = [
     "components_from",
     "flag",
     "measured",
+    "percentage",
 ]
 
 
@@ -42,7 +42,7 @@ def call(prefix: str, source: str, method: str, params: Mapping[str, object] | N
 
 
 COMPONENTS = "Shelly.GetComponents"
-"""The method whose answer, in pages, has the components that are not part of the other answers."""
+"""The method of the components that the other answers lack; its answer comes in pages."""
 
 
 def components_from(offset: int) -> Mapping[str, object]:
@@ -54,7 +54,7 @@ Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
 
 StatusDecoder: TypeAlias = Callable[[Fields], Readings]
-"""The readings of a status, or of what changed of one. Never raises."""
+"""Reads a status, or the changed fields of one. Never raises."""
 
 _NO_FIELDS: Fields = MappingProxyType({})
 
@@ -64,9 +64,9 @@ class Gen2Topics:
     """The topics of a device of the second generation.
 
     Attributes:
-        prefix: What its topics begin with.
-        source: As whom we call it; its answers come on ``<source>/rpc``.
-        answers: Where it answers questions for its state.
+        prefix: The beginning of its topics.
+        source: The client id of homebot's calls; they are answered on ``<source>/rpc``.
+        answers: The topic of answers to requests for its state.
         is_plug: Whether its relays are sockets.
     """
 
@@ -81,13 +81,13 @@ class ShellyComponent:
     """One component.
 
     Attributes:
-        topics: Those of its device.
+        topics: The topics of its device.
         key: Its name, for example ``switch:0``.
-        status: What it reported when it was asked.
-        config: How it is set up; empty where that is not known.
-        load: What people say that it feeds: ``light``; empty where they say nothing.
+        status: The answer to the last request of its status.
+        config: Its configuration; empty if unknown.
+        load: The load in the user's settings, such as ``light``; empty for none.
         is_inside: Whether it measures the device itself and not its surroundings.
-        sender: Name of the device that a gateway hears it from; empty where there is none.
+        sender: Name of the Bluetooth device that sends it to a gateway; empty for none.
     """
 
     topics: Gen2Topics
@@ -110,36 +110,43 @@ class ShellyComponent:
 
     @property
     def name(self) -> str:
-        """Name that people gave it, or what sends it; empty where there is none."""
-        name = self.config.get("name")
-        return text_of(name) or self.sender
+        """Name in its configuration, or of its sender; empty for none."""
+        return text_of(self.config.get("name")) or self.sender
 
     def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
-        """Return a part of it without capabilities; its *suffix* is empty for the main part of the component."""
+        """Return a part without capabilities; its *suffix* is empty for the main part of the component."""
         part_id = f"{self.key}/{suffix}" if suffix else self.key
         return JsonPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
 
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
-        """Have *part* read the component, or the one called *key*, with *decode*."""
+        """Read the component, or the one called *key*, with *decode*."""
         key = key or self.key
         prefix = self.topics.prefix
         part.read_from(f"{prefix}/events/rpc", lambda frame: _read(as_fields(frame.get("params")), key, decode))
         part.read_from(f"{prefix}/status/{key}", decode)
         part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, decode))
 
-    def add_measure(self, part: JsonPart, field: str, capability: str, factor: float = 1.0, key: str = "") -> None:
-        """Have *part* report the number *field* of the component, or of the one called *key*, as *capability*."""
-        self.read_status(part, measured(field, capability, factor), key)
-        part.add_capability(capability)
+    def add_reading(
+        self, part: JsonPart, capability: str, decode: StatusDecoder, *, unit: str = "", key: str = ""
+    ) -> None:
+        """Add *capability*, read with *decode* from the component or from the one called *key*."""
+        self.read_status(part, decode, key)
+        part.add_capability(capability, unit=unit)
 
-    def read_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
-        """Have *part* read its events, named as in *presses*."""
+    def add_measure(
+        self, part: JsonPart, path: str, capability: str, factor: float = 1.0, *, unit: str = "", key: str = ""
+    ) -> None:
+        """Add *capability*, the number at *path*; see :meth:`add_reading`."""
+        self.add_reading(part, capability, measured(path, capability, factor), unit=unit, key=key)
+
+    def add_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
+        """Add ``press``, read from the component's events, which *presses* translates."""
         key = self.key
         part.read_events_from(f"{self.topics.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
         part.add_capability("press", options=tuple(presses.values()))
 
     def add_command_topic(self, part: JsonPart) -> None:
-        """Name the topic that commands to *part* go to."""
+        """Add the topic of commands to *part*."""
         part.add_command_topics(f"{self.topics.prefix}/rpc")
 
     def call(self, method: str, /, **params: object) -> Publications:
@@ -147,25 +154,42 @@ class ShellyComponent:
         return (call(self.topics.prefix, self.topics.source, method, {"id": self.index, **params}),)
 
 
-def measured(field: str, capability: str, factor: float = 1.0) -> StatusDecoder:
-    """Return a reader of one number; ``null`` in its place is *unknown*."""
+def measured(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
+    """Return a reader of the number at *path*, such as ``aenergy.total``; ``null`` is *unknown*."""
 
     def decode(status: Fields) -> Readings:
-        if field not in status:
-            return NO_READINGS
-        return read_number(capability, status[field], lambda number: number * factor)
+        value = _value_at(status, path)
+        return NO_READINGS if value is _NO_FIELDS else read_number(capability, value, lambda number: number * factor)
 
     return decode
 
 
-def flag(field: str, capability: str) -> StatusDecoder:
-    """Return a reader of one truth; ``null`` in its place is *unknown*."""
+def percentage(path: str, capability: str) -> StatusDecoder:
+    """Return a reader of the percentage at *path*; any other value is *unknown*."""
 
     def decode(status: Fields) -> Readings:
-        value: object = status.get(field, _NO_FIELDS)
+        value = _value_at(status, path)
+        return NO_READINGS if value is _NO_FIELDS else {capability: percent_of(value)}
+
+    return decode
+
+
+def flag(path: str, capability: str) -> StatusDecoder:
+    """Return a reader of the boolean at *path*; ``null`` is *unknown*."""
+
+    def decode(status: Fields) -> Readings:
+        value = _value_at(status, path)
         return {capability: value} if value is None or isinstance(value, bool) else NO_READINGS
 
     return decode
+
+
+def _value_at(status: Fields, path: str) -> object:
+    """Return the value at *path*; ``_NO_FIELDS`` if it is missing."""
+    *parents, field = path.split(".")
+    for parent in parents:
+        status = as_fields(status.get(parent))
+    return status.get(field, _NO_FIELDS)
 
 
 def _read(components: Fields, key: str, decode: StatusDecoder) -> Readings:
@@ -177,8 +201,8 @@ def _read_answer(result: Fields, key: str, decode: StatusDecoder) -> Readings:
     listed = result.get("components")
     if not isinstance(listed, list):
         return _read(result, key, decode)
-    found = next((one for one in map(as_fields, listed) if one.get("key") == key), _NO_FIELDS)
-    return _read({key: found.get("status")}, key, decode)
+    component = next((fields for fields in map(as_fields, listed) if fields.get("key") == key), _NO_FIELDS)
+    return _read({key: component.get("status")}, key, decode)
 
 
 _MOST_EVENTS = 32

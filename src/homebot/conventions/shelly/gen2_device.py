@@ -1,4 +1,4 @@
-"""One Shelly of the second generation or later: its answers, and its description made of them. Pure."""
+"""One Shelly of the second generation or later: its answers, and the description made from them. Pure."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, LastWillAvailability
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import as_fields, clean_text, text_of
-from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
 from homebot.conventions.shelly.gen2_component import (
     COMPONENTS,
     Fields,
@@ -28,6 +27,8 @@ from homebot.conventions.shelly.gen2_controls import (
 )
 from homebot.conventions.shelly.gen2_sensors import (
     SENSORS,
+    build_bluetooth_device,
+    build_bluetooth_sensor,
     build_input,
     build_meters,
     build_own_temperature,
@@ -42,10 +43,10 @@ from homebot.numbers import to_number
 __all__ = [
     "MAX_COMPONENTS",
     "Gen2Device",
+    "fingerprint",
     "is_config_change",
     "is_prefix",
     "kind_of",
-    "looks",
     "mac_in",
     "page_name",
     "sleeps",
@@ -60,12 +61,12 @@ _CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
 
 
 def is_prefix(prefix: str) -> bool:
-    """Return whether topics may begin with *prefix*."""
+    """Return whether *prefix* can be the beginning of a device's topics."""
     return 0 < len(prefix) <= _LONGEST_PREFIX and prefix.isprintable() and not set(prefix) & set("+#$")
 
 
 def kind_of(result: Fields) -> str:
-    """Return the question that *result* answers; empty for another, such as a command."""
+    """Return the kind of the answer *result*; empty for another one, such as that to a command."""
     if "mac" in result and "id" in result:
         return "info"
     if isinstance(result.get("components"), list):
@@ -78,21 +79,21 @@ def kind_of(result: Fields) -> str:
 
 
 def page_name(offset: int) -> str:
-    """Return how a page of the answer to ``Shelly.GetComponents`` is called among the sizes of answers."""
+    """Return the key of a page of the answer to ``Shelly.GetComponents`` in the sizes of answers."""
     return f"components from {offset}"
 
 
 def mac_in(prefix: str) -> str:
-    """Return the hardware address in a *prefix* that is the device's own id, as it is by default; empty for another."""
+    """Return the hardware address in a *prefix* that is a device id, as by default; empty for other prefixes."""
     match = _OWN_ID.fullmatch(prefix)
     return match[1].upper() if match else ""
 
 
 def is_config_change(params: Fields) -> bool:
-    """Return whether the *params* of an event say that the device is set up anew."""
+    """Return whether the *params* of an event report a changed configuration."""
     events = params.get("events")
-    listed = events[:_MOST_EVENTS] if isinstance(events, list) else ()
-    return any(isinstance(one, dict) and one.get("event") in _CHANGES for one in listed if _is_named(one))
+    names = [as_fields(event).get("event") for event in events[:_MOST_EVENTS]] if isinstance(events, list) else []
+    return any(isinstance(name, str) and name in _CHANGES for name in names)
 
 
 def sleeps(status: Fields) -> bool:
@@ -103,28 +104,24 @@ def sleeps(status: Fields) -> bool:
     return runs_on_battery or (period is not None and period > 0)
 
 
-def _is_named(event: object) -> bool:
-    return isinstance(event, dict) and isinstance(event.get("event"), str)
-
-
 MAX_COMPONENTS = 300
-"""Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
+"""Most components of one device; a gateway with all possible sensors has about 150."""
 
 
 def _build_parts(
     topics: Gen2Topics, status: Fields, config: Fields, pages: tuple[int, ...]
 ) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *topics*; first what it is there for.
+    """Return the parts of a device, the main one first.
 
-    The *status* and the *config*, both by component, are its answers to ``Shelly.GetStatus`` and ``Shelly.GetConfig``,
-    with what is on the *pages* of the answer to ``Shelly.GetComponents``, by the numbers where these begin.
+    The *status* and the *config*, both by component, include the answers to ``Shelly.GetComponents``; *pages* are the
+    numbers at which its pages begin.
     """
     parts: list[JsonPart] = []
     components = _components(topics, status, config)
     valves = {text_of(one.config.get("addr")) for one in components if one.kind == "blutrv"} - {""}
     for component in components:
         if component.kind in _AS_SENDER and text_of(component.config.get("addr")) in valves:
-            continue  # what the valve sends is what its own component says
+            continue  # the valve has a component of its own
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
@@ -138,7 +135,7 @@ def _build_parts(
 _AS_SENDER = frozenset({"bthomedevice", "bthomesensor"})
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
 _OWN_TEMPERATURE = re.compile("temperature:[0-9]{1,2}")
-"""That of an energy meter's inside; sensors that people wire to an add-on begin at 100."""
+"""The inside of an energy meter; the sensors of an add-on begin at 100."""
 
 _Build = Callable[[ShellyComponent], tuple[JsonPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
@@ -177,14 +174,14 @@ def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[She
 
 
 def _senders(config: Fields) -> dict[str, str]:
-    """Return by its address what people call each Bluetooth device that a gateway hears."""
+    """Return the names of a gateway's Bluetooth devices, by address."""
     devices = [as_fields(fields) for key, fields in config.items() if key.startswith("bthomedevice:")]
-    named = {text_of(one.get("addr")): text_of(one.get("name")) for one in devices}
-    return {address: name for address, name in named.items() if address}
+    names = {text_of(device.get("addr")): text_of(device.get("name")) for device in devices}
+    return {address: name for address, name in names.items() if address}
 
 
 def _load(config: Fields, key: str) -> str:
-    """Return what people say in the device's own pages that a relay feeds."""
+    """Return the load of a relay in the settings of the device's own pages."""
     loads = as_fields(as_fields(config.get("sys")).get("ui_data")).get("consumption_types")
     index = int(key.partition(":")[2])
     return text_of(loads[index]).casefold() if isinstance(loads, list) and index < len(loads) else ""
@@ -195,15 +192,15 @@ class Gen2Device:
     """The answers of one device so far.
 
     Attributes:
-        prefix: What its topics begin with.
+        prefix: The beginning of its topics.
         info: The answer to ``Shelly.GetDeviceInfo``.
-        config: That to ``Shelly.GetConfig``.
-        status: That to ``Shelly.GetStatus``, or what it reported when it woke; before, what it reported of components.
-        added: Components that people and gateways added to it, by the answer to ``Shelly.GetComponents``.
-        pages_asked: Further pages of that answer that were asked for and did not end it.
-        sizes: Bytes of each answer that is kept.
-        signs_of_life: Signs of life before it was described.
-        described: Its description as it was given last; None before.
+        config: The answer to ``Shelly.GetConfig``.
+        status: The answer to ``Shelly.GetStatus``, or the status sent at wake-up; before both, the reported components.
+        added: Components in the answer to ``Shelly.GetComponents``, added by users and gateways.
+        pages_asked: Requested further pages of that answer.
+        sizes: Bytes of each stored answer.
+        signs_of_life: Messages before its description.
+        described: Its last description; None before the first.
     """
 
     prefix: str
@@ -219,8 +216,8 @@ class Gen2Device:
     _pages: tuple[int, ...] = ()
     _staged_pages: tuple[int, ...] = ()
 
-    def keep(self, kind: str, answer: Fields, size: int) -> None:
-        """Take an answer of *size* bytes in the place of the last of its *kind*: info, config or status."""
+    def record_answer(self, kind: str, answer: Fields, size: int) -> None:
+        """Replace the answer of the *kind* info, config or status; *size* is in bytes."""
         self.sizes[kind] = size
         match kind:
             case "info":
@@ -231,26 +228,26 @@ class Gen2Device:
                 self.status = answer
 
     def page_start(self, page: Fields) -> int | None:
-        """Return where a *page* of the answer to ``Shelly.GetComponents`` begins.
+        """Return the number at which a *page* of components begins.
 
-        None for a page that neither is the first nor goes on where the one before ended: it answers a later question.
+        None for a page that is neither the first nor follows the last one: it answers a later request.
         """
         offset = to_number(page.get("offset")) or 0
         return int(offset) if offset in {0, len(self._staged)} else None
 
-    def keep_page(self, page: Fields, start: int, size: int) -> int:
-        """Take a *page* of *size* bytes; its components count once the last is there, in the place of those before.
+    def add_page(self, page: Fields, start: int, size: int) -> int:
+        """Add a *page* of *size* bytes; the last page replaces the components.
 
         Returns:
-            Where the next page begins; 0 where there is none.
+            The number at which the next page begins; 0 after the last page.
         """
         if not start:
             self._staged, self._staged_pages = {}, ()
         self.sizes[page_name(start)] = size
         listed = page.get("components")
-        for one in map(as_fields, listed if isinstance(listed, list) else []):
-            if isinstance(key := one.get("key"), str) and len(self._staged) < MAX_COMPONENTS:
-                self._staged[key] = one
+        for component in map(as_fields, listed if isinstance(listed, list) else []):
+            if isinstance(key := component.get("key"), str) and len(self._staged) < MAX_COMPONENTS:
+                self._staged[key] = component
         end = len(self._staged)
         self._staged_pages += (start,) if end > start else ()
         if start < end < min(to_number(page.get("total")) or 0, MAX_COMPONENTS):
@@ -270,14 +267,14 @@ class Gen2Device:
         return "status" in self.sizes
 
     def has_new_fields(self, components: Fields) -> bool:
-        """Return whether *components* say something of it that is new; its values are not."""
+        """Return whether *components* have fields that are missing in its status."""
         return any(
             isinstance(fields, dict) and not fields.keys() <= as_fields(self.status.get(key)).keys()
             for key, fields in components.items()
         )
 
-    def learn_components(self, components: Fields, size: int) -> None:
-        """Take what it reports of components; *size* is how many bytes of that are kept now."""
+    def add_components(self, components: Fields, size: int) -> None:
+        """Add reported components to its status; *size* is the stored bytes of all of them."""
         self.sizes["components"] = size
         status = dict(self.status)
         for key, fields in components.items():
@@ -287,17 +284,17 @@ class Gen2Device:
 
     @property
     def mac(self) -> str:
-        """Its hardware address; empty where it did not report it yet."""
+        """Its hardware address; empty if unknown."""
         address = text_of(self.info.get("mac")) or text_of(as_fields(self.status.get("sys")).get("mac"))
         return address or mac_in(self.prefix)
 
     def describe(self, client: str, topic: str, device_id: str) -> DeviceAnnounced:
-        """Return its description; without parts where no component of it is known.
+        """Return its description, perhaps without parts.
 
         Args:
-            client: As whom homebot asks.
-            topic: Where it reported last.
-            device_id: What it called itself there.
+            client: The client id of homebot.
+            topic: The topic of its last message.
+            device_id: Its id in that message.
         """
         device_id = text_of(self.info.get("id")) or device_id
         models = f"{device_id} {text_of(self.info.get('app'))}".casefold()
@@ -327,12 +324,8 @@ class Gen2Device:
         )
 
     def _name(self) -> str:
-        own = text_of(self.info.get("name"))
-        return (
-            own
-            or text_of(as_fields(as_fields(self.config.get("sys")).get("device")).get("name"))
-            or clean_text(self.prefix)
-        )
+        configured = as_fields(as_fields(self.config.get("sys")).get("device")).get("name")
+        return text_of(self.info.get("name")) or text_of(configured) or clean_text(self.prefix)
 
     def _facts(self) -> dict[str, str]:
         generation = to_number(self.info.get("gen"))
@@ -346,9 +339,9 @@ class Gen2Device:
         return {name: value for name, value in facts.items() if value}
 
 
-def looks(described: DeviceAnnounced) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
-    """Return what of a description is news when it differs."""
-    return tuple(one.part for one in described.parts), described.name, described.facts, described.identifiers
+def fingerprint(described: DeviceAnnounced) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
+    """Return the fields of a description whose change is announced."""
+    return tuple(part.part for part in described.parts), described.name, described.facts, described.identifiers
 
 
 _PLUGS = ("plug", "pstrip", "powerstrip", "outdoors")

@@ -1,7 +1,7 @@
 """A Shelly of the second generation on a channel of its own, such as a WebSocket. Pure.
 
-The frames of all channels are alike, so that parts read and write here what they do over MQTT; only the topics that
-stand for the three kinds of frames are names without a broker behind them.
+The frames of all channels are alike, so parts read and write the same frames as over MQTT. Topics are only names of the
+kinds of frames, without a broker.
 
 Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels (WebSocket), Notifications.
 """
@@ -15,15 +15,15 @@ from typing import Literal
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
 from homebot.conventions.shelly.gen2_component import Fields
-from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, looks, sleeps
+from homebot.conventions.shelly.gen2_device import Gen2Device, fingerprint, is_config_change, sleeps
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import to_number
 
-__all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "RpcCall", "is_news_of_setup"]
+__all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "RpcCall", "is_setup_change"]
 
 CLIENT = "homebot"
-"""As whom a device is called."""
+"""The client id of calls to a device."""
 
 AnswerKind = Literal["info", "config", "status"]
 
@@ -32,7 +32,7 @@ ANSWERS: Mapping[AnswerKind, str] = {
     "config": "Shelly.GetConfig",
     "status": "Shelly.GetStatus",
 }
-"""The methods whose answers describe a device, in the order in which they are called."""
+"""Methods of the answers that describe a device, in the order of their calls."""
 
 _DAILY = 24 * 3600.0
 _MOST_SILENT = 7 * _DAILY
@@ -41,23 +41,14 @@ _MISSED = 2.5
 
 @dataclass(frozen=True, slots=True)
 class RpcCall:
-    """A call of a method of the device.
-
-    Attributes:
-        method: The method: ``Switch.Set``.
-        params: Its parameters.
-    """
+    """A call of a method, such as ``Switch.Set``, of the device."""
 
     method: str
     params: Fields
 
 
 class Gen2RpcDevice:
-    """One device, by its answers and notifications.
-
-    Args:
-        device_id: Its id: ``shellyplus1-a8032abe54dc``.
-    """
+    """One device by its answers and notifications; its id is, for example, ``shellyplus1-a8032abe54dc``."""
 
     def __init__(self, device_id: str) -> None:
         self._device = Gen2Device(device_id)
@@ -65,54 +56,52 @@ class Gen2RpcDevice:
         self._notifications = f"{device_id}/events/rpc"
         self._answers = f"{CLIENT}/{device_id}/rpc"
 
-    def keep(self, kind: AnswerKind, answer: Fields, size: int) -> None:
-        """Take an answer of *size* bytes in the place of the last of its *kind*."""
-        self._device.keep(kind, answer, size)
+    def record_answer(self, kind: AnswerKind, answer: Fields, size: int) -> None:
+        """Replace the answer of a *kind*; *size* is in bytes."""
+        self._device.record_answer(kind, answer, size)
 
-    def keep_components(self, page: Fields) -> int:
-        """Take a page of the answer to ``Shelly.GetComponents``: what people and gateways added to the device.
-
-        They count once the last page is there, in the place of those before.
+    def add_page(self, page: Fields) -> int:
+        """Add a page of the answer to ``Shelly.GetComponents``; the last page replaces the added components.
 
         Returns:
-            The number of components on all pages so far; 0 where that was the last page.
+            The number of components on all pages so far; 0 after the last page.
         """
         start = self._device.page_start(page)
-        return 0 if start is None else self._device.keep_page(page, start, 0)
+        return 0 if start is None else self._device.add_page(page, start, 0)
 
     def components_status(self) -> bytes:
-        """Return what :meth:`keep_components` took, as an answer to ``Shelly.GetStatus``."""
-        status = {key: one.get("status") for key, one in self._device.added.items()}
+        """Return the status of the added components, as an answer to ``Shelly.GetStatus``."""
+        status = {key: component.get("status") for key, component in self._device.added.items()}
         return compact_json({"result": status}).encode(errors="replace")
 
     def describe(self) -> DeviceAnnounced | None:
-        """Return its description by its answers; None where that is the same as before. The first may lack parts."""
+        """Return its description if it changed, otherwise None. The first one may lack parts."""
         device = self._device
         described = device.describe(CLIENT, "", device.prefix)
-        if device.described is not None and looks(device.described) == looks(described):
+        if device.described is not None and fingerprint(device.described) == fingerprint(described):
             return None
         device.described = described
-        self._parts = {one.part.id: one for one in described.parts}
+        self._parts = {part.part.id: part for part in described.parts}
         return described
 
     @property
     def stale_after(self) -> float:
-        """Seconds of silence after which it is missed, where it sleeps most of the time; 0 where it does not."""
+        """Seconds of silence after which a sleeping device is missed; 0 for one that never sleeps."""
         if not sleeps(self._device.status):
             return 0.0
         period = to_number(as_fields(self._device.status.get("sys")).get("wakeup_period")) or _DAILY
         return _MISSED * min(period, _MOST_SILENT)
 
     def read_notification(self, frame: bytes) -> Iterator[tuple[str, Readings]]:
-        """Yield what *frame*, a notification, reports of each part that it reports anything of, by the part's id."""
+        """Yield part id and readings of each part in the notification *frame*."""
         return self._read(self._notifications, frame)
 
     def read_status(self, frame: bytes) -> Iterator[tuple[str, Readings]]:
-        """Yield likewise what *frame*, the answer to ``Shelly.GetStatus``, reports."""
+        """Yield part id and readings of each part in the answer *frame* to ``Shelly.GetStatus``."""
         return self._read(self._answers, frame)
 
     def calls(self, part: str, capability: str, value: PlainValue, transition: float) -> tuple[RpcCall, ...]:
-        """Return the calls by which a *part* gets a value.
+        """Return the calls that set a capability of a *part*.
 
         Raises:
             RefusedError: There is no such part, it cannot do that, or the value is out of its bounds.
@@ -132,6 +121,6 @@ class Gen2RpcDevice:
                 yield part_id, readings
 
 
-def is_news_of_setup(frame: Fields) -> bool:
-    """Return whether *frame* says that the device is set up anew, so that it has to be asked again."""
+def is_setup_change(frame: Fields) -> bool:
+    """Return whether *frame* reports a changed configuration, so that the answers are outdated."""
     return frame.get("method") == "NotifyEvent" and is_config_change(as_fields(frame.get("params")))

@@ -1,7 +1,9 @@
-"""Sensors and electricity meters of Shelly's second generation. Pure.
+"""Sensors, meters, inputs and Bluetooth devices of Shelly's second generation. Pure.
+
+Bluetooth devices use BTHome; a gateway publishes each of their values as a component.
 
 Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
-Input, PM1, EM, EM1, EMData, EM1Data, and the measurements of Switch, Cover and Light.
+Input, PM1, EM, EM1, EMData, EM1Data, BTHomeDevice, BTHomeSensor, and the measurements of Switch, Cover and Light.
 """
 
 from __future__ import annotations
@@ -9,18 +11,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
+from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured, percentage
 from homebot.conventions.units import sensor_type
-from homebot.devices.value import PlainValue
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.numbers import to_number
 
-__all__ = ["PRESSES", "SENSORS", "build_input", "build_meters", "build_own_temperature", "build_power", "build_sensor"]
+__all__ = [
+    "SENSORS",
+    "build_bluetooth_device",
+    "build_bluetooth_sensor",
+    "build_input",
+    "build_meters",
+    "build_own_temperature",
+    "build_power",
+    "build_sensor",
+]
 
+Parts = tuple[JsonPart, ...]
 
 _FLAGS = frozenset({"smoke", "water_leak", "occupancy", "power_detected"})
-
 SENSORS: Mapping[str, tuple[str, str]] = {
     "smoke": ("alarm", "smoke"),
     "flood": ("alarm", "water_leak"),
@@ -29,99 +41,18 @@ SENSORS: Mapping[str, tuple[str, str]] = {
     "humidity": ("rh", "humidity"),
     "illuminance": ("lux", "illuminance"),
     "voltmeter": ("voltage", "voltage"),
-    "cb": ("output", "power_detected"),  # a circuit breaker, which is no switch that an app may turn off
+    "cb": ("output", "power_detected"),  # a circuit breaker, which no app may turn off
 }
-"""The components that are one sensor each: the field of its value, and the capability."""
+"""Field and capability of the components that are one sensor each."""
 
-PRESSES: Mapping[str, str] = {
+_PRESSES: Mapping[str, str] = {
     "single_push": "single",
     "double_push": "double",
     "triple_push": "triple",
     "long_push": "long",
 }
-
-
-def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a component that is one sensor."""
-    field, capability = SENSORS[component.kind]
-    if component.kind == "illuminance" and field not in component.status and "illumination" in component.status:
-        field, capability = "illumination", "value"
-    part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
-    component.read_status(part, partial(_decode_sensor, field, capability))
-    part.add_capability(capability)
-    return (part,)
-
-
-def _decode_sensor(field: str, capability: str, status: Fields) -> Readings:
-    if status.get("errors"):
-        return {capability: None}  # a number beside them is none: a display without sensor reports -275 °C
-    if capability == "value":
-        text = status.get(field)
-        return {capability: clean_text(text)} if isinstance(text, str) else NO_READINGS
-    if capability == "occupancy" and field not in status:
-        field = "value"  # the name of the field in firmware from 1.8 on
-    return (flag if capability in _FLAGS else measured)(field, capability)(status)
-
-
-def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a battery, where the device has one, and whether it is plugged in."""
-    part = component.part("", "x_battery", category="diagnostic")
-    has = {
-        "battery": "battery" in component.status or "external" not in component.status,
-        "voltage": "V" in as_fields(component.status.get("battery")),
-        "plugged_in": isinstance(component.status.get("external"), dict),
-    }
-    names = [name for name, is_there in has.items() if is_there]
-    component.read_status(part, partial(_decode_power, frozenset(names)))
-    for name in names:
-        part.add_capability(name)
-    return (part,)
-
-
-def build_input(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe an input: a button, a switch, an analogue value or a counter, as it is set up."""
-    kind = component.config.get("type")
-    if component.config.get("enable") is False:
-        return ()
-    if kind == "analog" or (kind is None and "percent" in component.status and "state" not in component.status):
-        part = component.part("", "x_sensor")
-        component.read_status(part, measured("percent", "measurement"))
-        part.add_capability("measurement", unit="%")
-        return (part,)
-    if kind == "count":
-        part = component.part("", "x_sensor")
-        component.read_status(part, _decode_counter)
-        part.add_capability("measurement")
-        return (part,)
-    is_button = kind != "switch"
-    part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
-    if kind == "switch" or component.status.get("state") is not None:
-        component.read_status(part, flag("state", "state"))
-        part.add_capability("state")
-    if is_button:
-        component.read_presses(part, PRESSES)
-    return (part,)
-
-
-def _decode_counter(status: Fields) -> Readings:
-    total = to_number(as_fields(status.get("counts")).get("total"))
-    return NO_READINGS if total is None else {"measurement": total}
-
-
-def _decode_power(names: frozenset[str], status: Fields) -> Readings:
-    found: dict[str, PlainValue] = {}
-    battery, external = as_fields(status.get("battery")), as_fields(status.get("external"))
-    if "percent" in battery:
-        found["battery"] = percent_of(battery["percent"])
-    if "V" in battery:
-        found["voltage"] = to_number(battery["V"])
-    if isinstance(present := external.get("present"), bool):
-        found["plugged_in"] = present
-    return {name: value for name, value in found.items() if name in names}
-
-
-_ENERGY = 1 / 1000
-"""Shelly counts watt-hours."""
+_WATT_HOURS = 1 / 1000
+"""Factor from Shelly's watt-hours."""
 
 _ELECTRICAL = (
     ("apower", "power"),
@@ -132,11 +63,66 @@ _ELECTRICAL = (
 )
 _COUNTED = (("aenergy", "energy"), ("ret_aenergy", "energy_returned"))
 _PHASES = ("a", "b", "c")
-_TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 
 
-def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe what a component measures of the electricity through it; nothing where it does not."""
+def build_sensor(component: ShellyComponent) -> Parts:
+    """Describe a component that is one sensor."""
+    field, capability = SENSORS[component.kind]
+    if component.kind == "illuminance" and field not in component.status and "illumination" in component.status:
+        field, capability = "illumination", "value"
+    part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
+    component.add_reading(part, capability, partial(_decode_sensor, field, capability))
+    return (part,)
+
+
+def _decode_sensor(field: str, capability: str, status: Fields) -> Readings:
+    if status.get("errors"):
+        return {capability: None}  # the number beside them is invalid: a display without sensor reports -275 °C
+    if capability == "value":
+        text = status.get(field)
+        return {capability: clean_text(text)} if isinstance(text, str) else NO_READINGS
+    if capability == "occupancy" and field not in status:
+        field = "value"  # the name of the field from firmware 1.8 on
+    return (flag if capability in _FLAGS else measured)(field, capability)(status)
+
+
+def build_power(component: ShellyComponent) -> Parts:
+    """Describe a battery, if the device has one, and whether it is plugged in."""
+    status = component.status
+    part = component.part("", "x_battery", category="diagnostic")
+    if "battery" in status or "external" not in status:
+        component.add_reading(part, "battery", percentage("battery.percent", "battery"))
+    if "V" in as_fields(status.get("battery")):
+        component.add_measure(part, "battery.V", "voltage")
+    if isinstance(status.get("external"), dict):
+        component.add_reading(part, "plugged_in", flag("external.present", "plugged_in"))
+    return (part,)
+
+
+def build_input(component: ShellyComponent) -> Parts:
+    """Describe an input: a button, a switch, an analogue value or a counter, as it is configured."""
+    kind, status = component.config.get("type"), component.status
+    if component.config.get("enable") is False:
+        return ()
+    if kind == "analog" or (kind is None and "percent" in status and "state" not in status):
+        part = component.part("", "x_sensor")
+        component.add_measure(part, "percent", "measurement", unit="%")
+        return (part,)
+    if kind == "count":
+        part = component.part("", "x_sensor")
+        component.add_measure(part, "counts.total", "measurement")
+        return (part,)
+    is_button = kind != "switch"
+    part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
+    if not is_button or status.get("state") is not None:
+        component.add_reading(part, "state", flag("state", "state"))
+    if is_button:
+        component.add_presses(part, _PRESSES)
+    return (part,)
+
+
+def build_meters(component: ShellyComponent) -> Parts:
+    """Describe the electrical measurements of a component; none for one that has none."""
     if component.kind == "em":
         return _build_phases(component)
     is_meter = component.kind in {"pm1", "em1"}
@@ -148,34 +134,18 @@ def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
             component.add_measure(part, field, capability)
     for field, capability in _COUNTED:
         if isinstance(component.status.get(field), dict):
-            component.read_status(part, partial(_decode_energy, field, capability))
-            part.add_capability(capability)
+            component.add_measure(part, f"{field}.total", capability, _WATT_HOURS)
     if component.kind == "em1":
-        _count(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
+        _add_counters(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
     return (part,)
 
 
-def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe how warm the device itself is, where the component reports that."""
-    if not isinstance(component.status.get("temperature"), dict):
-        return ()
-    inner = measured("tC", "temperature")
-
-    def decode(status: Fields) -> Readings:
-        return inner(as_fields(status.get("temperature")))
-
-    part = component.part("temperature", "temperature_sensor", category="diagnostic")
-    component.read_status(part, decode)
-    part.add_capability("temperature")
-    return (part,)
-
-
-def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    total = component.part("", "electrical_meter")
-    for field, capability in _TOTALS:
-        component.add_measure(total, field, capability)
+def _build_phases(component: ShellyComponent) -> Parts:
     data = f"emdata:{component.index}"
-    _count(component, total, data, "total_act", "total_act_ret")
+    total = component.part("", "electrical_meter")
+    for field, capability in (("total_act_power", "power"), ("total_current", "current")):
+        component.add_measure(total, field, capability)
+    _add_counters(component, total, data, "total_act", "total_act_ret")
     parts = [total]
     for phase in _PHASES:
         if f"{phase}_act_power" not in component.status:
@@ -183,17 +153,59 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
         for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
             component.add_measure(part, f"{phase}_{field}", capability)
-        _count(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
+        _add_counters(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)
 
 
-def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
-    """Have *part* report the energy that the component *key* counts both ways."""
-    for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
-        component.add_measure(part, field, capability, _ENERGY, key)
+def _add_counters(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
+    """Add the energy that the component *key* counts in both directions."""
+    component.add_measure(part, drawn, "energy", _WATT_HOURS, key=key)
+    component.add_measure(part, returned, "energy_returned", _WATT_HOURS, key=key)
 
 
-def _decode_energy(field: str, capability: str, status: Fields) -> Readings:
-    total = to_number(as_fields(status.get(field)).get("total"))
-    return NO_READINGS if total is None else {capability: total * _ENERGY}
+def build_own_temperature(component: ShellyComponent) -> Parts:
+    """Describe the temperature of the device itself, if the component reports it."""
+    if not isinstance(component.status.get("temperature"), dict):
+        return ()
+    part = component.part("temperature", "temperature_sensor", category="diagnostic")
+    component.add_measure(part, "temperature.tC", "temperature")
+    return (part,)
+
+
+def build_bluetooth_device(component: ShellyComponent) -> Parts:
+    """Describe the battery, the signal strength and the buttons of a Bluetooth device."""
+    keys = component.part("", "generic_switch")
+    component.add_presses(keys, _PRESSES)
+    parts = [keys]
+    for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
+        if field in component.status:
+            part = component.part(field, sensor_type(capability), category="diagnostic")
+            component.add_measure(part, field, capability)
+            parts.append(part)
+    return tuple(parts)
+
+
+def build_bluetooth_sensor(component: ShellyComponent) -> Parts:
+    """Describe one value of a Bluetooth device; nothing if its meaning is unknown."""
+    object_id = component.config.get("obj_id")
+    if object_id == BUTTON:
+        part = component.part("", "generic_switch")
+        component.add_presses(part, _PRESSES)
+        return (part,)
+    known = BTHOME_OBJECTS.get(object_id) if isinstance(object_id, int) else None
+    kind = CAPABILITIES[known.capability].kind if known is not None and known.capability else "text"
+    if known is None or kind == "text":
+        return ()
+    capability, is_number, is_inverted = known.capability, kind == "number", known.is_inverted
+
+    def decode(status: Fields) -> Readings:
+        value = status.get("value")
+        if isinstance(value, bool):
+            return NO_READINGS if is_number else {capability: value is not is_inverted}
+        number = to_number(value)
+        return {capability: number} if number is not None and is_number else NO_READINGS
+
+    part = component.part("", sensor_type(capability), category="diagnostic" if known.is_diagnostic else "")
+    component.add_reading(part, capability, decode, unit=known.unit)
+    return (part,)

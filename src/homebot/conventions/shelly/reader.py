@@ -1,4 +1,4 @@
-"""Reader of what Shelly's devices publish, of both generations. Pure."""
+"""Reader of the messages of Shelly's devices, of both generations. Pure."""
 
 from __future__ import annotations
 
@@ -10,11 +10,7 @@ __all__ = ["ShellyReader"]
 
 
 class ShellyReader:
-    """Reads the messages of both generations, and keeps what devices reported.
-
-    Args:
-        client: As whom devices of the second generation are asked.
-    """
+    """Reader of both generations; *client* is the client id of requests to the second one."""
 
     def __init__(self, client: str) -> None:
         self.rejected = 0
@@ -23,17 +19,17 @@ class ShellyReader:
 
     @property
     def dropped(self) -> int:
-        """Number of devices or answers that were forgotten or not taken for want of room."""
+        """Number of dropped devices and answers."""
         return self._gen1.dropped + self._gen2.dropped
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message, and return what it describes of devices or makes one ask them."""
+        """Return the descriptions and requests that follow from a message."""
         if self._is_first(topic):
-            return self._gen1.take(topic, payload)
+            return self._gen1.read_message(topic, payload)
         return self._gen2.read_message(topic, payload, retained=retained)
 
     def _is_first(self, topic: str) -> bool:
-        """Return whether *topic* is the first generation's; a prefix of the second may lie among its topics."""
+        """Return whether *topic* belongs to the first generation; a prefix of the second may be among its topics."""
         if not topic.startswith("shellies/") or topic.endswith("/events/rpc"):
             return False
         return not (topic.endswith("/online") and self._gen2.knows(topic.removesuffix("/online")))

@@ -25,11 +25,7 @@ _LONGEST_TEXT = 200
 
 
 class RpcLogin:
-    """The answers to a device's challenges.
-
-    Args:
-        password: The device's password.
-    """
+    """Digest login with the device's password."""
 
     def __init__(self, password: SecretStr) -> None:
         self._password = password
@@ -39,14 +35,14 @@ class RpcLogin:
 
     @property
     def is_challenged(self) -> bool:
-        """True once there was a challenge, so that calls can be signed."""
+        """True after a challenge, so that calls can be signed."""
         return bool(self._realm)
 
-    def take_challenge(self, message: str) -> None:
-        """Take the challenge in the *message* of an error 401.
+    def accept_challenge(self, message: str) -> None:
+        """Read the challenge in the *message* of an error 401.
 
         Raises:
-            WireError: It is none, or not for SHA-256.
+            WireError: It is no challenge, or not for SHA-256.
         """
         challenge = parse_object(message)
         realm, nonce, algorithm = (challenge.get(name) for name in ("realm", "nonce", "algorithm"))

@@ -99,7 +99,7 @@ class RpcLink:
             frame = await self._exchange(method, params, on_answer)
             error = frame.get("error")
             if self._login is not None and as_fields(error).get("code") == _UNAUTHORIZED:
-                self._login.take_challenge(str(as_fields(error).get("message")))
+                self._login.accept_challenge(str(as_fields(error).get("message")))
                 frame = await self._exchange(method, params, on_answer)
         if "error" in frame:
             raise self._error(method, as_fields(frame["error"]))

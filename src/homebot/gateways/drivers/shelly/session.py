@@ -13,7 +13,7 @@ from homebot.conventions.payload import Readings, as_fields, clean_text, compact
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, components_from
 from homebot.conventions.shelly.gen2_device import is_prefix
-from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_news_of_setup
+from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
@@ -77,7 +77,7 @@ class ShellySession:
                 raise WireError(f"{self._service.name} does not answer like a Shelly device")
             async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
                 self._device = device = Gen2RpcDevice(device_id)
-                device.keep("info", about, len(compact_json(about)))
+                device.record_answer("info", about, len(compact_json(about)))
                 login = self._login(device, device_id, about)
                 take = partial(self._take_notification, device)
                 self._rpc = RpcLink(socket, device_id, login, take, self._host.reject)
@@ -145,13 +145,13 @@ class ShellySession:
                 return
 
     async def _take_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
-        device.keep(kind, answer, len(frame))
+        device.record_answer(kind, answer, len(frame))
         if kind == "status":
             self._describe(device)
             await self._report(device.read_status(frame))
 
     async def _take_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
-        self._offset = device.keep_components(page)
+        self._offset = device.add_page(page)
         if self._offset == 0:
             self._describe(device)
             await self._report(device.read_status(device.components_status()))
@@ -161,7 +161,7 @@ class ShellySession:
             return
         await self._host.deliver_raw(payload)
         await self._report(device.read_notification(payload))
-        if is_news_of_setup(frame):
+        if is_setup_change(frame):
             self._setup_changed.set()
 
     async def _report(self, of_parts: Iterable[tuple[str, Readings]]) -> None:
