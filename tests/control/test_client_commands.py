@@ -46,7 +46,7 @@ async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, s
         (
             "client:local",
             (),
-            """make one: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', {}]""",
+            """make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', {}]""",
         ),
         ("client:local", ("read", "act: light"), "add {} to that, in the table [door] of homebot.toml"),
         ("client:robot", ("act: light",), "add {} to that, in the table [door.tokens.robot] of homebot.toml"),

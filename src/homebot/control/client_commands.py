@@ -53,7 +53,8 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
 def _advice(command: IssuedCommand, right: str) -> str:
     """Return where in the configuration the client gets *right*."""
     if not command.scope:
-        return f"make one: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', '{right}']"
+        scope = f"scope = ['read', '{right}']"
+        return f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and {scope}"
     is_local = command.issuer == issuer_of_client(LOCAL_CLIENT)
     table = "door" if is_local else f"door.tokens.{command.issuer.partition(':')[2]}"
     return f"add '{right}' to that, in the table [{table}] of homebot.toml"
