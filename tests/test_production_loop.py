@@ -13,7 +13,7 @@ import pytest
 from structlog.testing import capture_logs
 from structlog.typing import EventDict
 
-from homebot.production_loop import LoopWatch, ProductionLoop
+from homebot.production_loop import LoopWatch, ProductionLoop, own_time
 
 T = TypeVar("T")
 
@@ -126,3 +126,16 @@ def test_an_interrupt_of_any_task_is_the_end() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         lived(main)
+
+
+@pytest.mark.parametrize(
+    ("elapsed", "used", "expected"),
+    [
+        pytest.param(0.25, 0.0, 0.25, id="it waits for something"),
+        pytest.param(3.0, 0.01, 0.25, id="it got no processor"),
+        pytest.param(3.0, 3.0, 3.0, id="it worked, and nothing could look meanwhile"),
+        pytest.param(0.25, 0.5, 0.25, id="two threads worked"),
+    ],
+)
+def test_time_without_a_processor_does_not_count(elapsed: float, used: float, expected: float) -> None:
+    assert own_time(elapsed, used, 0.25) == expected

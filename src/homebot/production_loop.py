@@ -20,9 +20,8 @@ from types import FrameType, TracebackType
 from typing import Any, Final, Self, TypeVar, final
 
 from homebot.logger import get_logger
-from homebot.starvation import StarvedTime, queued_seconds
 
-__all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector"]
+__all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector", "own_time"]
 
 BLOCKED = "runtime.loop_blocked"
 FREE_AGAIN = "runtime.loop_free_again"
@@ -93,7 +92,6 @@ class LoopWatch:
         self._thread = threading.Thread(target=self._watch, name="loop watch", daemon=True)
         self._loop = loop
         self._loop_thread = 0
-        self._native_thread = 0
 
     def has_started(self) -> None:
         """Take the loop for blocked sooner: others wait from now on."""
@@ -120,7 +118,6 @@ class LoopWatch:
 
     def __enter__(self) -> Self:
         self._loop_thread = threading.get_ident()
-        self._native_thread = threading.get_native_id()
         self._thread.start()
         return self
 
@@ -133,21 +130,23 @@ class LoopWatch:
     def _watch(self) -> None:
         since: float | None = None  # the turn of the loop that was reported as blocked
         turn: float | None = None
-        starved = StarvedTime(_LOOK_EVERY)  # of this turn
-        starved.look(time.monotonic(), time.process_time(), queued_seconds(self._native_thread))
+        busy = 0.0  # seconds of this turn
+        looked, used = time.monotonic(), time.process_time()
         while not self._stop.wait(_LOOK_EVERY):
             busy_since = self._selector.busy_since
-            now = time.monotonic()
+            now, used_before = time.monotonic(), used
+            used = time.process_time()
             if busy_since != turn:
-                turn, starved.seconds = busy_since, 0.0
-            starved.look(now, time.process_time(), queued_seconds(self._native_thread))
+                turn, busy, looked = busy_since, 0.0, busy_since or now
+            busy += own_time(now - looked, used - used_before, _LOOK_EVERY)
+            looked = now
             if since is not None:
                 if busy_since == since:
                     self._note(now, now - since)
                 else:
                     self._report_free(min(busy_since or now, now) - since)
                     since = None
-            if since is None and busy_since is not None and now - busy_since - starved.seconds >= self.blocked_after:
+            if since is None and busy_since is not None and busy >= self.blocked_after:
                 stack = self._stack()
                 if self._selector.busy_since == busy_since:  # else the stack is that of another turn
                     since = busy_since
@@ -189,6 +188,19 @@ class LoopWatch:
             message=f"the event loop runs again; it was blocked for {seconds:.1f} s by {self.last}",
             seconds=round(seconds, 3),
         )
+
+
+def own_time(elapsed: float, used: float, interval: float) -> float:
+    """Return the seconds of *elapsed* between two looks, *interval* apart, without those of an overloaded computer.
+
+    A process that gets no processor looks late, and has used little of it.
+
+    Args:
+        elapsed: Seconds since the last look.
+        used: Processor time of the process since then, in seconds.
+        interval: Seconds between two looks that are in time.
+    """
+    return min(elapsed, max(interval, used))
 
 
 def _place(frame: FrameType) -> str:

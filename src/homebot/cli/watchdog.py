@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self, final
 
 from homebot.logger import get_logger
-from homebot.starvation import StarvedTime, queued_seconds
+from homebot.production_loop import own_time
 
 __all__ = ["Watchdog"]
 
@@ -20,7 +20,7 @@ WARN_AFTER = 4.5
 EXIT_AFTER = 4.8
 """Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five.
 
-Those do not count in which the computer let the process or its main thread do nothing, as it slept or was too busy.
+Those do not count in which the process got no processor, as the computer slept or was too busy.
 """
 
 _LOOK_EVERY = 0.1
@@ -61,17 +61,15 @@ class Watchdog:
         self._over.set()
 
     def _run(self, seconds: float, act: Callable[[], None]) -> None:
-        main = threading.main_thread().native_id or 0
-        starved, started = StarvedTime(_LOOK_EVERY), time.monotonic()
-        while True:
-            now = time.monotonic()
-            starved.look(now, time.process_time(), queued_seconds(main))
-            left = seconds - (now - started - starved.seconds)
-            if left <= 0:
-                act()
+        left, looked, used = seconds, time.monotonic(), time.process_time()
+        while left > 0:
+            wait = min(left, _LOOK_EVERY)
+            if self._over.wait(wait):
                 return
-            if self._over.wait(min(left, _LOOK_EVERY)):
-                return
+            before, looked = looked, time.monotonic()
+            used_before, used = used, time.process_time()
+            left -= own_time(looked - before, used - used_before, wait)
+        act()
 
 
 def _warn() -> None:
