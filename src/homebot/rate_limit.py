@@ -27,17 +27,18 @@ class RateLimit:
 
     def take(self, now: float, amount: float = 1.0) -> float:
         """Count *amount*; return the seconds until it is within the limit, mostly 0."""
-        self._left = max(self._room(now) - amount, -self._most_ahead)
+        self._left = max(self.room(now) - amount, -self._most_ahead)
         return max(0.0, -self._left / self._per_second)
 
     def admits(self, now: float) -> bool:
         """Return whether one more is within the limit now; count it if it is."""
-        has_room = self._room(now) >= 1
+        has_room = self.room(now) >= 1
         if has_room:
             self._left -= 1
         return has_room
 
-    def _room(self, now: float) -> float:
+    def room(self, now: float) -> float:
+        """Return how much there may be at once now; below 0 if more than that was counted."""
         self._left = min(self._at_once, self._left + (now - self._at) * self._per_second)
         self._at = now
         return self._left

@@ -13,6 +13,8 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from homebot.rate_limit import RateLimit
+
 __all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
 
 MESSAGE_WORK = 4096
@@ -31,7 +33,7 @@ TOTAL_RATE = 4 * RATE
 TOTAL_BURST = 8 * BURST
 """Those of the budget that all sources with devices draw on as well."""
 
-LONGEST_DEBT = 1.0
+LONGEST_WAIT = 1.0
 """Seconds after which a budget is no longer used up, however long the last message was."""
 
 CALM = 10.0
@@ -53,13 +55,10 @@ class WorkBudget:
     """A source, or all other sources of a group, of which one broke a rule, and the budget for that.
 
     Attributes:
-        name: Which: the source, or the name of the group.
-        rate: Work that the budget gets back in a second.
-        burst: Work that it holds at most.
+        name: The source, or the name of the group.
+        limit: The work that may be done for it.
         why: The last rule broken, in words.
         offences: How many since all was quiet.
-        level: Work that is left of the budget; negative for debts.
-        at: When that was so.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
         is_quarantined: Whether its messages wait.
@@ -69,10 +68,7 @@ class WorkBudget:
     """
 
     name: str
-    rate: float
-    burst: float
-    level: float
-    at: float
+    limit: RateLimit
     why: str = ""
     offences: int = 0
     offended_at: float = 0.0
@@ -87,18 +83,15 @@ class WorkBudget:
         """Time at which it is over if nothing more comes."""
         return max(self.deferred_at, self.spent_at) + CALM
 
-    def left(self, now: float) -> float:
-        """Return the work that is left of the budget now."""
-        if now > self.at:
-            self.level = min(self.burst, self.level + (now - self.at) * self.rate)
-            self.at = now
-        return self.level
-
     def charge(self, work: float, now: float) -> None:
         """Take *work* off the budget."""
-        self.level = max(-self.rate * LONGEST_DEBT, self.left(now) - work)
-        if self.level <= 0:
+        self.limit.take(now, work)
+        if self.limit.room(now) <= 0:
             self.spent_at = now
+
+
+def _limit(rate: float, burst: float) -> RateLimit:
+    return RateLimit(rate, burst, most_ahead=rate * LONGEST_WAIT)
 
 
 def _one_group(source: str) -> str:
@@ -127,7 +120,7 @@ class WorkBudgets:
         self._accepted: OrderedDict[str, tuple[bytes, bytes]] = OrderedDict()
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
         self._shared: dict[str, WorkBudget] = {}
-        self._total = WorkBudget("", TOTAL_RATE, TOTAL_BURST, TOTAL_BURST, 0.0)
+        self._total = _limit(TOTAL_RATE, TOTAL_BURST)
         self._all_clean_at = 0.0
 
     def is_clean(self, now: float) -> bool:
@@ -144,11 +137,11 @@ class WorkBudgets:
             return True
         if payer not in self._accepted:
             budget = self._shared.get(payer)
-            return budget is None or budget.left(now) > 0
+            return budget is None or budget.limit.room(now) > 0
         if (budget := self._own.get(payer)) is None:
             # A source without offences is not made to wait for the others, as long as it would be noticed.
-            return len(self._own) < self._max_offenders or self._total.left(now) > 0
-        return budget.left(now) > 0 and self._total.left(now) > 0
+            return len(self._own) < self._max_offenders or self._total.room(now) > 0
+        return budget.limit.room(now) > 0 and self._total.room(now) > 0
 
     def charge(self, source: str, length: int, why: str, now: float) -> None:
         """Book that a message of *length* bytes from *source* broke a rule."""
@@ -158,11 +151,11 @@ class WorkBudgets:
         payer = self.payer(source)
         is_own = payer == source and payer in self._accepted
         if is_own:
-            self._total.charge(work, now)
+            self._total.take(now, work)
             if payer not in self._own and not self._has_room(now):
                 self.forgotten += 1
                 return
-        budget = self._budget(payer, now, is_own=is_own)
+        budget = self._budget(payer, is_own=is_own)
         if now - budget.offended_at > CALM and not budget.is_quarantined:
             budget.offences = 0
         budget.why, budget.offended_at = why, now
@@ -177,7 +170,7 @@ class WorkBudgets:
             self.leave(next(iter(self._accepted)))
         budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
-            budget.level, budget.at, budget.cleared_at = budget.burst, now, now
+            budget.limit, budget.cleared_at = _limit(RATE, BURST), now
 
     def leave(self, source: str) -> None:
         """Book that no device stands announced by *source* any more."""
@@ -216,11 +209,11 @@ class WorkBudgets:
         """Return the budgets in quarantine."""
         return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_quarantined)
 
-    def _budget(self, payer: str, now: float, *, is_own: bool) -> WorkBudget:
+    def _budget(self, payer: str, *, is_own: bool) -> WorkBudget:
         if not is_own:
-            return self._shared.setdefault(payer, WorkBudget(payer, RATE, SHARED_BURST, SHARED_BURST, now))
+            return self._shared.setdefault(payer, WorkBudget(payer, _limit(RATE, SHARED_BURST)))
         if payer not in self._own:
-            self._own[payer] = WorkBudget(payer, RATE, BURST, BURST, now)
+            self._own[payer] = WorkBudget(payer, _limit(RATE, BURST))
         self._own.move_to_end(payer)
         return self._own[payer]
 
