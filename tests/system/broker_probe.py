@@ -79,10 +79,10 @@ class AttackedBroker:
         return Toll(seen["turn"], rss(self.pid), open_files(self.pid), BrokerStats(**seen["stats"]))
 
     def settled(self, before: Toll, within: float = PATIENCE) -> Toll:
-        """Return the toll once as much is open as *before* and the memory is back, or the last one after *within*."""
+        """Return the toll once as much is open as *before*, or the last one after *within*."""
         deadline = time.monotonic() + within
         now = self.toll()
-        while (now.left_open != before.left_open or now.rss > before.rss + 32) and time.monotonic() < deadline:
+        while now.left_open != before.left_open and time.monotonic() < deadline:
             time.sleep(0.2)
             now = self.toll()
         return now

@@ -28,7 +28,6 @@ from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityR
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import LastMessageCache
 from homebot.gateways.announced.registry import RegistryChange, RegistryLimits
-from homebot.gateways.announced.spare_memory import LONG, SpareMemory
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
@@ -105,7 +104,6 @@ class AnnouncedDevices:
         )
         self.counters, self.quarantine = engine.counters, engine.quarantine
         self._listeners, self._reporter, self._states = engine.listeners, engine.reporter, engine.states
-        self._spare_memory = SpareMemory(engine.scheduler)
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route
         self.read_text = self._states.read_text
@@ -292,8 +290,6 @@ class AnnouncedDevices:
     async def _take_now(self, message: MqttMessage, route: TopicReaders) -> _Missed:
         """Take *message*, and return who may have missed something on which topic."""
         await self._announcements.take(message, route.conventions)
-        if len(message.payload) >= LONG:
-            self._spare_memory.freed()
         missed, self._missed = self._missed, []
         return missed
 
@@ -329,7 +325,6 @@ class AnnouncedDevices:
 
     def _removed(self) -> None:
         self._subscriber.wake()
-        self._spare_memory.freed()
 
     async def _make_up_for(self, missed: _Missed, taken: str) -> None:
         """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from typing import Final, final
 
-from homebot.memory_trim import MemoryTrimmer
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import LossReport
 
@@ -50,7 +49,6 @@ class DeadlineTimer:
 
 
 _EVERY: Final = 10.0
-_MESSAGES: Final = 1000  # so many may have held memory worth to be given back
 
 
 @final
@@ -60,7 +58,6 @@ class Housekeeping:
     def __init__(self, state: BrokerState) -> None:
         self._state = state
         self._losses = LossReport(state.counters)
-        self._memory = MemoryTrimmer()
         self._timer: asyncio.TimerHandle | None = None
 
     @property
@@ -79,8 +76,6 @@ class Housekeeping:
             self._timer = None
 
     def _run(self) -> None:
-        counters = self._state.counters
         if lost := self._losses.take():
             self._state.warn("broker.dropped", f"the broker dropped {lost} in the last {_EVERY:g} s")
-        self._memory.trim_if_worthwhile(counters.connections_closed + counters.messages_received // _MESSAGES)
         self.start()
