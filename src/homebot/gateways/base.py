@@ -1,22 +1,22 @@
 """The contract of gateways: nodes that bring the devices of one protocol onto the graph and command them.
 
 A gateway is the node ``/gateway/<name>``. All that others know of it are these names below that node, which
-:class:`homebot.devices.names.GatewayNames` spells. The first five are duties of every gateway; the others are for those
-whose protocol has them.
+:class:`homebot.devices.names.GatewayNames` spells. The first five are duties of every gateway; the others depend on
+its protocol.
 
 =====================  ==========================================================================================
 ``received_topics``    topic: :class:`Sighting`, the newest of each device kept for late joiners
 ``readings``           topic: :class:`Report`, the newest of each stream kept for late joiners; events are not kept
 ``state``              topic: :class:`GatewayState`, latched
 ``send_command``       service: a :class:`Command` to a part, in the values of the vocabulary
-``health``             service: what it counted, and what is wrong with it
-``describe_commands``  service: what commands to a device would send, for the owner who approves it
+``health``             service: its counters and its problems
+``describe_commands``  service: the messages that commands to a device would send, for the owner who approves it
 ``out``                topic it reads: :class:`RawCommand`, a text to a text address, or raw bytes to an address
 ``subscribe_to_topic`` service: delivery of the raw messages of an address, or of a part's states as text
 ``quarantine``         topic: :class:`Quarantine`, the peers that it listens to no more often than it can afford
-``offers``             topic it reads: :class:`ExposedDevice`, what homebot shows to other systems there
-``offer_reports``      topic it reads: :class:`ExposedState`, what that reports
-``offer_commands``     topic: :class:`Command`, what those systems tell it
+``offers``             topic it reads: :class:`ExposedDevice`, a device that homebot shows to other systems there
+``offer_reports``      topic it reads: :class:`ExposedState`, the states of those devices
+``offer_commands``     topic: :class:`Command`, the commands of those systems
 =====================  ==========================================================================================
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
@@ -28,7 +28,7 @@ A light that is told a level above 0, a colour, a colour temperature or an effec
 Where the protocol does not see to that, the gateway does;
 :func:`homebot.devices.implied_settings.implied_settings` has the settings to send.
 
-*Key* is what the gateway calls a device, or one announcement of it: unique in the gateway, and the same after a
+*Key* is the gateway's name for a device, or one announcement of it: unique in the gateway, and the same after a
 restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol
 without any has the text addresses of its parts (:func:`homebot.devices.names.text_address`), which the
 engine makes. *expires_at* is when silence begins to count: the gateway alone knows how often its devices report, and
@@ -40,12 +40,12 @@ itself was heard, rather than a note kept of it. Whether it can be reached now i
 taken out of the house, never "silent".
 
 After a restart of the gateway its topics are empty. It is the gateway that finds its devices again, by asking or by
-waiting for what they announce, and sights each anew; the directory keeps them meanwhile. After a restart of the
+waiting for their announcements, and sights each anew; the directory keeps them meanwhile. After a restart of the
 directory, the sightings and reports kept for late joiners tell it everything, and the gateway does nothing.
 
 ``unavailable`` with a reason is a normal state: the broker is away, the radio is unplugged. The gateway then keeps its
 devices, goes on trying, answers commands with ``unreachable``, and never ends because of it. It is ready
-(``task_status.started()``) when its first try has ended, whatever came of it.
+(``task_status.started()``) when its first try has ended, successful or not.
 """
 
 from __future__ import annotations
@@ -98,12 +98,12 @@ class Gateway(ABC):
     Args:
         node: The node it is: ``/gateway/<name>``.
         settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
-        context: What its host gives it; by default nothing.
+        context: Services of its host; by default none.
 
     Attributes:
         Settings: The model of its table.
         node: That node.
-        context: What its host gives it.
+        context: Services of its host.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
         acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
@@ -152,7 +152,7 @@ class Gateway(ABC):
 
     @classmethod
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:  # noqa: ARG003 - most change nothing
-        """Return *settings* with what only the *context* knows; called once, also where the gateway is restarted."""
+        """Return *settings* completed from the *context*; called once, also if the gateway is restarted."""
         return settings
 
     @classmethod
@@ -167,7 +167,7 @@ class Gateway(ABC):
 
     @classmethod
     def network(cls, settings: BaseModel) -> str:  # noqa: ARG003 - most have one network
-        """Return what tells its network from others; the devices of each are remembered apart. Empty for its name."""
+        """Return the identity of its network; the devices of each network are remembered apart. Empty for its name."""
         return ""
 
     @abstractmethod
@@ -175,7 +175,7 @@ class Gateway(ABC):
         """Work until cancelled; call ``task_status.started()`` when ready."""
 
     def note_tried(self, task_status: TaskStatus[None]) -> None:
-        """Note that a try has ended, whatever came of it; after the first one the gateway is ready."""
+        """Record the end of a try, successful or not; after the first one the gateway is ready."""
         if not self._is_ready:
             self._is_ready = True
             task_status.started()
@@ -187,7 +187,7 @@ class Gateway(ABC):
             self._sightings.dispose(sighting.key)
 
     def publish_state(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
-        """Publish whether the gateway reaches its devices' world; what was published already is nothing new.
+        """Publish whether the gateway reaches its devices' network; a repeated state is not published.
 
         Args:
             state: ``unavailable`` where it does not; its devices stay.

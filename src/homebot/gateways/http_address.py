@@ -51,7 +51,7 @@ def parse_url(url: str, *schemes: str) -> URL:
 
 
 def shown_url(url: URL) -> str:
-    """Return *url* for people, without what may be secret."""
+    """Return *url* for people, without the parts that may be secret."""
     host = f"[{url.host}]" if url.host is not None and ":" in url.host else url.host
     port = "" if url.is_default_port() else f":{url.port}"
     return clean_text(f"{host}{port}{url.raw_path}")

@@ -1,9 +1,9 @@
 """A client for HTTP, WebSockets and server-sent events; it and its helpers are the files that know aiohttp.
 
-Whatever a server does, an answer, a frame and an event are at most as long as the caller allows, everything ends within
-a time limit but waiting for the next frame or event, and what goes wrong is one of three errors: :class:`LinkError`,
+For any server, an answer, a frame and an event are at most as long as the caller allows, everything ends within
+a time limit but waiting for the next frame or event, and each failure is one of three errors: :class:`LinkError`,
 it may work later; :class:`RefusedError`, the server says no, with the status as its code; :class:`WireError`, it breaks
-the rules. No error shows a password, nor what stands behind the ``?`` of an address.
+the rules. No error shows a password, nor the query of an address.
 
 Source: RFC 9110 (HTTP), RFC 6455 (WebSocket).
 """
@@ -69,7 +69,7 @@ class HttpAnswer:
     headers: Mapping[str, str] = field(default_factory=dict)
 
     def json(self) -> object:
-        """Return what the body says in JSON.
+        """Return the body, parsed as JSON.
 
         Raises:
             WireError: It is none; see :func:`homebot.conventions.payload.parse_json`.
@@ -83,8 +83,8 @@ class HttpClient:
     Args:
         guard: The guard of this computer's addresses, redirects included; None for addresses that the owner configured.
         login: Credentials for one of the servers.
-        tls: How servers prove who they are where the scheme is ``https``; by default as certificate authorities of
-            this computer say.
+        tls: The check of server certificates under the scheme ``https``; by default against the certificate
+            authorities of this computer.
         time_limit: Seconds; see the methods.
         max_bytes: Longest answer, frame or event; likewise.
     """
@@ -143,13 +143,13 @@ class HttpClient:
         return await self.request("GET", url, accept=accept, etag=etag, time_limit=time_limit, max_bytes=max_bytes)
 
     async def get_json(self, url: str, *, time_limit: float | None = None, max_bytes: int | None = None) -> object:
-        """Return what the answer to GET says in JSON; see :meth:`request`."""
+        """Return the answer to GET, parsed as JSON; see :meth:`request`."""
         return (await self.get(url, accept="application/json", time_limit=time_limit, max_bytes=max_bytes)).json()
 
     async def send_json(
         self, method: str, url: str, value: object, *, time_limit: float | None = None
     ) -> object | None:
-        """Send *value* as JSON, by PUT or POST, and return what the answer says in JSON.
+        """Send *value* as JSON, by PUT or POST, and return the answer, parsed as JSON.
 
         Returns:
             The value; None where the answer has no body.
@@ -297,7 +297,7 @@ class HttpClient:
 
 
 def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:
-    """Return header fields whose values may be from outside.
+    """Return header fields with values that may be from outside.
 
     Raises:
         WireError: One is no text for a header field.

@@ -38,7 +38,7 @@ class HttpLogin:
 
 
 def authentication(login: HttpLogin) -> ClientMiddlewareType:
-    """Return what adds the credentials to requests to their server, and to no others."""
+    """Return the middleware that adds the credentials to requests to their server, and to no others."""
     secret = login.password.get_secret_value()
     origin = URL(login.origin).origin()
     digest = aiohttp.DigestAuthMiddleware(login.user, secret) if login.scheme == "digest" else None

@@ -1,7 +1,7 @@
 """Redirects that stay at the host that was asked; a helper of :mod:`homebot.gateways.http_client`.
 
-A device that was found may be anybody's. It must not make this computer ask others, least of all what listens for this
-computer alone.
+A device that was found may be an attacker's. It must not make this computer send requests elsewhere, least of all to
+services for this computer alone.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ class WebSocket:
         """Return the next message that is not a ping or a pong, answering pings."""
         with translated_errors("WebSocket", self._where):
             while True:
-                await anyio.lowlevel.checkpoint()  # receiving what came already lets no other task run
+                await anyio.lowlevel.checkpoint()  # receiving buffered data lets no other task run
                 message = await self._opened.receive()
                 if message.type is aiohttp.WSMsgType.PING:
                     await self._opened.pong(message.data)

@@ -15,7 +15,7 @@ _TURN: Final = 64 * 1024
 
 
 async def parse_long_json(payload: bytes, limit: int) -> object:
-    """Return what *payload* says in JSON; other tasks run in between.
+    """Return *payload*, parsed as JSON; other tasks run in between.
 
     A worker thread would not help: `json` holds the interpreter's lock for as long as it parses.
 

@@ -1,7 +1,7 @@
 """The reference gateway: devices that exist in this process alone. No socket, so it runs in virtual time as well.
 
-It shows what a gateway has to do: keep one :class:`PublishedDevices`, put and remove devices, read what they say and
-charge them for what breaks the rules, carry out commands, and publish how its link is.
+It shows the duties of a gateway: keep one :class:`PublishedDevices`, put and remove devices, read their messages and
+charge them for broken rules, carry out commands, and publish the state of its link.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ class MemoryGatewaySettings(GatewaySettings):
 
 
 class MemoryGateway(Gateway):
-    """A gateway whose devices do what they are told, and report it.
+    """A gateway with simulated devices: they carry out each command and report it.
 
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; it needs nothing.
+        context: Services of its host; it needs none.
 
     Attributes:
         devices: Its devices.
@@ -129,7 +129,7 @@ class MemoryGateway(Gateway):
         """Return key and name of the device that reports raw messages on *address*.
 
         Raises:
-            RefusedError: Nobody may listen there.
+            RefusedError: Listening there is not allowed.
         """
         return self.devices.owner_of(address)
 

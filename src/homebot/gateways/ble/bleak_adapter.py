@@ -41,7 +41,7 @@ _PATTERNS: list[OrPatternLike] = [
     (0, AdvertisementDataType.SERVICE_DATA_UUID16, b"\xaa\xfe"),
     (0, AdvertisementDataType.MANUFACTURER_SPECIFIC_DATA, b"\x4c\x00\x02\x15"),
 ]
-"""What BlueZ lets through while it only listens: it wants patterns. These are the flags that nearly every device sends
+"""The patterns that BlueZ needs to listen passively. These are the flags that nearly every device sends
 (Core Specification Supplement, Part A, 1.3), BTHome, Eddystone and iBeacon."""
 
 

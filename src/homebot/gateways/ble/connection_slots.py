@@ -80,12 +80,12 @@ class ConnectionSlots:
         self.notify()
 
     def unprefer(self, key: str) -> None:
-        """End what :meth:`prefer` began."""
+        """End the preference that :meth:`prefer` began."""
         self._urgent.discard(key)
         self.notify()
 
     def notify(self) -> None:
-        """Look at the queue again, and wake who waits for :meth:`changed`."""
+        """Look at the queue again, and wake the tasks that wait for :meth:`changed`."""
         self._grant()
         self._changed.set()
         self._changed = anyio.Event()
@@ -104,6 +104,6 @@ class ConnectionSlots:
             self._waiting.pop(key).granted.set()
 
     def _next(self) -> str | None:
-        """Return the device whose turn it is; None if nobody waits that can be connected to."""
+        """Return the next device to connect to; None if no waiting device can be connected to."""
         urgent = next((key for key in self._waiting if key in self._urgent), None) if self._urgent else None
         return urgent or next((key for key, waiter in self._waiting.items() if waiter.is_in_range()), None)

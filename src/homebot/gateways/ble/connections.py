@@ -1,6 +1,6 @@
 """Connections to devices with a declared profile: a few at once, opened one at a time, and reopened when lost.
 
-While a device is connected, what it notifies is reported, and it counts as present although it does not advertise. If
+While a device is connected, its notifications are reported, and it counts as present although it does not advertise. If
 there are more devices than an adapter can connect to at once, they take turns. A command for a device without a
 connection closes the least recently used one.
 """

@@ -1,4 +1,4 @@
-"""The Bluetooth gateway: hears what devices broadcast, and connects to those with a declared profile."""
+"""The Bluetooth gateway: receives advertisements, and connects to devices with a declared profile."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ class BleGateway(Gateway):
             except WireError as exc:
                 self.devices.reject(source, exc.frame, str(exc))
                 return
-            except Exception as exc:  # noqa: BLE001 - a parser of somebody else's must not end the gateway
+            except Exception as exc:  # noqa: BLE001 - a parser of a plug-in must not end the gateway
                 self.devices.engine.quarantine.record_plugin_failure(source, type(parser).__name__, exc)
                 return
             if found is not None:

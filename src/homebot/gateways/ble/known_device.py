@@ -1,4 +1,4 @@
-"""A device that the gateway lists, with all its facts, and how many new ones it takes: anybody may advertise. Pure."""
+"""A listed device with all its facts, and the limit on new ones: any radio may advertise. Pure."""
 
 from __future__ import annotations
 

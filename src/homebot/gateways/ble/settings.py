@@ -38,7 +38,7 @@ Address: TypeAlias = Annotated[str, AfterValidator(_address)]
 
 
 class BleDeviceSettings(BaseModel):
-    """The table ``[gateways.NAME.devices."ADDRESS"]``: what a device does not say of itself.
+    """The table ``[gateways.NAME.devices."ADDRESS"]``: facts that a device does not advertise.
 
     Attributes:
         name: The name for people.
@@ -88,7 +88,7 @@ class BleGatewaySettings(GatewaySettings):
         forget_after: Seconds of silence after which a device is taken for gone; radio has no other farewell.
         max_devices: Devices that are known at once.
         max_connections: Devices that are connected to at once; few adapters hold more than seven.
-        devices: What is declared of single devices, by address.
+        devices: Declared facts of single devices, by address.
         profiles: How devices that are connected to encode their state, by name.
     """
 

@@ -140,7 +140,7 @@ class CoapClient:
         """Send a request, and return the response.
 
         Raises:
-            LinkError: Nobody answers in time.
+            LinkError: No answer in time.
             RefusedError: The answer is a client or server error.
             WireError: The answer is too long, or breaks the rules of blocks.
         """
@@ -157,7 +157,7 @@ class CoapClient:
         Registers again where nothing came for longer than the last state may be kept.
 
         Raises:
-            LinkError: Nobody answers in time.
+            LinkError: No answer in time.
             RefusedError: The resource cannot be observed, or is gone.
             WireError: As :meth:`request`.
         """
@@ -196,8 +196,8 @@ class CoapClient:
             version: ``ipv4`` or ``ipv6``.
             interface: The name of the interface.
             port: The port of the group.
-            path: What is asked for.
-            take: Gets what came; never raises. What is no answer to this question is passed over.
+            path: The path of the request.
+            take: Receives each answer; never raises. Other messages are passed over.
             wait: Seconds to wait for answers; RFC 7252, section 8.2, lets them take their time.
 
         Raises:

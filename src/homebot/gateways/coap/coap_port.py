@@ -33,7 +33,7 @@ class CoapPort:
 
     Args:
         client: The endpoint that asks.
-        admits: Says whether what the thing pushes is to be read.
+        admits: Returns whether a notification of the thing is to be read.
     """
 
     binding = COAP_BINDING
@@ -43,7 +43,7 @@ class CoapPort:
         self._admits = admits
 
     async def read(self, form: Form) -> ThingPayload:
-        """Return what a resource has now, in the declared format where it has that."""
+        """Return the value of a resource, in the declared format if it has that."""
         method = form.method or "GET"
         try:
             answer = await self._client.request(method, form.href, accept=_accepted(form))

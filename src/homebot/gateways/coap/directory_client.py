@@ -1,4 +1,4 @@
-"""Endpoints that somebody else's resource directory lists: looked up, and followed.
+"""Endpoints that an external resource directory lists: looked up, and followed.
 
 The lookup is observed, so that changes come by themselves, and read now and then as well: a notification may be lost.
 
@@ -49,8 +49,8 @@ class DirectoryClient:
         clock: The clock to live by.
         random: For the pauses between tries.
         take: Gets all endpoints that it lists, whenever that may have changed.
-        reject: Gets what breaks the rules: the bytes and the reason.
-        report: Gets how the directory is: empty where it answers, else what is wrong.
+        reject: Receives invalid payloads: the bytes and the reason.
+        report: Receives the state of the directory: empty if it answers, else the problem.
     """
 
     def __init__(

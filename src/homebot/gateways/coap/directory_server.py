@@ -1,6 +1,6 @@
 """A resource directory on aiocoap, for devices that register at homebot itself; RFC 9176.
 
-What breaks the rules is answered with 4.00, and charged to its host; what is too much with 5.03. A host that registers
+An invalid request is answered with 4.00, and charged to its host; an excessive one with 5.03. A host that registers
 another address than its own, or changes or ends the registration of another host, gets 4.03 and is charged. Of a
 device that registers simply, without a body, the links are asked for.
 """
@@ -48,7 +48,7 @@ class DirectoryServer:
         found: Gets each endpoint that registers, or renews its registration.
         gone: Gets each endpoint whose registration ended, and why.
         admits: Says whether a request of a host is to be read.
-        reject: Gets what broke the rules: the host, the bytes and the reason.
+        reject: Receives invalid requests: the host, the bytes and the reason.
 
     Attributes:
         registry: The registrations.
@@ -108,7 +108,7 @@ class DirectoryServer:
                 await context.shutdown()
 
     def expire(self) -> None:
-        """End the registrations whose lifetime is over."""
+        """End the expired registrations."""
         for one in self.registry.expire(self._clock.monotonic()):
             self._gone(one.endpoint, f"its registration was not renewed for {one.parameters['lt']} s")
             self._notify()

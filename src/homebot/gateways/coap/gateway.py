@@ -80,9 +80,9 @@ class CoapGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for aiocoap, for what credentials need, and for a way to find devices."""
+        """Look for aiocoap, for the libraries that credentials need, and for a way to find devices."""
         check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
-        assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - what the runtime gives
+        assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
         for one in settings.credentials:
             for name in ("settings.json", "secret.json") if one.oscore else ():
                 if not (Path(one.oscore) / name).is_file():
@@ -178,7 +178,7 @@ class CoapGateway(Gateway):
         return islice((f"{one.endpoint.key}: {one.problem}" for one in known if one.problem), MAX_PROBLEMS)
 
     def _take_registered(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
-        """Take the whole list of a directory: what is missing in it is registered there no longer."""
+        """Take the whole list of a directory: endpoints missing in it are no longer registered there."""
         listed = {one.key for one in endpoints}
         known = [session.endpoint for session, _ in self._sessions.values()]
         for one in known:
@@ -248,7 +248,7 @@ class CoapGateway(Gateway):
         """Begin to work with an endpoint, or note that it gave a sign of life."""
         known = self._sessions.get(endpoint.key)
         if known is not None and (known[0].endpoint == endpoint or known[0].endpoint.source != endpoint.source):
-            if not endpoint.is_registered:  # a directory lists also what is silent
+            if not endpoint.is_registered:  # a directory also lists silent ones
                 known[0].seen()
             return
         if known is not None:  # it moved, or says other things of itself

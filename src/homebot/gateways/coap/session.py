@@ -57,7 +57,7 @@ class EndpointSession:
         devices: The devices of the gateway.
         clock: The clock to live by.
         log: The log of the gateway's node.
-        poll_every: Seconds between two readings of what cannot be observed.
+        poll_every: Seconds between two readings of resources that cannot be observed.
         random: For the pauses between tries.
         describing: Limits the endpoints that are described at the same time.
 
@@ -96,7 +96,7 @@ class EndpointSession:
         return tuple(self._things) or (self.endpoint.key,)
 
     def seen(self) -> None:
-        """Note a sign of life: what waits for the next try tries now."""
+        """Record a sign of life: a waiting try begins now."""
         self._seen.set()
 
     async def run(self) -> None:
@@ -127,7 +127,7 @@ class EndpointSession:
         Raises:
             LinkError: It cannot be reached.
             RefusedError: It refuses.
-            UnableError: It is not known what it can do.
+            UnableError: Its capabilities are unknown.
         """
         thing = self._things.get(command.key)
         if thing is None:
@@ -168,7 +168,7 @@ class EndpointSession:
             and (self.endpoint.is_registered or self.endpoint.is_static)
             and key not in self._devices.keys
         ):
-            # Advertised, though not reachable: somebody vouches for it.
+            # Advertised, though not reachable: another device answers for it.
             name = self.endpoint.name or key
             device = GatewayDevice(key, name, metadata=self.endpoint.facts, identifiers=self.endpoint.identifiers)
             self._devices.put(device, f"it is listed, but {error}"[:200], confirmed=False)

@@ -58,7 +58,7 @@ class CoapGatewaySettings(GatewaySettings):
         poll_every: Seconds between two readings of a resource that cannot be observed.
         timeout: Seconds to wait for a response, retransmissions included.
         max_devices: Devices that may be known at once.
-        credentials: What devices ask for.
+        credentials: The credentials for devices that require some.
     """
 
     devices: tuple[CoapUri, ...] = ()

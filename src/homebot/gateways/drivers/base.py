@@ -1,6 +1,6 @@
 """The contract of drivers; the plug-in group is ``homebot.drivers``.
 
-DNS-SD says that a device is there, and its address; a driver connects to it, describes what it can do, reports its
+DNS-SD announces a device and its address; a driver connects to it, describes its capabilities, reports its
 states and sends it commands. There is one driver object for each found service, and it knows nothing of others.
 """
 
@@ -54,14 +54,14 @@ class DriverHost(Protocol):
     log: FilteringBoundLogger
 
     def describe(self, device: GatewayDevice) -> None:
-        """Publish what the device is, once it is known and whenever that changes.
+        """Publish the description of the device, once it is known and on each change.
 
         Args:
-            device: The device; its key is that of the service. What DNS-SD says of it is added by the gateway.
+            device: The device; its key is that of the service. Facts from DNS-SD are added by the gateway.
         """
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        """Publish what a part reported, in the units of the vocabulary; what it cannot have reported is refused."""
+        """Publish a report of a part, in the units of the vocabulary; values that it cannot have reported are refused."""
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
         """Publish whether the device, or one of its parts, can be reached; the gateway does so for the connection."""
@@ -82,7 +82,7 @@ class Driver(ABC):
     Args:
         service: The service.
         settings: The driver's table, checked; an instance of :attr:`Settings`.
-        host: What the gateway does for it.
+        host: Its gateway.
 
     Attributes:
         service_types: The DNS-SD service types that it is for: ``_shelly._tcp.local.``
@@ -104,20 +104,20 @@ class Driver(ABC):
         """Look for what the driver needs before anything is started: its libraries, and its secrets.
 
         Raises:
-            UsageError: It could not work; says what to do.
+            UsageError: It could not work; the message gives the remedy.
         """
         check_extra("it", "mdns", *cls.libraries)
         settings.check_secrets()
 
     @abstractmethod
     async def run(self) -> None:
-        """Connect, describe the device, and report what it says, until cancelled.
+        """Connect, describe the device, and report its states, until cancelled.
 
         The gateway runs it again after a growing pause when it has failed.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
         """
 
     @abstractmethod
@@ -134,10 +134,10 @@ class DriverSession(Protocol):
     """One connection of a driver, from its start to its end."""
 
     async def run(self) -> None:
-        """Do what :meth:`Driver.run` does."""
+        """Perform the work of :meth:`Driver.run`."""
 
     async def perform(self, command: Command) -> None:
-        """Do what :meth:`Driver.perform` does."""
+        """Perform a command as :meth:`Driver.perform`."""
 
 
 class SessionDriver(Driver):

@@ -31,13 +31,13 @@ CONNECTED_WITHIN: Final = 5.0
 
 
 class DriverRunner(DeviceRunner):
-    """Runs the driver of one service, and publishes what it says.
+    """Runs the driver of one service, and publishes its descriptions and reports.
 
     Args:
         driver: The driver.
         service: The service.
-        devices: Where it is published.
-        publish: Publishes the device, and why: what its driver says it is, None for what DNS-SD alone knows.
+        devices: The publisher.
+        publish: Publishes the device, and why: the driver's description, None for the facts of DNS-SD alone.
         clock: The clock.
         log: The log of the gateway's node.
         random: The source of random numbers.
@@ -93,7 +93,7 @@ class DriverRunner(DeviceRunner):
         await self._driver.perform(command)
 
     def describe(self, device: GatewayDevice) -> None:
-        """Publish what the device is, under the key of its service; it is connected now."""
+        """Publish the description of the device, under the key of its service; it is connected now."""
         self.sleeps = device.sleeps
         self.note_answer()
         self._publish(replace(device, key=self.key), "its driver has described it")
@@ -109,7 +109,7 @@ class DriverRunner(DeviceRunner):
         """Note that there is no connection."""
         self._driver = None
         self._is_connecting = False
-        self._connected.set()  # nobody is to wait for it any more
+        self._connected.set()  # no caller is to wait for it any more
         self._connected = anyio.Event()
         super().note_end()
 

@@ -58,7 +58,7 @@ class MatterGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it.
+        context: Services of its host.
 
     Attributes:
         devices: Its devices.
@@ -343,7 +343,7 @@ class MatterGateway(Gateway):
                     await anyio.lowlevel.checkpoint()
 
     async def _ask_for_missed(self, link: MatterServerLink) -> None:
-        """Ask for the nodes whose changes were dropped, because they sent too many invalid messages."""
+        """Ask for the nodes with changes that were dropped, because they sent too many invalid messages."""
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:

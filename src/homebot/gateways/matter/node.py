@@ -1,6 +1,6 @@
 """A node of a Matter server, as one or more devices. Pure.
 
-A node is one device, whose endpoints are its parts. Each bridged endpoint, together with the endpoints it is composed
+A node is one device, its endpoints are the parts. Each bridged endpoint, together with the endpoints it is composed
 of, is a device of its own.
 
 Source: Matter 1.4 Core Specification, 9.2 (composition), 9.5 (Descriptor), 9.12 (Bridge), 9.13 (Bridged Device Basic
@@ -68,7 +68,7 @@ class MatterNode:
         endpoints: By their numbers.
     """
 
-    def __init__(self, id: int) -> None:  # noqa: A002 - what Matter calls it
+    def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
         self.is_available = False
         self.endpoints: dict[int, MatterEndpoint] = {}

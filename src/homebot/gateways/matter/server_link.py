@@ -159,7 +159,7 @@ class MatterServerLink:
                     raise error_of("the list of nodes", frame)
                 await self._on_nodes(frame.result)
                 return True
-            await self._calls.take(frame.message_id, frame)  # one that nobody waits for came too late
+            await self._calls.take(frame.message_id, frame)  # one without a waiting caller came too late
         return False
 
 

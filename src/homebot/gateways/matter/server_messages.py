@@ -1,6 +1,6 @@
 """Messages of a Matter server, read and written. Pure.
 
-A server greets with what it is, answers each command with its ``message_id``, and sends events of its own.
+A server greets with its version, answers each command with its ``message_id``, and sends events of its own.
 
 Source: python-matter-server 8.1, ``docs/websockets_api.md`` and ``common/models.py`` (schema version 11); the server of
 matter.js follows the same.

@@ -62,7 +62,7 @@ class MdnsGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; a :class:`NetworkInterfaces` is used in place of the computer's.
+        context: Services of its host; a :class:`NetworkInterfaces` is used in place of the computer's.
 
     Attributes:
         devices: Its devices.
@@ -239,7 +239,7 @@ class MdnsGateway(Gateway):
         return (known is not None and known.sleeps) or listed.service.name in self._settings.sleeping
 
     def _publish(self, listed: _Listed, device: GatewayDevice | None, why: str, *, confirmed: bool = True) -> None:
-        """Publish a service with what its driver and DNS-SD say; without a driver it has no parts."""
+        """Publish a service with the facts of its driver and of DNS-SD; without a driver it has no parts."""
         if self._listed.get(listed.service.key) is not listed:
             return
         service = listed.service

@@ -42,7 +42,7 @@ class NetworkInterfaces:
 
     async def wait_for_change(self, wanted: tuple[str, ...], before: Interfaces) -> Interfaces:
         """Wait until the interfaces differ from *before*, and return them."""
-        while (now := self.find(wanted)) == before:  # noqa: ASYNC110 - the system tells nobody
+        while (now := self.find(wanted)) == before:  # noqa: ASYNC110 - the system sends no event
             await anyio.sleep(LOOK_EVERY)
         return now
 

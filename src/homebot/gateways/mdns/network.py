@@ -28,7 +28,7 @@ class ServiceNews:
 
 @dataclass(frozen=True, slots=True)
 class ResolvedService:
-    """A service whose records are known.
+    """A service with known records.
 
     Attributes:
         service: The service.

@@ -5,7 +5,7 @@
 
 Several homebots on one network, or on one computer, have different names, host names and ids. A name that another
 program has is changed, and kept for the next start; of two homebots that have one id, because a folder was copied, the
-one whose name sorts last takes another.
+last one by name takes another.
 
 Source: RFC 6762 (Multicast DNS), section 9 (Conflict Resolution).
 """

@@ -28,13 +28,13 @@ ANSWER_WITHIN = 3.0
 """Seconds in which a service may answer; the query is sent four times."""
 
 SHORTEST = 5.0
-"""Seconds between two queries of one service at least, whatever its time to live."""
+"""Seconds between two queries of one service at least, for any time to live."""
 
 GRACE = 0.5
 """Seconds added to the time to live, so that the record has certainly expired."""
 
 MAX_REMEMBERED = 1000
-"""Removed services whose changes are remembered; the oldest is forgotten."""
+"""Removed services with remembered changes; the oldest is forgotten."""
 
 MAX_ASKED = 32
 """Services that are queried at the same time."""

@@ -1,7 +1,7 @@
 """The network as seen by multicast DNS. The only file that imports zeroconf.
 
 Two surprises of the library: it raises the time to live of a PTR record to at least 1,125 s, so that its expiry says
-little; and the TTLs of an ``AsyncServiceInfo`` are constants, not what the peer sent. The true time to live of a
+little; and the TTLs of an ``AsyncServiceInfo`` are constants, not those that the peer sent. The true time to live of a
 service is that of its SRV record, which is read from the cache.
 
 Sources: RFC 6762 (Multicast DNS), RFC 6763 (DNS-Based Service Discovery).
@@ -40,10 +40,10 @@ LONGEST_TTL = 4500.0
 """Seconds: the longest time to live that RFC 6762, section 10, recommends for any record."""
 
 UNKNOWN_TTL = 120.0
-"""Seconds: what section 10 recommends for SRV records; used when the record is not cached any more."""
+"""Seconds: the recommendation of section 10 for SRV records; used when the record is not cached any more."""
 
 _CLOSING = 4.0
-"""Seconds for the goodbyes, which take half of one: whoever is cut off leaves its sockets open."""
+"""Seconds for the goodbyes, which take half of one: a cancelled closing leaves its sockets open."""
 
 _SRV = 33  # RFC 2782
 _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
@@ -79,7 +79,7 @@ class MdnsNetwork(ServiceNetwork):
     async def opened(
         cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None], counters: GatewayCounters
     ) -> AsyncIterator[MdnsNetwork]:
-        """Open the network inside the block; leaving it withdraws what was announced.
+        """Open the network inside the block; leaving it withdraws the announced services.
 
         Args:
             interfaces: Where.
@@ -105,7 +105,7 @@ class MdnsNetwork(ServiceNetwork):
                 await network._close()
 
     async def change_interfaces(self, interfaces: Interfaces) -> None:
-        """Use other interfaces from now on, also for what is announced.
+        """Use other interfaces from now on, also for announced services.
 
         Raises:
             LinkError: They cannot be used.
@@ -183,8 +183,8 @@ class MdnsNetwork(ServiceNetwork):
     async def announce(self, service: OwnService) -> str:
         """Announce a service of homebot in place of one of the same type; return the name that it got.
 
-        Where another computer has a service of that name, a number is added to it (RFC 6762, section 9). A service that
-        keeps its name is not withdrawn first: it stays with those who know it.
+        If another computer has a service of that name, a number is added to it (RFC 6762, section 9). A service that
+        keeps its name is not withdrawn first: its peers keep it.
         """
         full, known = full_type(service.service_type), self._own.get(service.service_type)
         if known is not None and known.service.host == service.host and _label(known.info) == service.name:
@@ -194,7 +194,7 @@ class MdnsNetwork(ServiceNetwork):
         info = self._info(service, f"{service.name}.{base_type(full)}")
         try:
             sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
-            # Not before: until then the name may be somebody else's.
+            # Not before: until then the name may belong to another host.
             self._own[service.service_type] = _Announced(service, info)
             await sent
         except Error as exc:
@@ -258,7 +258,7 @@ class MdnsNetwork(ServiceNetwork):
         return ResolvedService(service, ttl, left, problem, info.text)
 
     def _drop_old_addresses(self, host: str) -> None:
-        """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, whoever they are of."""
+        """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, of any hosts."""
         cache = self._zeroconf.zeroconf.cache
         kept = [one for one in cache.async_entries_with_name(host) if one.type in _ADDRESS_TYPES]
         if len(kept) > MAX_ADDRESSES:

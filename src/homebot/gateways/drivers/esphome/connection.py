@@ -36,7 +36,7 @@ class EsphomeConnection:
     """An open connection; see :func:`connected`.
 
     Attributes:
-        name: What the device is called, for errors.
+        name: The name of the device, for errors.
         lost: Set when the connection is lost.
     """
 
@@ -46,7 +46,7 @@ class EsphomeConnection:
         self.lost = anyio.Event()
 
     async def describe(self) -> tuple[Fields, list[ListedEntity]]:
-        """Return what the device says of itself, and its entities.
+        """Return the facts of the device, and its entities.
 
         Raises:
             LinkError: The connection was lost.
@@ -97,7 +97,7 @@ async def connected(
     """Connect to a device; the connection is closed at the end of the block.
 
     Args:
-        name: What it is called, for errors.
+        name: Its name, for errors.
         addresses: Its addresses, best first.
         port: Its port.
         key: The encryption key; None for no encryption.
@@ -105,8 +105,8 @@ async def connected(
 
     Raises:
         LinkError: It cannot be reached, or the connection was lost.
-        RefusedError: It does not let homebot in; the message says what to do.
-        WireError: What answers is no ESPHome device.
+        RefusedError: It refuses homebot; the message gives the remedy.
+        WireError: The peer that answers is no ESPHome device.
     """
     client = APIClient(
         addresses[0],

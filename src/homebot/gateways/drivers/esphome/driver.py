@@ -35,7 +35,7 @@ class EsphomeDriver(Driver):
     Args:
         service: The service ``_esphomelib._tcp``; its instance name is the device's name.
         settings: The table.
-        host: What the gateway does for it.
+        host: Its gateway.
     """
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
@@ -49,11 +49,11 @@ class EsphomeDriver(Driver):
         self._device: EsphomeDevice | None = None
 
     async def run(self) -> None:
-        """Connect, describe the device, and report what it says, until cancelled.
+        """Connect, describe the device, and report its states, until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
         """
         await to_thread.run_sync(import_module, "homebot.gateways.drivers.esphome.connection")  # most of a second
         from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra
@@ -77,7 +77,7 @@ class EsphomeDriver(Driver):
 
         Raises:
             LinkError: There is no connection.
-            RefusedError: The entity cannot do that; says what it takes.
+            RefusedError: The entity cannot do that; the message names the accepted values.
         """
         connection, device = self._connection, self._device
         if connection is None or device is None:
@@ -104,7 +104,7 @@ class EsphomeDriver(Driver):
         """Return the key and the password of the device.
 
         The key of all devices is used if the device announces encryption. A key of its own is always used, so that
-        nobody can get its commands by announcing its name without encryption. A password is sent without encryption
+        no impostor gets its commands by announcing its name without encryption. A password is sent without encryption
         only to a device with a fixed address in the settings.
         """
         name = self.service.name

@@ -18,8 +18,8 @@ RECEIVED_AT_ONCE = 8 * 1024
 """Bytes; Linux takes twice that. All that came is handled without a pause, and 256 KiB of tiny frames take a second."""
 
 BURST, PER_SECOND = 512 * 1024, 64 * 1024
-"""Bytes that may come at once, and each second after that: what a large device lists of itself, and a hundred times
-what it reports. More keeps homebot busy, and each ping is answered, whether the device reads the answers or not."""
+"""Bytes that may come at once, and each second after that: the entity list of a large device, and a hundred times
+its reports. More keeps homebot busy, and each ping is answered, whether the device reads the answers or not."""
 
 CONNECT_WITHIN = 10.0
 """Seconds for a connection."""

@@ -22,17 +22,17 @@ PLAINTEXT_ADVICE = (
     'a password alone would be sent unencrypted to whoever announces the device: add "api: encryption:" to its ESPHome '
     f"configuration and give its key_file, or its fixed IP address as allow_plaintext_at in [{_TABLE}.devices.NAME]"
 )
-"""What to do where a device has a password and no encryption key."""
+"""The remedy if a device has a password and no encryption key."""
 
 
 class EsphomeSecrets(PasswordSettings):
     """The places of the secrets of one device.
 
-    The password is what old firmware wants (``api: password:``). It needs a key, or *allow_plaintext_at*: without
-    encryption, whoever announces the device would be sent the password.
+    The password is required by old firmware (``api: password:``). It needs a key, or *allow_plaintext_at*: without
+    encryption, any host that announces the device would be sent the password.
 
     Attributes:
-        key_file: File whose first line is the encryption key: what the device's ESPHome configuration has under
+        key_file: File whose first line is the encryption key, as in the device's ESPHome configuration under
             ``api: encryption: key:``. Relative paths begin at the folder of the configuration's file.
         key_env: Environment variable that holds it.
         allow_plaintext_at: IP address at which one device without encryption is sent its password, and at no other.
@@ -66,7 +66,7 @@ class EsphomeSecrets(PasswordSettings):
         """Return the encryption key; None where none is named.
 
         Args:
-            table: What stands before its keys, for errors: ``devices.hall.``
+            table: The table of its keys, for errors: ``devices.hall.``
 
         Raises:
             UsageError: It cannot be read, or is none.
@@ -121,7 +121,7 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         """Return the addresses among *found* at which a device may be connected to: all, unless its table names one.
 
         Raises:
-            RefusedError: None of them is the one in its table; says what to do.
+            RefusedError: None of them is the one in its table; the message gives the remedy.
         """
         own = self.devices.get(device)
         if own is None or own.allow_plaintext_at is None:
@@ -141,4 +141,4 @@ PASSWORD_ADVICE = (
     f'put the one that its ESPHome configuration has under "api: password:" into a file, and name that in'
     f' [{_TABLE}.devices."{{0}}"] as password_file'
 )
-"""What to do where a device does not let homebot in; ``{0}`` stands for its name."""
+"""The remedy if a device refuses homebot; ``{0}`` stands for its name."""

@@ -41,8 +41,8 @@ class RpcLink:
 
     Args:
         socket: The WebSocket.
-        name: What the device is called in errors.
-        login: Signs calls; None where there is no password.
+        name: The name of the device in errors.
+        login: Signs calls; None without a password.
         on_notification: Takes notifications.
         on_invalid: Called with each invalid frame and the reason.
 
@@ -145,6 +145,6 @@ class RpcLink:
 
 
 def wants_password(*, has_one: bool) -> str:
-    """Return what to do when a device asks for a password, as text."""
+    """Return the remedy if a device asks for a password, as text."""
     keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
     return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"

@@ -61,7 +61,7 @@ class ShellySession:
         self._offset = 0
 
     async def run(self) -> None:
-        """Connect, and report what the device says, until cancelled.
+        """Connect, and report the device's states, until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
@@ -97,7 +97,7 @@ class ShellySession:
             await self._rpc.call(call.method, call.params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
-        """Return the address that answers, and what the device tells without a password."""
+        """Return the address that answers, and the facts that the device reveals without a password."""
 
         async def ask(address: str) -> tuple[str, Fields]:
             origin = http_origin(address, self._service.port)

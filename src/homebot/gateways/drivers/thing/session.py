@@ -1,7 +1,7 @@
 """One connection to one thing over HTTP.
 
 The description is read again periodically: it may have changed, and this is how a vanished thing that pushes its values
-is noticed. Anybody on the network may serve a description, so only forms that lead to its own host are used.
+is noticed. Any host on the network may serve a description, so only forms that lead to its own host are used.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
 """

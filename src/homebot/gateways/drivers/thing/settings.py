@@ -18,7 +18,7 @@ class ThingDriverSettings(DriverSettings):
 
     Attributes:
         credentials: The credentials of hosts that require some.
-        poll_every: Seconds between two readings of what a thing does not push.
+        poll_every: Seconds between two readings of values that a thing does not push.
     """
 
     credentials: tuple[HttpLoginSettings, ...] = ()

@@ -65,7 +65,7 @@ class WledSession:
         self._presets_of: object = None
 
     async def run(self) -> None:
-        """Connect, and report what the controller says, until cancelled.
+        """Connect, and report the controller's states, until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
