@@ -28,7 +28,7 @@ class PendingCalls(Generic[Answer]):
     """The calls over one link that wait for their answers; ids tell which answer belongs to which call.
 
     Args:
-        peer: Who answers, for errors.
+        peer: The peer that answers, for errors.
     """
 
     def __init__(self, peer: str) -> None:
@@ -54,10 +54,10 @@ class PendingCalls(Generic[Answer]):
         """Send a call, and return its answer.
 
         Args:
-            what: What is called, for errors.
+            what: The call, for errors.
             send: Sends the call with its id.
             within: Seconds for sending and the answer.
-            on_answer: Takes the answer before whoever brought it goes on.
+            on_answer: Receives the answer before the task that brought it goes on.
 
         Raises:
             LinkError: The link is lost, or there was no answer in time.

@@ -23,7 +23,7 @@ SLOW_LISTENER = "gateway.slow_listener"
 FULL_INBOX_WAIT = 0.2
 """Seconds for which a full inbox holds up the gateway before it loses its oldest.
 
-Short, because meanwhile the broker queues for everybody: a default Mosquitto drops what is over 1,000 messages.
+Short, because meanwhile the broker queues for all: a default Mosquitto drops messages beyond 1,000.
 """
 
 SLOW_READER_PENALTY = 60.0
@@ -35,13 +35,13 @@ _ROUNDED = 1e-6
 _KEPT = 10
 _KEPT_PAYLOAD = 4096
 _MOMENT = 5.0
-"""Seconds for which an event is told to who comes to listen: the first makes its device known, and is heard late."""
+"""Seconds in which a new listener still gets an event: the first event announces its device, and is heard late."""
 
 _RAW_QOS = QoSProfile(depth=10_000)
 
 
 class RawDelivery:
-    """Delivers raw messages, each address to whoever asked for it.
+    """Delivers raw messages, each address to its listeners.
 
     In *inbox* mode a node gets the messages of everything it asked for on one topic of its own, ``<node>/inbox``. In
     *mirror* mode, and for askers that are no node, each device has its topic ``received_data/<device>``.
@@ -52,7 +52,7 @@ class RawDelivery:
         inboxes: Whether nodes get inboxes.
 
     Attributes:
-        by_address: Who gets what is said, by address: what :meth:`has_listeners` looks at, without a call.
+        by_address: The listeners of each address, for :meth:`has_listeners`, which needs no call.
     """
 
     def __init__(self, node: Node, names: GatewayNames, *, inboxes: bool) -> None:
@@ -73,12 +73,12 @@ class RawDelivery:
         return asker is not None and asker.node is self._node.graph.get_node(listener) and address in asker.addresses
 
     def add(self, address: str, key: str, name: str, listener: str) -> Publisher[RawMessage]:
-        """Deliver what is said on *address*, by the device *key* called *name*, to *listener*, from now on.
+        """Deliver the messages on *address*, of the device *key* called *name*, to *listener*, from now on.
 
         Args:
             address: Where the device speaks.
-            key: What the gateway calls the device.
-            name: What people call it; names its mirror topic.
+            key: The gateway's key for the device.
+            name: The name of the device; names its mirror topic.
             listener: Full name of the node that asks; empty for a mirror topic.
 
         Returns:
@@ -108,21 +108,21 @@ class RawDelivery:
         return publisher
 
     def has_listeners(self, address: str) -> bool:
-        """Return whether anybody gets what is said on *address* at this moment."""
+        """Return whether *address* has a listener at this moment."""
         return bool(self.by_address.get(address))
 
     def now(self, address: str) -> tuple[Publisher[RawMessage], ...]:
-        """Return who gets what is said on *address* at this moment."""
+        """Return the listeners of *address* at this moment."""
         return tuple(self.by_address.get(address, ()))
 
     def tidy(self, address: str) -> None:
-        """Forget *address* if nobody listens to it."""
+        """Forget *address* if it has no listener."""
         if not self.by_address.get(address, True):
             del self.by_address[address]
             self._delivered.pop(address, None)
 
     async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
-        """Hand *message* to who listens to its address.
+        """Hand *message* to the listeners of its address.
 
         A retained one that repeats the last is left out: a broker sends it on each new link, although no device spoke.
 
@@ -142,10 +142,10 @@ class RawDelivery:
                     self._stop_waiting_for(publisher.topic_name)
                 publisher.publish(message)
             except ClosedError:
-                continue  # the listener left while somebody was waited for
+                continue  # the listener left while this waited for another
 
     def drop_nodes_that_left(self) -> tuple[str, ...]:
-        """Forget the nodes that are no longer on the graph; return the addresses that nobody listens to any more."""
+        """Forget the nodes that left the graph; return the addresses without listeners."""
         left = [name for name, asker in self._askers.items() if self._node.graph.get_node(name) is not asker.node]
         return tuple(address for name in left for address in self._drop(name))
 
@@ -213,7 +213,7 @@ class _Asker:
 def begin_of(since: Time, clock: Clock) -> float:
     """Return the reading of the monotonic clock at the time *since*, a microsecond early at most.
 
-    A clock that was set between the two would else hide what came, or tell old words anew.
+    A clock that was set between the two would else hide new messages, or repeat old ones.
     """
     return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED
 
@@ -231,7 +231,7 @@ class PartTexts:
     """The last texts of one part of a device.
 
     Attributes:
-        events: Texts that tell what happened, as :attr:`kept`; they are good for a moment only.
+        events: Texts of events, as :attr:`kept`; they are good for a moment only.
     """
 
     _kept: tuple[tuple[float, RawMessage | LateText], ...] = field(default=(), init=False)
@@ -258,13 +258,13 @@ class PartTexts:
             self._kept = (*self._kept[1 - _KEPT :], (now, message))
 
     def keep_late(self, make: LateText, now: float) -> None:
-        """Remember a state that came at *now*, and whose text is made when it is asked for."""
+        """Remember a state that came at *now*, with its text made on demand."""
         self._kept = (*self._kept[1 - _KEPT :], (now, make))
 
     def missed_by(self, since: float, now: float) -> tuple[RawMessage, ...]:
         """Return the kept texts that a listener wants that was there from *since* on, on the monotonic clock.
 
-        What was kept from before is among them where it is still the part's last text.
+        A retained message is among them if it is still the part's last text.
         """
         recent, kept = missed(self.events, max(since, now - _MOMENT)), self.kept
         if not recent:

@@ -168,7 +168,7 @@ class EndpointSession:
             and (self.endpoint.is_registered or self.endpoint.is_static)
             and key not in self._devices.keys
         ):
-            # Advertised, though not reachable: another device answers for it.
+            # Advertised, though not reachable: a directory or the settings list it.
             name = self.endpoint.name or key
             device = GatewayDevice(key, name, metadata=self.endpoint.facts, identifiers=self.endpoint.identifiers)
             self._devices.put(device, f"it is listed, but {error}"[:200], confirmed=False)

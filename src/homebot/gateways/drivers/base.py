@@ -61,7 +61,7 @@ class DriverHost(Protocol):
         """
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        """Publish a report of a part, in the units of the vocabulary; values that it cannot have reported are refused."""
+        """Publish a report of a part, in the units of the vocabulary; values that it cannot have are refused."""
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
         """Publish whether the device, or one of its parts, can be reached; the gateway does so for the connection."""
@@ -137,7 +137,7 @@ class DriverSession(Protocol):
         """Perform the work of :meth:`Driver.run`."""
 
     async def perform(self, command: Command) -> None:
-        """Perform a command as :meth:`Driver.perform`."""
+        """Perform a command as :meth:`Driver.perform` does."""
 
 
 class SessionDriver(Driver):

@@ -1,7 +1,7 @@
 """Lease to act for one of several homebots of one home at one broker: the first has it. The others observe.
 
 Each that wants to act asks on ``homebot/acting/HOME`` on every new link, and acts at once unless another answers that
-it does. One that was answered asks again every few seconds: where the other is gone, nobody answers. There is nothing
+it does. One that was answered asks again every few seconds: if the other is gone, no answer comes. There is nothing
 to clean up after a crash, and no clock to agree on. Of several that ask at the same moment the smallest id is first.
 """
 
@@ -56,12 +56,12 @@ class ActingLease:
         gateway: The gateway; its :attr:`~Gateway.acts` and its reason follow.
         connection: Its connection.
         home: The home; empty for all homes of the broker.
-        name: What this one is called in the log of the other, for example the computer's name.
+        name: The name of this one in the log of the other, for example the computer's name.
         random: Source of its id; a seeded one makes every run the same.
 
     Attributes:
-        rival: What the homebot is called that acts instead; empty while none does.
-        topics: Those on which homebots talk to each other; what comes there is for :meth:`take`.
+        rival: The name of the homebot that acts instead; empty if none does.
+        topics: Those on which homebots talk to each other; messages there are for :meth:`take`.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class ActingLease:
         )
 
     def take(self, message: MqttMessage) -> None:
-        """Take what homebots say to each other. What was kept is of before."""
+        """Handle a lease message of another homebot; retained ones are ignored."""
         if message.retain or len(message.payload) > _LONGEST:
             return
         if message.topic == self._connection.status_topic:
@@ -120,7 +120,7 @@ class ActingLease:
             self._yield_to(word)
 
     async def serve(self) -> None:
-        """Ask, answer, and say again who is online, until cancelled."""
+        """Ask, answer, and repeat the online message, until cancelled."""
         topics = [self._topic] if self._wants else []
         if self._connection.status_topic is not None:
             topics.append(self._connection.status_topic)
@@ -136,7 +136,7 @@ class ActingLease:
 
     @property
     def _is_sure(self) -> bool:
-        """True if nobody answered on this link: while the one before was down another may have begun."""
+        """True if no answer came on this link: while the one before was down another may have begun."""
         return self._sure_of is not None and self._sure_of is self._connection.state
 
     async def _ask_on_each_link(self) -> None:

@@ -32,8 +32,8 @@ class CommandPublisher:
     Args:
         engine: The mechanisms of the gateway.
         connection: Where it is published.
-        secrets: Knows what was sent with a code.
-        responses: Asks the devices for responses; None where they are not to be asked.
+        secrets: Records the messages with a code.
+        responses: Asks the devices for responses; None if they are not to be asked.
     """
 
     def __init__(
@@ -56,8 +56,8 @@ class CommandPublisher:
 
         Raises:
             UnableError: No part is described that can do that; nothing was sent.
-            RefusedError: The code is wrong, or the broker said no.
-            LinkError: There is no link; or the part reports nothing that could show whether it obeyed, and nobody
+            RefusedError: The code is wrong, or the broker refused.
+            LinkError: There is no link; or the part reports nothing that could show whether it obeyed, and no client
                 subscribes to the topic, as far as an MQTT 5 broker says so, or the broker has just come back and the
                 device was not heard since.
         """
@@ -103,7 +103,7 @@ class CommandPublisher:
             raise RefusedError(f"{name} of {command.key[:100]}", "its convention failed") from exc
         for one in publications:
             validate_topic(one.topic)
-            # Only what the announcement named was held against other devices and reserved topics.
+            # Only topics in the announcement were checked against other devices and reserved topics.
             if one.topic not in announced_part.described.part.writes:
                 raise RefusedError(
                     f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"

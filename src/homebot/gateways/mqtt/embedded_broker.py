@@ -41,7 +41,7 @@ EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
 async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = USUAL_PORTS) -> AsyncIterator[Broker]:
     """Run the embedded broker on 127.0.0.1, the first of *ports* that is free or else any free one, and say which.
 
-    Its counts, and what it lost lately, are told by the service ``/broker/health``.
+    Its counts and recent losses are reported by the service ``/broker/health``.
     """
     broker = await _started(clock, ports)
     try:

@@ -1,7 +1,7 @@
-"""The devices that conventions describe: what they announce, what they say, what they are told.
+"""Announced MQTT devices: discovery, state and commands.
 
 All of it is handled in the order of the broker, by the task that receives. The tasks of :meth:`AnnouncedDevices.serve`
-do what takes time or must wait: subscribing, asking, and ending what ends by itself.
+do the slow and waiting work: subscribing, asking, and timed ends of values.
 """
 
 from __future__ import annotations
@@ -66,14 +66,14 @@ class AnnouncedDevices:
         responses: Asks devices for responses to commands; None where they are not to be asked.
 
     Attributes:
-        counters: What the gateway did.
-        offers: What homebot itself offers to others.
+        counters: The counters of the gateway.
+        offers: The devices that homebot offers to others.
         read_text: Takes a message as the text that a part says by itself.
-        route: Returns who reads a topic; None for nobody.
-        secrets: Knows what was sent with a code.
+        route: Returns the readers of a topic; None if it has none.
+        secrets: Records the messages with a code.
         texts: The service of texts and raw messages.
-        tick: Lets time have passed; once before each batch of messages.
-        quarantine: Judges those who break the rules.
+        tick: Advances the time; once before each batch of messages.
+        quarantine: Defers messages of sources that break the rules.
     """
 
     def __init__(
@@ -146,14 +146,14 @@ class AnnouncedDevices:
                 tasks.start_soon(run_as, self._owner, work)
 
     async def handle_message(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
-        """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
+        """Handle a message on a topic of *route*; a device announced by this message also reads it.
 
         An empty one takes a device that says text out of the house.
 
         Args:
             message: The message.
-            route: Who reads it.
-            raw: Whether to hand its bytes to those who listen to the topic itself.
+            route: Its readers.
+            raw: Whether to deliver its bytes to the listeners of the topic itself.
         """
         topic, payload = message.topic, message.payload
         if route.texts:
@@ -192,7 +192,7 @@ class AnnouncedDevices:
         """Take a message as :meth:`handle_message`, from where only a few parts tell their states, mostly at once.
 
         Returns:
-            What is left to be done, for those who listen to texts; None where nobody does.
+            The deliveries left, for listeners to texts; None without such listeners.
         """
         topic, payload, _, retained, _, _ = message
         reporter = self._reporter
@@ -222,7 +222,7 @@ class AnnouncedDevices:
         self._last_messages.keep(message.topic, message.payload, reporter.stamp, reporter.now, retained=message.retain)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Take a message as nothing but an announcement; what homebot itself offers is none."""
+        """Take a message as an announcement alone; homebot's own offers are none."""
         if self.offers.publishes and self.offers.is_own_topic(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
@@ -272,7 +272,7 @@ class AnnouncedDevices:
         raise WireError(f"no device publishes on topic {address!r}")
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        """Return what a new listener wants of what was said on a topic from *since* on, on the monotonic clock."""
+        """Return the messages on a topic since *since*, on the monotonic clock, for a new listener."""
         route, word = self._registry.route(address), self._last_messages.get(address)
         if route is not None and route.text is not None:
             return route.text.missed_by(since, self._reporter.now)
@@ -282,13 +282,13 @@ class AnnouncedDevices:
         return (message.model_copy(update={"received_at": word.at}),)
 
     async def _send_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Publish *message*, and take it: no broker brings back to us what announces a device."""
+        """Publish *message*, and take it: no broker returns our own announcement of a device."""
         await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         self.tick()
         await self.take(message._replace(retain=False), self.route(message.topic) or route)
 
     async def _take_now(self, message: MqttMessage, route: TopicReaders) -> _Missed:
-        """Take *message*, and return who may have missed something on which topic."""
+        """Take *message*, and return the readers, by topic, that may have missed something."""
         await self._announcements.take(message, route.conventions)
         missed, self._missed = self._missed, []
         return missed
@@ -305,7 +305,7 @@ class AnnouncedDevices:
             missed = await self._take_now(message, route)
         await self._make_up_for(missed, message.topic)
         after = self.route(message.topic)
-        if after is not None:  # whoever it made known reads it as one that was kept
+        if after is not None:  # a device that it announced reads it as a retained one
             await self._states.read(
                 message.topic,
                 message.payload,
@@ -330,8 +330,8 @@ class AnnouncedDevices:
         """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
 
         Args:
-            missed: Who reads which topic.
-            taken: The topic whose message was just taken.
+            missed: The readers of each topic.
+            taken: The topic of the message that was just taken.
         """
         for topic, reader in missed:
             word = self._last_messages.get(topic)

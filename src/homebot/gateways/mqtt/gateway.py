@@ -46,11 +46,11 @@ OVERSIZE = "gateway.oversize"
 
 _TURN = 200
 """Messages handed over before their readers get a turn: below the 256 that a reader takes in one, so that a burst of
-QoS 0 does not overrun an inbox whose reader keeps up."""
+QoS 0 does not overrun the inbox of a reader that keeps up."""
 
 _ANNOUNCED = 7
 """Messages that an announcement counts for in that, once more for each kB: those of a whole house come at once, and
-the broker must get rid of them. What follows from some 25, 4 ms, is done together: one subscription, one look."""
+the broker must get rid of them. The work for some 25, 4 ms, is done together: one subscription, one check."""
 
 _ANSWERS = QoSProfile(depth=1000)
 """Answers to commands of a whole house at once; the oldest is lost first, and its command has no answer."""
@@ -62,10 +62,10 @@ class MqttGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; a :class:`homebot.mqtt.hosted_broker.HostedBroker` in memory makes the client.
+        context: Services of its host; a :class:`homebot.mqtt.hosted_broker.HostedBroker` in memory makes the client.
 
     Attributes:
-        counters: What it did.
+        counters: Its counters.
     """
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
@@ -168,7 +168,7 @@ class MqttGateway(Gateway):
         return f"{options.host.lower()}:{options.port}"
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
+        """Maintain the link and handle messages until cancelled; ready when the first try to connect has ended."""
         texts, announcements = self._described.text_filters(), self._described.filters()
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in texts))
@@ -223,7 +223,7 @@ class MqttGateway(Gateway):
                 responses.take(message)
                 continue
             if topic in sent and described.secrets.is_one(topic, payload):
-                continue  # it has a code, which nobody who listens here is to see
+                continue  # it has a code, which no listener here is to see
             route = described.route(topic)
             if len(payload) > max_payload:
                 work += await self._take_long(message, route)

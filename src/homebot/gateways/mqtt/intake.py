@@ -1,4 +1,4 @@
-"""Takes what devices announce, and lets it stand until it is taken back."""
+"""Handles announcements and withdrawals."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class AnnouncementHandler:
     Args:
         clock: Says when others should have a turn.
         engine: The mechanisms of the gateway.
-        registry: What stands.
+        registry: The registered announcements.
         reserved: The topics on which no device is told anything.
         on_change: Told of every description that was taken, after its sighting.
         on_removal: Told when one is gone.
-        on_question: Told what a convention wants to ask a device.
+        on_question: Called with the request that a convention wants to send to a device.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class AnnouncementHandler:
     async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         """Take *message* as an announcement to *conventions*, one after the other.
 
-        What one message tells is handled in slices of a few milliseconds, between which others get their turn.
+        One message is handled in slices of a few milliseconds, between which others get their turn.
         """
         self._accepted = self._offended = False
         self._counters.announcements += 1
@@ -98,7 +98,7 @@ class AnnouncementHandler:
     def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         """Take *message* as the first text of a device; the first of *conventions* that knows its topic is believed.
 
-        Anybody may say text, so that a topic which breaks a rule is told and counted, and charged to nobody.
+        Any client may publish text, so that a topic which breaks a rule is reported and counted, but charged to no source.
         """
         for convention in conventions:
             try:
@@ -116,11 +116,11 @@ class AnnouncementHandler:
                 return
 
     def clear(self, stored: StoredAnnouncement) -> None:
-        """Take the device out: an empty message clears what the broker keeps of it."""
+        """Take the device out: an empty message clears the retained messages of the device at the broker."""
         self._remove(stored, "its retained message was deleted")
 
     def _begin(self, convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None] | None:
-        """Let *convention* read a message; return what is left to handle of what it tells, None where nothing is.
+        """Let *convention* read a message; return the events that are left to handle, None if there are none.
 
         Most messages tell one thing, which is handled at once.
         """
@@ -141,7 +141,7 @@ class AnnouncementHandler:
     async def _take_steps(
         self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage
     ) -> None:
-        # Of a list of devices nobody knows here which bytes are whose.
+        # The bytes of each device in a list of devices are unknown here.
         length = 0 if _takes_slices(type(convention)) else len(message.payload)
         work, taken = TimeSlice(self._clock), 0
         while taken <= MAX_STEPS and self._step(steps, convention, message, length):
@@ -158,7 +158,7 @@ class AnnouncementHandler:
     def _step(
         self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage, length: int
     ) -> bool:
-        """Handle the next of what a message tells; return whether more may come."""
+        """Handle the next event of a message; return whether more may come."""
         try:
             event = next(steps, _END)
             if event is _END:

@@ -31,9 +31,9 @@ class LinkReport:
     """Follows the states of a connection.
 
     Args:
-        gateway: In whose name it speaks.
+        gateway: The name of the gateway.
         connection: The connection.
-        listening_to: What is listened to, in words.
+        listening_to: The subject of the subscriptions, in words.
         filters: The subscriptions that this takes; without any of them it hears nothing.
     """
 

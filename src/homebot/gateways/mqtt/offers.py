@@ -1,6 +1,6 @@
-"""Publishes what homebot offers to other systems, and brings their commands onto the graph.
+"""The publisher of homebot's devices to other systems; brings their commands onto the graph.
 
-While the link is down nothing is lost: what is offered and said is kept, bounded, and published anew on every link.
+While the link is down nothing is lost: offers and states are kept, bounded, and published anew on every link.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ MAX_EVENTS = 1000
 
 
 class Offers:
-    """The publications of what homebot exposes through one gateway.
+    """The publications of the devices that homebot exposes through one gateway.
 
     A gateway that only observes publishes nothing.
 
     Args:
         gateway: The gateway.
         publishers: How it is published.
-        quarantine: Tells what went wrong.
+        quarantine: Reports problems.
 
     Attributes:
         publishes: Whether anything can be published here.
@@ -60,7 +60,7 @@ class Offers:
             self._exposed = ExposedDevices(gateway, self._show, self._tell, quarantine.log_limited)
 
     def is_own_topic(self, topic: str) -> bool:
-        """Return whether what comes on *topic* is our own, and no device."""
+        """Return whether *topic* is one of our own, and of no device."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def take(self, message: MqttMessage) -> bool:
@@ -127,7 +127,7 @@ class Offers:
                     self._quarantine.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", source=topic)
 
     def _next(self) -> Publication:
-        """Return the next publication: what is there comes before what happens to it."""
+        """Return the next publication: descriptions come before events."""
         if not self._waiting:
             return self._events.popleft()
         topic = next(iter(self._waiting))
@@ -143,7 +143,7 @@ class Offers:
 def publishers_of(
     conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection
 ) -> tuple[OfferPublisher, ...]:
-    """Return what announces homebot's own devices, in each convention that can."""
+    """Return the announcers of homebot's own devices, in each convention that can."""
     status_topic = connection.status_topic or ""
     owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
     made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))

@@ -1,4 +1,4 @@
-"""The announcements that stand at an MQTT gateway, and who reads which topic. Pure."""
+"""The announcements registered at an MQTT gateway, and the readers of each topic. Pure."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ _FEW_PARTS = 100
 _BOUNDS = RegistryLimits()
 
 _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
-"""Filters, each with what is read on it."""
+"""Filters, each with its reader."""
 
 
 class TopicReaders(NamedTuple):
-    """Everybody who reads one topic.
+    """All readers of one topic.
 
     Attributes:
         conventions: Those that devices announce themselves to there.
-        texts: Those that may know who says text there; none as long as one does.
+        texts: Those that may know the part of a text there; none as long as one does.
         text: The part that says text there.
-        only_text: The same, where nobody else reads the topic.
-        availability_readers: Devices whose availability is told there.
+        only_text: The same, if the topic has no other reader.
+        availability_readers: Devices with availability there.
         announced_parts: Parts that speak there, those of one device together, but for that one.
         only_states: Whether nothing is there but the states of those parts, which are few.
     """
@@ -63,7 +63,7 @@ class AnnouncementRegistry(DeviceRegistry):
 
     Attributes:
         codecs: How parts say text, by the topics on which they are told.
-        route: Returns who reads a topic; None for nobody.
+        route: Returns the readers of a topic; None if it has none.
     """
 
     def __init__(
@@ -198,7 +198,7 @@ def _is_new(reader: AvailabilityReader, before: StoredAnnouncement) -> bool:
 
 
 def _readings(stored: StoredAnnouncement) -> _Readings:
-    """Return each filter that something of *stored* is read on, with what is; all at once, as a plug-in may fail."""
+    """Return each filter with a reader of *stored*; all at once, as a plug-in may fail."""
     found: _Readings = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):

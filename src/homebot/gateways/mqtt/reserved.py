@@ -1,4 +1,4 @@
-"""Topics on which no device is told anything, whatever it announces: those of brokers, bridges and homebot. Pure.
+"""Topics without commands to devices, in any announcement: those of brokers, bridges and homebot. Pure.
 
 An app may publish there by itself, where it has reason to; a command to a device never ends there.
 """
@@ -67,7 +67,7 @@ class ReservedTopics:
         return why
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
-        """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
+        """Return *described* without commands on reserved topics, and these topics with the reasons.
 
         Such a part stays, and can be read; it cannot be told anything.
         """

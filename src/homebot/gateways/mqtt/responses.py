@@ -1,7 +1,7 @@
 """Responses of devices to commands, by the request and response of MQTT 5.
 
 A command carries a topic for the response, and data by which the response is matched with it; and its id in the
-journal, for people who look at the messages.
+journal, for people who debug the messages.
 
 Source: MQTT Version 5.0, section 4.10.
 """
@@ -26,9 +26,9 @@ COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
 
 MOST_AWAITED: Final = 1000
-"""Commands whose responses are awaited at once; the oldest is forgotten, and its response is then unknown."""
+"""Commands with awaited responses at once; the oldest is forgotten, and its response is then unknown."""
 
-_TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and nobody guesses them
+_TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and they are hard to guess
 
 
 @dataclass(slots=True)
@@ -54,7 +54,7 @@ class _Awaited:
 
 @final
 class Responses:
-    """Asks devices for responses, and publishes what they answer.
+    """Asks devices for responses, and publishes the answers.
 
     Args:
         gateway: The name of the gateway.
@@ -76,7 +76,7 @@ class Responses:
         self._awaited: OrderedDict[bytes, _Awaited] = OrderedDict()
 
     def request(self, command: Command, properties: MessageProperties) -> MessageProperties:
-        """Return *properties* of a message with *command*, which ask for a response where anybody waits for it."""
+        """Return *properties* of a message with *command*, which ask for a response if a caller waits for it."""
         if not command.id:
             return properties
         token = secrets.token_hex(_TOKEN).encode()

@@ -31,7 +31,7 @@ losing any.
 
 INBOX_MESSAGES = 100_000
 INBOX_BYTES = 64 * 1024 * 1024
-"""A house's announcements, all of which the broker sends at once; what it cannot get rid of soon, it drops."""
+"""Bytes for a house's announcements, all of which the broker sends at once; it drops those that stay queued."""
 
 
 class MqttGatewaySettings(PasswordSettings):
@@ -48,16 +48,16 @@ class MqttGatewaySettings(PasswordSettings):
         cert_file: PEM file of this client's certificate.
         key_file: PEM file of its key.
         client_id: Name at the broker, unique there; by default a new one for each run, whose session ends with it. A
-            fixed one gets what the broker kept while homebot was not running.
+            fixed one gets the messages that the broker queued while homebot was not running.
         client: ``aiomqtt``, which many others use too, or ``native``, homebot's own, which takes less time. By default
             the latter on the embedded broker, the former on all others.
         protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
         max_payload: Largest message accepted, in bytes; the broker is told.
-        max_announcement: The same for announcements, where a convention has some; whatever else is larger than
+        max_announcement: The same for announcements, if a convention has some; any other message larger than
             ``max_payload`` is then dropped here. So large is Zigbee2MQTT's list of all its devices alone, about 4 kB
-            for each: 32 MiB is what that convention takes, for 5,000 devices. A device's own announcement is refused
-            above 256 kB, unread. An MQTT 5 broker drops what is too large without a word.
-        max_memory: Bytes that what is announced may take, about, here and in the directory; what does not fit any more
+            for each: 32 MiB is the size for 5,000 devices in that convention. A device's own announcement is refused
+            above 256 kB, unread. An MQTT 5 broker drops larger messages silently.
+        max_memory: Bytes that announcements may take, about, here and in the directory; one that does not fit any more
             is refused, and counted.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
@@ -121,7 +121,7 @@ class MqttGatewaySettings(PasswordSettings):
         return self
 
     def options(self) -> MqttOptions:
-        """Return what the client needs, with the password read from where it is kept.
+        """Return the options of the client, with the password read from its place.
 
         Raises:
             UsageError: The password cannot be read, or the address and the settings contradict each other.
@@ -151,7 +151,7 @@ class MqttGatewaySettings(PasswordSettings):
         return self.model_construct(_fields_set=self.model_fields_set, **(dict(self) | {"client_id": client_id}))
 
     def check_files(self) -> None:
-        """See whether the certificate files can be read, and that of the key by nobody else.
+        """Check that the certificate files can be read, and that only this user can read that of the key.
 
         Raises:
             UsageError: That is not so; names the setting.

@@ -18,7 +18,7 @@ LITERAL_LEVELS = 2
 
 
 class StateTopics:
-    """Counts who needs which filter; 100,000 filters at most.
+    """Counts the users of each filter; 100,000 filters at most.
 
     Args:
         announcements: Filters that are subscribed to in any case, at QoS 0.
@@ -56,7 +56,7 @@ class StateTopics:
         self.users[topic_filter] = (users or 0) + 1
 
     def leave(self, topic_filter: str) -> None:
-        """Need *topic_filter* once less; one that nobody needs is passed over."""
+        """Drop one need of *topic_filter*; an unused one is passed over."""
         users = self.users.get(topic_filter)
         if users is None:
             return

@@ -27,7 +27,7 @@ NOT_HEARD = "gateway.state_not_heard"
 NOT_ASKED = "gateway.not_asked"
 
 BATCH = 100
-"""Filters in one request: their kept messages stay far below what a broker queues at most."""
+"""Filters in one request: their kept messages stay far below the queue limit of a broker."""
 
 ASK_EVERY = 0.02
 """Seconds between two questions, so that a thousand devices do not answer at once."""
@@ -37,13 +37,13 @@ MAX_ASKS_EACH = 20
 
 
 class Subscriber:
-    """Brings the subscriptions after what the descriptions need, all of it at QoS 0.
+    """Updates the subscriptions to the needs of the descriptions, all of them at QoS 0.
 
     Args:
         engine: The mechanisms of the gateway.
-        topics: What is needed.
-        registry: What stands.
-        conventions: Whose births are published on each new link.
+        topics: The needed topics.
+        registry: The registered announcements.
+        conventions: The conventions with births, which are published on each new link.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Subscriber:
         self._linked = anyio.Event()
 
     def wake(self) -> None:
-        """Look again at what is needed."""
+        """Check the needed topics again."""
         self._needed.set()
 
     def ask(self, stored: StoredAnnouncement) -> None:
@@ -82,7 +82,7 @@ class Subscriber:
             self._needed.set()
 
     def question(self, question: DeviceRequest) -> None:
-        """Ask a device who it is; a later question with the same key takes the place of an earlier one."""
+        """Ask a device for its identity; a later question with the same key replaces an earlier one."""
         if question.key not in self._asks and len(self._asks) >= MAX_ASKS:
             self._counters.asks_dropped += 1
             return

@@ -63,7 +63,7 @@ class NfcGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        context: What its host gives it; :class:`TagReaders` replace the readers in its settings.
+        context: Services of its host; :class:`TagReaders` replace the readers in its settings.
 
     Attributes:
         devices: The tags, and the devices that only a tag describes.

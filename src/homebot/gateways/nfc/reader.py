@@ -105,7 +105,7 @@ class ReaderDesk:
             self._post(_seen(reader, tag))
 
     def unreadable(self, reader: str, problem: str) -> None:
-        """Report something at *reader* whose number cannot be read."""
+        """Report a tag at *reader* without a readable number."""
         self._post(TagSeen(reader, "", "", None, problem))
 
     def stayed(self, reader: str, tag: PresentTag) -> bool:

@@ -45,7 +45,7 @@ class NfcGatewaySettings(GatewaySettings):
             ``udp:HOST:PORT``.
         tags: The settings of single tags, by their numbers in hexadecimal digits.
         max_tags: Tags that may be known at once.
-        teaches_place: Whether a tag that points to a device says which room that is in, where nobody else says one.
+        teaches_place: Whether a tag that points to a device assigns its room, if no other source does.
         stale_after: Seconds after which a tag counts as stale if it is not held to a reader.
     """
 

@@ -1,4 +1,4 @@
-"""Tags at readers, and reports of readers: what readers' threads pass to the gateway. Pure."""
+"""Tags at readers, and reports of readers: messages from the readers' threads to the gateway. Pure."""
 
 from __future__ import annotations
 

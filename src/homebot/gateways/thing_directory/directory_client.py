@@ -1,4 +1,4 @@
-"""The client of a directory of things: the whole list, single descriptions, and what changes.
+"""The client of a directory of things: the whole list, single descriptions, and changes.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
 """
@@ -112,12 +112,12 @@ class DirectoryReader:
 
     @asynccontextmanager
     async def events(self) -> AsyncIterator[EventStream]:
-        """Open the stream of what changes; whole descriptions come where the directory can send them.
+        """Open the stream of changes; whole descriptions come if the directory can send them.
 
         Raises:
             LinkError: The directory does not answer.
-            RefusedError: It does not tell what changes, or does not let homebot in.
-            WireError: What it sends are no events.
+            RefusedError: It does not report changes, or refuses homebot.
+            WireError: Its answer is no event stream.
         """
         try:
             async with self._client.events(f"{self._url}/events?diff=true", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:

@@ -49,7 +49,7 @@ class DirectoryEvent:
     """A change that the directory tells of.
 
     Attributes:
-        change: What happened.
+        change: The kind of the change.
         id: The thing's.
         description: The whole description, where the event has it; else empty.
     """
@@ -88,7 +88,7 @@ class DirectoryPage:
 
 
 def members_of(page: object) -> list[object]:
-    """Return what a page lists: an array of descriptions, or a collection that has them as its members.
+    """Return the members of a page: an array of descriptions, or a collection that has them as its members.
 
     Raises:
         WireError: It is neither.
@@ -109,7 +109,7 @@ def next_page(page: object, headers: Mapping[str, str]) -> str:
 
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:
-    """Return what an event tells; None for one of another kind, which directories may have.
+    """Return the event in a message; None for one of another kind, which directories may have.
 
     Raises:
         WireError: It is no object with the id of a thing.

@@ -1,4 +1,4 @@
-"""The gateway to a directory of things: what needs no library; the rest is loaded when it serves."""
+"""The gateway to a directory of things: the code without libraries; the rest is loaded when it serves."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ __all__ = ["ThingDirectoryGateway"]
 class ThingDirectoryGateway(Gateway):
     """A gateway to the things that a W3C Thing Description Directory lists.
 
-    The directory says what there is; each thing is talked to by itself, at the addresses that its description names.
-    While the directory is away, what is known stays, and is used.
+    The directory lists the things; each one is connected to by itself, at the addresses that its description names.
+    While the directory is away, known things stay, and are used.
 
     Args:
         node: Its node.

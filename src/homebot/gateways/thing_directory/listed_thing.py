@@ -37,7 +37,7 @@ class ListedThing(DeviceRunner):
         clock: The clock.
         log: The log of the gateway's node.
         random: The source of random numbers.
-        poll_every: Seconds between two readings of what it does not push.
+        poll_every: Seconds between two readings of values that it does not push.
         connecting: The limit of things that are connected to at the same time.
     """
 

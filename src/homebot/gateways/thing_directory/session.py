@@ -48,7 +48,7 @@ from homebot.wot import Thing, read_thing
 __all__ = ["DirectorySession"]
 
 LIST_AGAIN: Final = 3600.0
-"""Seconds between two readings of the list where the directory tells what changes."""
+"""Seconds between two readings of the list if the directory reports changes."""
 
 AFTER_A_LOSS: Final = 30.0
 """Seconds after which the list is read again because a change was not."""
@@ -102,7 +102,7 @@ class DirectorySession:
         self._lists_soon = anyio.Event()
 
     async def follow(self) -> None:
-        """Read the list, and then what changes, for as long as that works.
+        """Read the list, and then the changes, for as long as that works.
 
         Raises:
             LinkError: The directory does not answer, or the stream of events was lost.
@@ -159,7 +159,7 @@ class DirectorySession:
             await self._list(reader)
 
     async def _list(self, reader: DirectoryReader) -> None:
-        """Read the whole list; what is in it no longer was taken away."""
+        """Read the whole list; a thing missing in it was removed."""
         listed: set[str] = set()
         is_whole, number = True, 0
         async for page in reader.pages(self._has_all):
@@ -282,7 +282,7 @@ class DirectorySession:
 
 
 def _unusable_text(schemes: set[str]) -> str:
-    """Return why a thing with addresses of *schemes* is not used here, and what to do about it."""
+    """Return the reason why a thing with addresses of *schemes* is not used here, and its remedy."""
     named = ", ".join(sorted(one for one in schemes if one))[:60]
     text = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
     coap = any(one.startswith("coap") for one in schemes)

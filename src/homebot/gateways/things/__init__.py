@@ -1,1 +1,1 @@
-"""Devices that W3C Thing Descriptions describe, whatever protocol they are used over."""
+"""Devices that W3C Thing Descriptions describe, over any protocol."""

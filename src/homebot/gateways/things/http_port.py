@@ -49,7 +49,7 @@ class HttpThingPort:
 
     Args:
         thing: The thing.
-        logins: The credentials that are known, of whatever host.
+        logins: The known credentials, of all hosts.
         guard: The guard of this computer's addresses; None if its own directory lists the thing.
     """
 
@@ -79,7 +79,7 @@ class HttpThingPort:
             await self._stack.aclose()
 
     async def read(self, form: Form) -> ThingPayload:
-        """Return what the address of *form* has now."""
+        """Return the present value at the address of *form*."""
         method = form.method if form.method in {"GET", "POST"} and "writeproperty" not in form.ops else "GET"
         return _payload(await self._request(method, form), form)
 
@@ -92,7 +92,7 @@ class HttpThingPort:
     async def observe(
         self, form: Form, read_current: Callable[[], Awaitable[None]]
     ) -> AsyncGenerator[ThingPayload, None]:
-        """Yield what is pushed; the current value is read after each beginning: a server pushes later changes only."""
+        """Yield pushed values; the current value is read after each beginning: a server pushes later changes only."""
         if form.subprotocol == "sse":
             client, url = await self._client(form)
             async with client.events(url) as events:
@@ -153,7 +153,7 @@ class HttpThingPort:
         )
 
     async def _client(self, form: Form) -> tuple[HttpClient, str]:
-        """Return what sends requests to the address of *form*, and that address as it is sent.
+        """Return the client for the address of *form*, and that address as it is sent.
 
         Raises:
             RefusedError: It wants credentials that homebot has, in a way that homebot does not know.
@@ -192,7 +192,7 @@ def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
 
     Args:
         where: The address.
-        logins: The credentials that are known, of whatever host.
+        logins: The known credentials, of all hosts.
 
     Returns:
         Those of its host, if the configuration says how they are sent; None otherwise.
@@ -213,7 +213,7 @@ def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLo
     Args:
         login: The credentials.
         where: An address of that server.
-        scheme: What the thing asks for.
+        scheme: The scheme that the thing requires.
 
     Raises:
         RefusedError: That is not supported.

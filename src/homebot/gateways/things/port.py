@@ -39,7 +39,7 @@ class ThingPort(Protocol):
     def binding(self) -> RequestBinding: ...  # noqa: D102 - see Attributes
 
     async def read(self, form: Form) -> ThingPayload:
-        """Return what the address of *form* has now."""
+        """Return the present value at the address of *form*."""
         ...
 
     async def write(self, form: Form, payload: bytes) -> None:
@@ -52,7 +52,7 @@ class ThingPort(Protocol):
         ...
 
     def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
-        """Yield what is pushed, until the caller has enough; the end of the observation is an error.
+        """Yield pushed values, until the caller has enough; the end of the observation is an error.
 
         Args:
             form: The address.

@@ -40,7 +40,7 @@ from homebot.wot import (
 __all__ = ["ThingDevice", "describe_thing"]
 
 MAX_OBSERVATIONS = 32
-"""Observations of one thing; what is beyond them is asked for."""
+"""Observations of one thing; values beyond them are polled."""
 
 POLL_EVERY = 30.0
 """Seconds between two turns of asking."""
@@ -51,9 +51,9 @@ def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> Ga
 
     Args:
         thing: The thing.
-        key: What the gateway calls it.
+        key: The gateway's key for it.
         binding: The protocol's choice among its forms.
-        others: What else it is known by, for example the name of its host.
+        others: Its other identities, for example the name of its host.
     """
     return GatewayDevice(
         key=key,
@@ -69,13 +69,13 @@ def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> Ga
 
 @dataclass(slots=True, eq=False)
 class _ThingSource:
-    """One address of a thing, and the affordances whose values it has.
+    """One address of a thing, and the affordances with values there.
 
     Attributes:
         form: The form that is observed or read.
         affordances: Each with the id of its part.
-        has_all: Whether what is read there is an object of all properties by name.
-        instead: What is asked for where this is refused.
+        has_all: Whether a reading is an object of all properties by name.
+        instead: The sources to ask if this one is refused.
     """
 
     form: Form
@@ -92,7 +92,7 @@ class ThingDevice:
         device: The same, as :func:`describe_thing` made it; a gateway may have added to it.
         port: The protocol that it is used over.
         host: Where it is published.
-        poll_every: Seconds between two turns of asking for what is not pushed.
+        poll_every: Seconds between two polls of values that are not pushed.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class ThingDevice:
                 self._asks_now.set()
 
     async def _learn_unit(self, part: str, one: ClassifiedAffordance) -> None:
-        """Ask for the unit of what is set, where only the thing's own values name it and none came yet."""
+        """Ask for the unit of a setting, if only the thing's own values name it and none came yet."""
         if one.affordance.schema.unit_member and (part, one.capability.name) not in self._in_units:
             forms = self._port.binding.read_forms(one.affordance)
             await self._ask_all(_grouped([(form, part, one) for form in forms[:1]]))
@@ -165,7 +165,7 @@ class ThingDevice:
         return format_.encode(encode_document(one.capability, affordance, value))
 
     def _sources(self) -> tuple[_ThingSource, ...]:
-        """Sort what is read into what is observed, which it returns, and what is asked for."""
+        """Split the readable properties into observed (returned) and polled ones."""
         binding = self._port.binding
         observed: list[tuple[Form, str, ClassifiedAffordance]] = []
         asked: list[tuple[Form, str, ClassifiedAffordance]] = []
@@ -242,14 +242,14 @@ class ThingDevice:
                 self._ask_instead(source)
 
     def _ask_instead(self, source: _ThingSource) -> None:
-        """Ask for each by itself, from now on, what could not be had of all at once."""
+        """Ask for each value by itself, from now on, after the request for all at once failed."""
         if source.has_all and source in self._asked:
             self._asked.remove(source)
             self._asked += source.instead
             self._asks_now.set()
 
     async def _take(self, source: _ThingSource, payload: ThingPayload) -> None:
-        """Report what a payload says.
+        """Report the values in a payload.
 
         Raises:
             WireError: It spells no document.
@@ -280,7 +280,7 @@ class ThingDevice:
 
 
 def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
-    """Return the sources of what is read, one for each address."""
+    """Return the sources of the values, one for each address."""
     found: dict[tuple[str, str, str], _ThingSource] = {}
     for form, part, one in read:
         found.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append((part, one))

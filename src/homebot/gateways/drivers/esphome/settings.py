@@ -66,7 +66,7 @@ class EsphomeSecrets(PasswordSettings):
         """Return the encryption key; None where none is named.
 
         Args:
-            table: The table of its keys, for errors: ``devices.hall.``
+            table: The prefix of its keys, for errors: ``devices.hall.``
 
         Raises:
             UsageError: It cannot be read, or is none.
