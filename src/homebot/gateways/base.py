@@ -10,7 +10,7 @@ its protocol.
 ``state``              topic: :class:`GatewayState`, latched
 ``send_command``       service: a :class:`Command` to a part, in the values of the vocabulary
 ``health``             service: its counters and its problems
-``describe_commands``  service: the messages that commands to a device would send, for the owner who approves it
+``describe_commands``  service: the messages that commands to a device would send, for its owner's approval
 ``out``                topic it reads: :class:`RawCommand`, a text to a text address, or raw bytes to an address
 ``subscribe_to_topic`` service: delivery of the raw messages of an address, or of a part's states as text
 ``quarantine``         topic: :class:`Quarantine`, the peers that it listens to no more often than it can afford
@@ -136,7 +136,7 @@ class Gateway(ABC):
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
-        """Look for what *settings* name, such as files, before anything is started; nothing is connected.
+        """Look for the resources in *settings*, such as files, before anything is started; nothing is connected.
 
         Args:
             settings: An instance of :attr:`Settings`.

@@ -1,6 +1,6 @@
 """The errors of aiohttp, and the statuses of HTTP, as the three errors that callers know.
 
-See :mod:`homebot.gateways.http_client`, whose helper it is.
+A helper of :mod:`homebot.gateways.http_client`.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
 @dataclass(frozen=True, slots=True)
 class ClassifiedAffordance:
-    """An affordance, and what it means.
+    """An affordance, and its meaning.
 
     Attributes:
         capability: The capability that it is.
@@ -61,10 +61,10 @@ class ClassifiedPart:
 
 @dataclass(slots=True)
 class _One:
-    """An affordance and what it was found to be.
+    """An affordance and its classification.
 
     Attributes:
-        doubt: By what its capability is known: 0 its description, 1 its name, 2 its kind of value alone.
+        doubt: The evidence for its capability: 0 its description, 1 its name, 2 its kind of value alone.
     """
 
     affordance: Affordance
@@ -94,13 +94,13 @@ class _One:
 def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     """Return the parts of *thing*, as far as they can be used by one protocol.
 
-    What homebot itself wrote into the description counts first, then the semantic types, then names; an affordance of
-    which nothing is known has a capability of general meaning. Of two with the same meaning the one of which less is
+    Homebot's own terms in the description count first, then the semantic types, then names; an affordance of
+    unknown meaning has a general capability. Of two with the same meaning the one of which less is
     known, or else the second, is a part of its own.
 
     Args:
         thing: The thing.
-        binding: The protocol's choice among its forms; what it can use no form of can be neither read nor set.
+        binding: The protocol's choice among its forms; an affordance without a usable form can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")
     found = [one for affordance in thing.affordances for one in _split(affordance, binding)]
@@ -153,7 +153,7 @@ def _find_meaning(one: _One, main: str) -> None:
     name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     one.capability = _in_context(NAMES.get(name, name), main)
     if name in {"power", "state"} and one.is_settable and _is_switch(affordance.schema):
-        one.capability = "on_off"  # and no watts, nor what is only read
+        one.capability = "on_off"  # and no watts, nor read-only properties
     if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
         return
     one.doubt = 2
@@ -204,7 +204,7 @@ def _suits(capability: str, schema: DataSchema) -> bool:
 
 
 def _guess(found: Collection[_One], title: str) -> str:
-    """Return the type that the capabilities suggest; what has a level, and is called a valve, is no lamp."""
+    """Return the type that the capabilities suggest; a part with a level that is called a valve is no lamp."""
     has = {one.capability for one in found}
     is_dimmed = any(one.capability == "level" and one.name != "level" for one in found)
     is_other = not is_dimmed and not _NO_LAMPS.isdisjoint(words_of(title))
@@ -254,7 +254,7 @@ _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
 def _owned(found: Iterable[_One], main: str) -> dict[str, _One]:
-    """Return what belongs to the main part, by capability: of a switch and a child lock, the switch."""
+    """Return the affordances of the main part, by capability: of a switch and a child lock, the switch."""
     owned: dict[str, _One] = {}
     for one in sorted(found, key=lambda each: (not each.service_type, each.doubt, not each.is_settable)):
         if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
@@ -302,7 +302,7 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
 
 
 def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
-    """Return the digest of what is written, and how; empty if nothing can be set."""
+    """Return the digest of the written payloads and their addresses; empty if nothing can be set."""
     written = [
         (one.capability.name, one.affordance.name, one.affordance.schema, one.written)
         for one in found

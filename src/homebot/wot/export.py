@@ -1,6 +1,6 @@
 """Devices as Thing Descriptions. Pure.
 
-What homebot knows and TD has no word for stands under ``homebot:``, so that a description that is read again gives the
+Facts without a term in TD are under ``homebot:``, so that a description that is read again gives the
 same device.
 """
 
@@ -48,7 +48,7 @@ def thing_id(device_id: str, owner: str = "") -> str:
 def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, object]:
     """Return the Thing Description 1.1 of *device*, as JSON values; it needs no credentials.
 
-    It says what can be read and set, in the vocabulary's units, and where.
+    It lists the properties that can be read and set, in the vocabulary's units, and their addresses.
 
     Args:
         device: The device.
@@ -78,7 +78,7 @@ def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, ob
 
 
 def property_names(device: Device) -> Iterator[tuple[str, DevicePart, Capability]]:
-    """Yield the name of each property of *device* in its description, with what the property is."""
+    """Yield the name of each property of *device* in its description, with its part and capability."""
     taken: set[str] = set()
     for part in device.parts:
         for capability in part.part.capabilities:

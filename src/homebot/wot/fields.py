@@ -12,7 +12,7 @@ __all__ = ["MAX_TEXT", "Fields"]
 
 
 MAX_TEXT: Final = 1000
-"""Characters of a text that somebody wrote for people; longer ones are cut."""
+"""Characters of a text for people; longer ones are cut."""
 
 _MAX_LISTED = 300
 _MAX_NAME = 200
@@ -21,11 +21,11 @@ _MOST = 10**20
 
 
 class Fields:
-    """One JSON object, whose fields are asked for by name and type; a missing one is empty.
+    """One JSON object, with fields asked for by name and type; a missing one is empty.
 
     Args:
-        value: What should be an object.
-        path: Where it stands, for errors: ``properties.on.forms[0]``.
+        value: The expected object.
+        path: Its place, for errors: ``properties.on.forms[0]``.
 
     Raises:
         WireError: It is none.

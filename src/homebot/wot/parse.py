@@ -1,6 +1,6 @@
 """Thing Descriptions in: checked against the shape that TD 1.1 demands. Pure.
 
-What the description leaves out takes the default of the specification, and what is unknown is passed over. Descriptions
+Missing terms take the default of the specification, and unknown ones are passed over. Descriptions
 of version 1.0 and of Web Things are read as well.
 """
 
@@ -158,7 +158,7 @@ def _forms(
 
 
 def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
-    """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands that each names what it does."""
+    """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands an operation for each."""
     forms = fields.listed("forms")
     for number, one in enumerate(forms[:_MAX_FORMS]):
         form = Fields(one, fields.at(f"forms[{number}]"))
@@ -167,7 +167,7 @@ def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterat
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
-    """Parse a form; in many TDs the topic stands in the path of the address; what ``mqv:`` has counts more."""
+    """Parse a form; in many TDs the topic is in the path of the address; ``mqv:`` terms count more."""
     if "href" not in form:
         raise form.problem("href", "is missing; give an address")
     href = form.text("href")

@@ -1,6 +1,6 @@
 """Payloads of things: their formats, and their values as the data schemas say. Pure.
 
-A *document* is what a payload spells: null, a boolean, a number, a text, a list or an object.
+A *document* is the value that a payload spells: null, a boolean, a number, a text, a list or an object.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ PayloadFormats: TypeAlias = Callable[[str], PayloadFormat | None]
 
 
 class _JsonOrWords:
-    """JSON, or bare words, which many devices send whatever the content type says."""
+    """JSON, or bare words, which many devices send under any content type."""
 
     def parse(self, payload: bytes) -> object:
         if len(payload) > MAX_STATE_BYTES:
@@ -199,7 +199,7 @@ def _flag(affordance: Affordance, value: object) -> bool | None:
     return True if text in _TRUE else False if text in _FALSE else None
 
 
-def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # what it is about
+def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # noqa: FBT001  # the value itself
     if len(affordance.schema.enum) == 2 and affordance.schema.type != "boolean":  # a yes and a no
         return _values_by_flag(affordance)[value]
     if affordance.schema.type == "string":

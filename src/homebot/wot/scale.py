@@ -21,7 +21,7 @@ def unit_of(schema: DataSchema) -> str:
 
 
 _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""Capabilities that go from nothing to all, whatever the thing calls the two ends."""
+"""Capabilities that go from nothing to all, with any words for the two ends."""
 
 _PERCENT = 100.0
 _EXACT = 12
@@ -61,7 +61,7 @@ def in_told_unit(capability: str, affordance: Affordance, document: object) -> A
 def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
     """Return the smallest and the largest number that the thing takes, in the vocabulary's unit; empty without both.
 
-    They hold for what is compared after the thing's own rounding: a bound that somebody rounded is within as well.
+    They hold for values that are compared after the thing's own rounding: a rounded bound is within as well.
     """
     low, high = affordance.schema.minimum, affordance.schema.maximum
     if low is None or high is None:

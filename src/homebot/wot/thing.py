@@ -1,4 +1,4 @@
-"""A W3C Thing Description, checked: what a thing offers, and where.
+"""A W3C Thing Description, checked: the affordances of a thing, and their forms.
 
 Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", section 5; the terms ``mqv:`` are those of the
 editor's draft "Web of Things (WoT) MQTT Binding".
@@ -37,8 +37,8 @@ class Form:
     """One way to use an affordance.
 
     Attributes:
-        ops: What it does, for example ``writeproperty``; at least one.
-        scheme: Of its address, for example ``mqtt``; empty where only a relative one was given.
+        ops: Its operations, for example ``writeproperty``; at least one.
+        scheme: Of its address, for example ``mqtt``; empty if only a relative one was given.
         href: Its address, absolute where the description said how; with ``{`` where it has variables that need a value.
         subprotocol: How values are pushed, for example ``longpoll``; empty for the protocol's own way.
         method: Of the request, for example ``PUT``; empty for the protocol's own choice.
@@ -46,8 +46,8 @@ class Form:
         topic: To publish on; empty where there is none.
         filter: To subscribe to; empty where there is none.
         qos: 0 to 2.
-        retain: Whether the broker shall keep, or keeps, what is published.
-        content_type: How payloads are spelt; ``application/json`` where nothing is declared.
+        retain: Whether the broker is to retain, or retains, messages.
+        content_type: Encoding of payloads; ``application/json`` if none is declared.
         response_type: How answers are spelt, where that is another way; empty for the same.
     """
 
@@ -121,13 +121,13 @@ class Affordance:
     Attributes:
         name: Unique among its kind in the thing.
         kind: Which of the three it is.
-        title: What people call it; empty where that is not known.
+        title: Its name for people; empty if that is not known.
         types: Its semantic types, without prefix.
-        schema: What its values may be: of an action those that it takes, of an event those that come with it.
+        schema: Its possible values: of an action those that it takes, of an event those that come with it.
         read_only: Whether it cannot be set.
         write_only: Whether it cannot be read.
         forms: The ways to use it, at least one.
-        extension: What homebot itself wrote of it, by the name after ``homebot:``; texts alone.
+        extension: Homebot's own terms, by the name after ``homebot:``; texts alone.
     """
 
     name: str
@@ -146,14 +146,14 @@ class Thing:
     """A thing.
 
     Attributes:
-        id: Its URI; empty where it has none.
-        title: What people call it.
+        id: Its URI; empty if it has none.
+        title: Its name for people.
         types: Its semantic types, without prefix.
-        description: What it is, in words.
+        description: Its description in words.
         affordances: Properties, then actions, then events, each in their order.
         facts: Further facts, by name.
-        area: Where it is; empty where that is not known.
-        identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
+        area: Its room; empty if that is not known.
+        identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.
         forms: The ways to use several affordances at once, such as ``readallproperties``.
         security: The security schemes that forms name.
     """
@@ -175,7 +175,7 @@ def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
 
     Args:
         thing: The thing.
-        others: What else it is known by, for example the name of its host.
+        others: Its other identities, for example the name of its host.
     """
     own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
     declared = identifiers(one for one in (*thing.identifiers, thing.id, *others) if one and one not in own)
@@ -195,7 +195,7 @@ def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
 
     Args:
         thing: The thing.
-        change: Returns what stands in place of a form; None leaves it out.
+        change: Returns the replacement of a form; None leaves it out.
     """
 
     def changed(forms: Iterable[Form]) -> tuple[Form, ...]:

@@ -1,6 +1,6 @@
 """Semantic types of things and properties, and our vocabulary for them, in both directions. Pure.
 
-Source: the schemas of WebThings, https://webthings.io/schemas, whose names most Thing Descriptions with semantics use.
+Source: the schemas of WebThings, https://webthings.io/schemas, used by most Thing Descriptions with semantics.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ LONE_TYPES: Mapping[str, str] = {
     "measurement": "x_sensor",
     "state": "x_binary_sensor",
 }
-"""Types of a part that has this capability and nothing to say what it is."""
+"""Types of a part that has this capability and no other sign of its type."""
 
 NAMES: Mapping[str, str] = {
     "on": "on_off",

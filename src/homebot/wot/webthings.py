@@ -26,7 +26,7 @@ _OPEN: Final[Mapping[str, object]] = {
 
 
 def with_forms(description: object, context: str) -> object:
-    """Return a Thing Description of what a Web Thing describes; another description as it is.
+    """Return a Thing Description for the description of a Web Thing; another description as it is.
 
     Args:
         description: The description, as parsed JSON.

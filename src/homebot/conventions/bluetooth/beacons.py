@@ -2,7 +2,7 @@
 
 Sources: Apple, Proximity Beacon Specification R1 (company 0x004C, type 0x02, length 0x15); Google, Eddystone-UID
 (service 0xFEAA, frame type 0x00). A beacon says how strongly it is received: an iBeacon at 1 m, Eddystone at 0 m, which
-is 41 dB more. What identifies it lasts; its address need not.
+is 41 dB more. Its identifier lasts; its address need not.
 """
 
 from __future__ import annotations

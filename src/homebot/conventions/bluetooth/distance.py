@@ -1,7 +1,7 @@
 """A coarse distance by the strength of a signal, and how uncertain it is. Pure.
 
 The model is the path loss that grows with the logarithm of the distance: ``d = 10 ** ((P1 - P) / (10 n))`` metres,
-where P is received and P1 is what is received at one metre. In a dwelling, at about 2 GHz, 10 n is 28, and walls
+where P is received and P1 is the reference at one metre. In a dwelling, at about 2 GHz, 10 n is 28, and walls
 scatter the loss by 8 dB (Recommendation ITU-R P.1238, tables of power loss coefficients and of shadow fading,
 residential), so that the true distance is within the estimate times and divided by ``10 ** (8 / 28)``, about 2, two
 times out of three. A median over some seconds takes out fading, which changes from packet to packet, but not this.

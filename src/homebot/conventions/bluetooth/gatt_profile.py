@@ -2,7 +2,7 @@
 
 A *frame* is hexadecimal bytes with fields between them: ``56{red}{green}{blue}00f0aa``. Each field is one byte:
 ``{on}`` is 01 or 00, ``{level}`` is 0 to ``level_max``, and ``{red}``, ``{green}``, ``{blue}`` are the brightest shade
-of a colour. ``..`` is any byte, in what a device reports.
+of a colour. ``..`` is any byte, in a report of a device.
 """
 
 from __future__ import annotations

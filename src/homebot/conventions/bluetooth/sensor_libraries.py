@@ -2,7 +2,7 @@
 
 These libraries share a base, ``bluetooth-sensor-state-data``: a class that takes advertisements and returns values with
 Home Assistant's device classes and units. All that are installed are used; ``homebot[ble-sensors]`` installs some.
-What a library would read over a connection, as some do, is not read.
+Values that a library would read over a connection, as some do, are not read.
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ _PRESSES: Mapping[str, str] = {
 
 _BUTTONS = frozenset({"button", "cube", "dimmer"})
 _MOMENTS = frozenset({"motion", "vibration"})
-"""What an event says is so, by the first word of its key; no event says when it ends (Govee H5121 and H5124, Xiaomi
+"""States that an event reports, by the first word of its key; no event reports their end (Govee H5121 and H5124, Xiaomi
 MUE4094RT)."""
 
 MOMENT = 90.0
-"""Seconds after which it is unknown again: what Zigbee2MQTT has for motion sensors that do not say it either."""
+"""Seconds after which it is unknown again: the value in Zigbee2MQTT for motion sensors that do not report it either."""
 
 
 class _Sensor:
@@ -70,7 +70,7 @@ class _Sensor:
 
 
 class SensorLibraryParser(BroadcastParser):
-    """Reads what any installed library of this family supports.
+    """Reads the broadcasts that any installed library of this family supports.
 
     Args:
         bind_keys: The keys of devices that encrypt, by address.
@@ -225,7 +225,7 @@ def _take(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
 
 
 def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[BroadcastValue]:
-    """Add the part of an event, and yield its value: a press, a condition for a moment, or what happened in its words.
+    """Add the part of an event, and yield its value: a press, a condition for a moment, or the event in its words.
 
     The last is of a part of its own: a lock has a state of the same name.
     """
@@ -284,7 +284,7 @@ def _part_id(key: DeviceKey) -> str:
 
 
 def _metadata(update: SensorUpdate) -> dict[str, str]:
-    """Return what is known of the device itself, not of probes at it."""
+    """Return the facts of the device itself, not of probes at it."""
     info = next(iter(update.devices.values()), None)
     if info is None:
         return {}
@@ -293,7 +293,7 @@ def _metadata(update: SensorUpdate) -> dict[str, str]:
 
 
 def _problem(reader: BluetoothData) -> str:
-    """Return what is wrong with a device that encrypts; by attributes that the libraries for such devices share."""
+    """Return the problem of a device that encrypts; by attributes that the libraries for such devices share."""
     scheme = getattr(getattr(reader, "encryption_scheme", None), "name", "NONE")
     if scheme == "NONE" or getattr(reader, "bindkey_verified", True):
         return ""

@@ -4,7 +4,7 @@ Source: https://bthome.io/encryption. AES-CCM with the bind key of 16 bytes and 
 of the device, the UUID 0xFCD2 as it is sent, the flags byte and a counter of 4 bytes. The counter and the check are the
 last eight bytes of a packet.
 
-The counter goes up with each packet and protects against replays: packets that somebody recorded and sends again.
+The counter goes up with each packet and protects against replays of recorded packets.
 It is compared as a serial number (RFC 1982), so that it may wrap around after 2**32 packets. A lower one is accepted
 only where the device has begun to count again, as many do with a new battery; see :class:`BindKey`.
 """
@@ -40,8 +40,8 @@ class BindKey:
 
     The first packet may have any counter. After that, the counter has to go up. It may begin again below 100 if nothing
     was opened for 30 seconds. A packet that was opened before is never opened again: the last thousand are remembered,
-    and a thousand with counters below 100. What was recorded before homebot was started is not known to it, and is
-    opened if its counter fits.
+    and a thousand with counters below 100. Packets recorded before homebot was started are unknown to it, and are
+    opened if their counters fit.
 
     Args:
         key: The 16 bytes.
@@ -108,7 +108,7 @@ def seal(key: bytes, address: bytes, flags: int, counter: int, objects: bytes) -
         address: The device's address, in the order in which people write it.
         flags: The byte of flags, with bit 0 set.
         counter: How many packets it sent before, modulo 2³².
-        objects: What is to be encrypted.
+        objects: The plain text.
     """
     head, counted = bytes([flags]), counter.to_bytes(_COUNTER, "little")
     sealed = AESCCM(key, tag_length=_CHECK).encrypt(address + _UUID + head + counted, objects, None)

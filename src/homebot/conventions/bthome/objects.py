@@ -1,4 +1,4 @@
-"""The objects of BTHome v2: what each object id means, how it is encoded, and what it is in the vocabulary. Pure.
+"""The objects of BTHome v2: meaning, encoding and capability of each object id. Pure.
 
 Source: https://bthome.io/format, tables of sensors, binary sensors, events, device information and miscellaneous data.
 """
@@ -33,8 +33,8 @@ class BTHomeObject:
 
     Attributes:
         name: The property, for example ``temperature``; several ids may have the same.
-        capability: What it is in the vocabulary; empty for what is no value of a part.
-        size: Bytes of its data; 0 where the first byte of the data says how many follow.
+        capability: Its capability in the vocabulary; empty for objects that are no value of a part.
+        size: Bytes of its data; 0 if the first byte of the data is their number.
         signed: Whether the number may be negative.
         factor: By which the number is multiplied, as text, so that no digit is lost: ``0.01``.
         unit: The unit of the product, where the vocabulary has none for the capability.
@@ -73,7 +73,7 @@ BUTTON_PRESSES: Mapping[int, str] = {
     0x80: "hold",
     0x81: "release",
 }
-"""What a button reports, in the words of the vocabulary; 0 is none."""
+"""Reports of a button, in the words of the vocabulary; 0 is none."""
 
 DIMMER_TURNS: Mapping[int, str] = {0x01: "rotate_left", 0x02: "rotate_right"}
 COMMANDS: Mapping[int, str] = {0x00: "off", 0x01: "on", 0x02: "toggle", 0x03: "step_up", 0x04: "step_down"}

@@ -47,9 +47,9 @@ class Measured(NamedTuple):
     """One value of a packet.
 
     Attributes:
-        part: Where it belongs: the name of its object, with ``_2`` and so on from the second of that name.
-        object: What it is.
-        value: In the unit of the vocabulary, or that of the object; of an event, what happened.
+        part: Its part: the name of its object, with ``_2`` and so on from the second of that name.
+        object: Its row in the table.
+        value: In the unit of the vocabulary, or that of the object; of an event, its word.
     """
 
     part: str
@@ -63,8 +63,8 @@ class BTHomeFrame:
 
     Attributes:
         flags: The first byte.
-        address: The address that the device says it has; empty where it does not.
-        body: What follows: the objects, or what they are encrypted to.
+        address: The address in the packet; empty if it has none.
+        body: The rest: the objects, plain or encrypted.
     """
 
     flags: int
@@ -120,7 +120,7 @@ def read_frame(data: bytes) -> BTHomeFrame:
 
 
 def read_packet(data: bytes) -> BTHomePacket:
-    """Return what is in the service *data* of a device that does not encrypt.
+    """Return the packet in the service *data* of a device that does not encrypt.
 
     Raises:
         WireError: They are not BTHome v2, or encrypted.
@@ -132,7 +132,7 @@ def read_packet(data: bytes) -> BTHomePacket:
 
 
 def read_objects(body: bytes) -> BTHomePacket:
-    """Return what the objects of a packet say.
+    """Return the values of the objects of a packet.
 
     Raises:
         WireError: An object is cut off, or its text is no text.

@@ -2,7 +2,7 @@
 
 Source: https://bthome.io/format. A device sends each packet several times; the packet id tells packets apart. A packet
 with an older id than the last one is late, and is ignored. Without packet ids, the same bytes are the same packet until
-there is a pause of four seconds, as in the library ``bthome-ble``. An encrypted packet is read once, whatever its id.
+there is a pause of four seconds, as in the library ``bthome-ble``. An encrypted packet is read once, with any id.
 """
 
 from __future__ import annotations

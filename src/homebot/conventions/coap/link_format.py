@@ -1,7 +1,7 @@
 """Links of CoRE Link Format, in and out. Pure.
 
 Source: RFC 6690, section 2; the grammar is that of RFC 8288 with an explicit anchor, and with its empty elements: small
-devices print a comma after each link. What is not a link is an error, and nothing of it is kept.
+devices print a comma after each link. An invalid link is an error, and nothing of it is kept.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class WebLink:
-    """A link to a resource, with what is said of that.
+    """A link to a resource, with its attributes.
 
     Attributes:
         target: The address, as it was spelt: ``/light``.

@@ -1,4 +1,4 @@
-"""The registrations of a resource directory, and what it answers to lookups. Pure, and bounded.
+"""The registrations of a resource directory, and its answers to lookups. Pure, and bounded.
 
 Source: RFC 9176, sections 5 and 6. Lookups are filtered by the parameters and attributes that the RFC has.
 """
@@ -39,7 +39,7 @@ class EndpointRegistration:
 
     Attributes:
         path: Where it can be renewed and deleted: ``/rd/1``.
-        parameters: What it says of its endpoint: ``ep``, ``d``, ``base``, ``lt``, ``et``.
+        parameters: The parameters of its endpoint: ``ep``, ``d``, ``base``, ``lt``, ``et``.
         links: The resources.
         source: The host that it came from.
         expires_at: Reading of the monotonic clock at which it ends.
@@ -81,7 +81,7 @@ class DirectoryRegistry:
     ) -> EndpointRegistration:
         """Take a registration; one of the same endpoint takes the place of the one before, if it is of the same host.
 
-        A name belongs to who registered it until that registration ends (RFC 9176, section 7.5).
+        A name belongs to its first registrant until that registration ends (RFC 9176, section 7.5).
 
         Args:
             parameters: Its query parameters.
@@ -115,7 +115,7 @@ class DirectoryRegistry:
         return made
 
     def check(self, parameters: Mapping[str, str]) -> dict[str, str]:
-        """Return the query parameters of a registration, with what they leave out.
+        """Return the query parameters of a registration, completed with defaults.
 
         Raises:
             WireError: They break the rules; says which.
@@ -125,7 +125,7 @@ class DirectoryRegistry:
         return checked
 
     def renew(self, path: str, parameters: Mapping[str, str], source: str, now: float) -> EndpointRegistration:
-        """Update a registration, whose lifetime begins anew; what it does not say stays as it was.
+        """Update a registration, with a new lifetime; parameters that it leaves out stay unchanged.
 
         Raises:
             WireError: It breaks the rules: neither name nor sector can be changed.

@@ -1,4 +1,4 @@
-"""A service that was found on the network, and what it tells of its device: names, identifiers and facts. Pure."""
+"""A service that was found on the network, and the facts of its device: names, identifiers and metadata. Pure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SEPARATORS = re.compile(r"[|,;\s]+")
 """Between the addresses of a device that says several."""
 
 _DECLARED = ("serial", "serialnumber", "serial_number", "serialnum", "sn", "uuid", "udn", "usn", "id")
-"""Keys that say what the device calls itself."""
+"""Keys for the identifier that the device gives itself."""
 
 _SHORTEST = 8
 """Characters of a declared id: a shorter one, such as ``1``, belongs to many devices."""
@@ -69,7 +69,7 @@ class FoundService:
 
 
 def facts_of(service: FoundService) -> dict[str, str]:
-    """Return what is known of a service, as metadata of its device: DNS-SD's facts, and TXT as ``txt_<key>``."""
+    """Return the facts of a service, as metadata of its device: DNS-SD's facts, and TXT as ``txt_<key>``."""
     found = {
         "dns_sd_type": service.service_type.removesuffix(".local."),
         "host": service.host.removesuffix("."),
@@ -83,7 +83,7 @@ def facts_of(service: FoundService) -> dict[str, str]:
 
 
 def identifiers_of(service: FoundService) -> tuple[str, ...]:
-    """Return by what the device of a service is known beyond this gateway; see :mod:`homebot.devices.identity`.
+    """Return the identifiers of a service's device beyond this gateway; see :mod:`homebot.devices.identity`.
 
     A host name and an instance name count where they contain a hardware address: without one, they are names that
     people give. For the host as such, see :func:`host_identifier`.
@@ -127,7 +127,7 @@ def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str,
     Args:
         found: Addresses, as text; link-local ones of IPv6 with their scope, without which they lead nowhere.
         with_loopback: Whether a loopback address is this computer's own service. One that was announced on a network
-            would let any neighbour have us connect to what listens for this computer alone.
+            would let any neighbour have us connect to services for this computer alone.
     """
     ranked: dict[str, int] = {}
     for text in found:

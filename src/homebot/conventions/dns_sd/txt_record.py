@@ -34,8 +34,8 @@ def read_txt(data: bytes) -> TxtRecord:
     """Return the content of a TXT record.
 
     Args:
-        data: The record: strings of up to 255 bytes, each after its length; as RFC 6763 says, one that begins with
-            ``=`` or whose key is not printable ASCII is passed over.
+        data: The record: strings of up to 255 bytes, each after its length; as RFC 6763 says, one is passed over if
+            it begins with ``=``, or if its key is not printable ASCII.
     """
     properties: dict[str, str] = {}
     problem = ""

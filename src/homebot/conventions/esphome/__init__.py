@@ -1,4 +1,4 @@
-"""ESPHome's native API: what the entities of a device are, what they report, and how they are commanded. Pure.
+"""ESPHome's native API: the entities of a device, their reports and commands. Pure.
 
 Source: ESPHome 2026.10, ``components/api/api.proto``.
 """

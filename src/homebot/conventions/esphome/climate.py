@@ -178,7 +178,7 @@ _ANY_CELSIUS = (-100.0, 200.0)
 
 
 def _add_targets(entity: EsphomeEntity, thermometer: _Thermometer, flags: int, modes: Mapping[str, object]) -> None:
-    """Offer the targets: of a pair the lower one heats and the upper one cools; a single one does what its modes can.
+    """Offer the targets: of a pair the lower one heats and the upper one cools; a single one follows its modes.
 
     With either flag of a pair, ESPHome refuses the single target in every mode (``ClimateCall::validate_``).
     """

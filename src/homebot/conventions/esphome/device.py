@@ -42,7 +42,7 @@ class EsphomeDevice:
     """A device and its entities.
 
     Entities that are disabled by default are left out, as are cameras, and infrared and radio transmitters, for which
-    the vocabulary has no type, and what reports a code or password.
+    the vocabulary has no type, and entities that report a code or password.
 
     Args:
         info: Its ``DeviceInfoResponse``.

@@ -89,7 +89,7 @@ class EsphomeEntity:
             self._readers[name] = read
         if write is not None:
             self._writers[name] = write
-        is_assumed = self.info.get("assumed_state") is True  # what it reports is what it was told
+        is_assumed = self.info.get("assumed_state") is True  # it reports its last command
         self._capabilities.append(
             Capability(
                 name=name,
@@ -219,7 +219,7 @@ def percent_writer(name: str, field: str) -> FieldWriter:
 
 
 def table_reader(field: str, meanings: Mapping[object, str]) -> FieldReader:
-    """Return a reader of a field whose values have these *meanings*; another value is unknown."""
+    """Return a reader of a field with values of these *meanings*; another value is unknown."""
 
     def read(state: Fields) -> PlainValue:
         value = state.get(field)

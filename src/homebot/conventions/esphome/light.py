@@ -113,9 +113,9 @@ class _Whites:
         return {**found, "white": 1.0} if mode & _RGB and mode & _COLOR_TEMPERATURE else found
 
     def _mixed(self, state: Fields, said: float | None) -> float | None:
-        """Return the mired of a mixture of two whites: what the lamp *said*, unless the channels contradict it.
+        """Return the mired of a mixture of two whites: the reported *said*, unless the channels contradict it.
 
-        What it says is what it was told last as a colour temperature; the channels are not linear (gamma).
+        The reported value is its last command as a colour temperature; the channels are not linear (gamma).
         """
         cold, warm = number_of(state, "cold_white") or 0.0, number_of(state, "warm_white") or 0.0
         if min(cold, warm) < 0 or not cold + warm:

@@ -182,7 +182,7 @@ def _alarm(kind: str, info: Fields) -> EsphomeEntity:
 
 
 def _media_player(kind: str, info: Fields) -> EsphomeEntity:
-    """Describe a player, with what the vocabulary has of it: state, volume, on and off."""
+    """Describe a player, with its capabilities in the vocabulary: state, volume, on and off."""
     has = whole_of(info, "feature_flags")
     entity = EsphomeEntity(kind, info, "speaker")
     if has & _SWITCHED == _SWITCHED:

@@ -1,4 +1,4 @@
-"""One rendering of a template: what its names mean, what it has written, and how much work it may still do."""
+"""One rendering of a template: the values of its names, its output, and the work left to it."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Run:
     """One rendering.
 
     Args:
-        names: What the names of the template mean at its start.
-        now: The time, with its time zone, where it is known.
+        names: The values of the template's names at its start.
+        now: The time, with its time zone, if it is known.
     """
 
     __slots__ = ("_length", "_names", "_parts", "_scopes", "_steps", "now")
@@ -32,7 +32,7 @@ class Run:
         self._length = 0
 
     def lookup(self, name: str) -> object:
-        """Return what *name* means here; UNDEFINED where it means nothing."""
+        """Return the value of *name* here; UNDEFINED if it has none."""
         for scope in reversed(self._scopes):
             if name in scope:
                 return scope[name]
@@ -43,7 +43,7 @@ class Run:
         self._scopes[-1][name] = value
 
     def enter(self) -> None:
-        """Open a scope: what is assigned in it ends with it."""
+        """Open a scope: its assignments end with it."""
         self._scopes.append({})
 
     def leave(self) -> None:

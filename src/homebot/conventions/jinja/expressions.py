@@ -1,7 +1,7 @@
 """Expressions of a template: each function here makes one that, given a run, gives its value.
 
-Whatever costs more than a moment is counted with the run: a function, a method and an operator have the size of their
-values counted before, where that decides their cost, and the size of their result after.
+Work that costs more than a moment is counted with the run: a function, a method and an operator have the size of their
+values counted before, if that decides their cost, and the size of their result after.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ __all__ = [
 
 Evaluate: TypeAlias = Callable[[Run], object]
 Function: TypeAlias = Callable[..., object]
-"""Takes the run, then what it is called with; raises what Python raises for wrong values."""
+"""Takes the run, then its arguments; raises Python's errors for wrong values."""
 
 
 def constant(value: object) -> Evaluate:

@@ -1,6 +1,6 @@
-"""All filters and functions of the language by name, those of time, and what only Home Assistant has.
+"""All filters and functions of the language by name, those of time, and those of Home Assistant alone.
 
-The clock and the time zone are those of the caller, or what needs them fails.
+The clock and the time zone are those of the caller; functions that need them fail without them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Limits of what a stranger's template may take, and the errors that say what it did wrong. Pure."""
+"""Limits on the work of a stranger's template, and the errors that name its mistakes. Pure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class UndefinedValueError(TemplateError):
 
 
 class NotDefinedError(UndefinedValueError):
-    """A message lacks what the template asks for with ``is_defined``: it is not meant for this reader, and no fault."""
+    """A message lacks a value that the template checks by ``is_defined``: it is for another reader, and no fault."""
 
 
 MAX_SOURCE: Final = 8192

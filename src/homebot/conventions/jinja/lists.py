@@ -1,4 +1,4 @@
-"""Filters over lists and mappings, and what else goes through many values."""
+"""Filters over lists and mappings, and other loops over many values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "values_of"]
 
 
 def values_of(run: Run, value: object) -> list[object]:
-    """Return what going through *value* gives: the items of a list, the keys of a mapping, the characters of a text.
+    """Return the values of iterating *value*: the items of a list, the keys of a mapping, the characters of a text.
 
     Raises:
         TemplateError: There are too many.
@@ -33,7 +33,7 @@ def values_of(run: Run, value: object) -> list[object]:
 
 
 def attribute_of(value: object, path: object) -> object:
-    """Return what *value* holds at *path*: keys and indexes with dots between them, or one index."""
+    """Return the value at *path* in *value*: keys and indexes with dots between them, or one index."""
     for part in path.split(".") if isinstance(path, str) else [path]:
         value = item(value, int(part) if isinstance(part, str) and _INDEX.fullmatch(part) else part)
     return value

@@ -1,7 +1,7 @@
 """Arithmetic as Python has it, where no result can be large, and filters and functions of numbers.
 
-Bounds on numbers are checked by :meth:`Run.handle`. What has a *default* gives it for a value that is no number, and
-fails without one; what is undefined fails with one too.
+Bounds on numbers are checked by :meth:`Run.handle`. A filter with a *default* gives it for a value that is no number,
+and fails without one; an undefined value fails with one too.
 
 Source: ``homeassistant/helpers/template.py`` of Home Assistant 2025.4.4.
 """
@@ -60,7 +60,7 @@ BINARY: Final[dict[str, Binary]] = {
     "Mod": _remainder,
     "Pow": _power,
 }
-"""The binary operators, by Jinja's names of them. They raise what Python raises, or TemplateError."""
+"""The binary operators, by Jinja's names of them. They raise Python's errors, or TemplateError."""
 
 ORDER: Final[dict[str, Binary]] = {
     "eq": operator.eq,

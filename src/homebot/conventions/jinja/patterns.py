@@ -67,7 +67,7 @@ def _pattern(run: Run, find: object, subject: str, ignorecase: object) -> re.Pat
         raise TemplateError(f"a regular expression has more than {_LONGEST} characters")
     run.spend(_COMPILING)
     repeats, branches, pattern = _compiled(expression, re.IGNORECASE if ignorecase else re.NOFLAG)
-    # The places where a match starts and where each repetition ends are in order; at each, what is fixed is tried.
+    # The places where a match starts and where each repetition ends are in order; at each, the fixed rest is tried.
     ends = math.comb(len(subject) + repeats + 1, repeats + 1) << branches
     places = ends * (1 + min(len(subject), len(expression)) // 4)
     run.spend(places // _PLACES_PER_STEP)
@@ -89,7 +89,7 @@ def _complexity(expression: str) -> tuple[int, int]:
     """Return how many repetitions and branches *expression* has.
 
     Raises:
-        TemplateError: It has what makes its work unbounded.
+        TemplateError: A construct in it makes its work unbounded.
     """
     repeats = branches = 0
     groups: list[bool] = []

@@ -65,7 +65,7 @@ def assignment(target: Assign, value: Evaluate) -> Execute:
 
 
 def block_assignment(target: Assign, body: Sequence[Execute]) -> Execute:
-    """Execute ``set`` with what a block writes."""
+    """Execute ``set`` with the output of a block."""
 
     def execute(run: Run) -> None:
         start = run.mark()
@@ -117,11 +117,11 @@ def loop(
     """Execute ``for``, with ``loop`` as a mapping.
 
     Args:
-        target: What each value is assigned to, in a scope of its own.
-        values: What is gone through.
+        target: The target of each value, in a scope of its own.
+        values: The values of the loop.
         test: Which of them count; None for all.
-        body: What is done with each.
-        otherwise: What is done when there is none.
+        body: The work for each value.
+        otherwise: The work if there is none.
         weight: Work of one turn, in steps.
     """
 
@@ -200,8 +200,8 @@ class Program:
     """A template that was read.
 
     Args:
-        body: What it does.
-        names: The names whose meaning it asks for.
+        body: Its work.
+        names: The names that it looks up.
         weight: The work of going through all of it once, in steps.
     """
 

@@ -1,7 +1,7 @@
 """Reads templates with Jinja's own parser, and lets through a listed part of its language. Only here is Jinja known.
 
-Source: Jinja 3.1 documentation, The Abstract Syntax Tree. Of Jinja nothing but its lexer and parser is used: what a
-template does is done by :mod:`expressions` and :mod:`statements`.
+Source: Jinja 3.1 documentation, The Abstract Syntax Tree. Of Jinja nothing but its lexer and parser is used: templates
+are executed by :mod:`expressions` and :mod:`statements`.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ __all__ = ["parse"]
 
 
 def parse(source: str) -> Program:
-    """Return what the template *source* does.
+    """Return the program of the template *source*.
 
     Raises:
-        TemplateError: It is no template, or uses what is outside the supported part; the problem says what, in a few
+        TemplateError: It is no template, or uses an unsupported feature; the problem names it, in a few
             words that follow "the template".
     """
     _check_brackets(source)

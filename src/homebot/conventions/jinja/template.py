@@ -77,11 +77,11 @@ class Path:
         return cls(match["name"], keys, must_be=match["must_be"] is not None)
 
     def render(self, variables: Mapping[str, object]) -> str:
-        """Return the text of what is there in *variables*; see :meth:`Template.render`."""
+        """Return the text for *variables*; see :meth:`Template.render`."""
         return self._text(variables.get(self.name, UNDEFINED))
 
     def render_payload(self, payload: PayloadContext) -> str:
-        """Return the text of what is there in *payload*."""
+        """Return the text for *payload*."""
         return self._text(payload.value if self.name == "value" else payload.value_json)
 
     def _text(self, value: object) -> str:
@@ -135,9 +135,9 @@ class Template:
         """Return the text that the template gives, without white space around it.
 
         Args:
-            variables: What its names mean: plain values as JSON has them, never changed. A name that is not there is
+            variables: The values of its names: plain values as JSON has them, never changed. A missing name is
                 undefined, which is an empty text.
-            now: The time, with its time zone, for ``now()`` and what is local; without it these fail.
+            now: The time, with its time zone, for ``now()`` and local times; without it these fail.
 
         Raises:
             NotDefinedError: Something that ``is_defined`` asks for is not there.
@@ -192,7 +192,7 @@ def compile_template(source: str) -> Template:
     return _compiled(source) if len(source) <= _LONGEST_KEPT else Template(source)
 
 
-# What a template is compiled to takes up to about a hundred times the memory of its text.
+# A compiled template takes up to about a hundred times the memory of its text.
 _LONGEST_KEPT = 1024
 _compiled = lru_cache(maxsize=1024)(Template)
 

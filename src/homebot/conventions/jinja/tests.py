@@ -1,4 +1,4 @@
-"""The tests of the language: what may follow ``is``."""
+"""The tests of the language: the words that may follow ``is``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The values a template handles: how they are looked into, and what text they give, each in bounded work."""
+"""The values a template handles: look-up and text of each, in bounded work."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Undefined:
         return id(Undefined)
 
     def fail(self, *_: object) -> NoReturn:
-        """Raise what every use of the value raises."""
+        """Raise the error of every use of the value."""
         raise UndefinedValueError("a value that the template uses is not in the message")
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = fail
@@ -69,9 +69,9 @@ class Namespace:
 
 
 def item(value: object, key: object) -> object:
-    """Return what *value* holds at *key*: a key, an index, or a part of a time; UNDEFINED where there is none.
+    """Return the value at *key* in *value*: a key, an index, or a part of a time; UNDEFINED if there is none.
 
-    Jinja would go on to look for an attribute of that name. We do not: what a message lacks is not there.
+    Jinja would go on to look for an attribute of that name. We do not: a field missing in a message is undefined.
 
     Raises:
         TemplateError: *value* is undefined itself.

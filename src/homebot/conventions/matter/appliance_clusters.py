@@ -52,7 +52,7 @@ _RESUME: Final = 3
 
 
 def appliance_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield modes, and what it is doing."""
+    """Yield modes, and the operational state."""
     for cluster, attributes in _MODES.items():
         labels = _labels(endpoint, cluster)
         if labels and endpoint.has(cluster, attributes.current):

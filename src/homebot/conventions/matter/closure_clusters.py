@@ -33,7 +33,7 @@ _COVERING: Final = (0x44, 0)
 _PANEL_STATE: Final = 0
 _PANEL_TAGS: Final = 0x45
 _TILT: Final = 1
-"""The tag of a panel whose slats turn."""
+"""The tag of a panel with turning slats."""
 
 
 def closure_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:

@@ -45,7 +45,7 @@ class MatterEndpoint:
         clusters: Values by cluster and attribute, as JSON has them.
     """
 
-    def __init__(self, id: int) -> None:  # noqa: A002 - what Matter calls it
+    def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
         self.clusters: dict[int, dict[int, object]] = {}
 
@@ -184,8 +184,8 @@ class MatterAbility:
         capability: The capability.
         read: Returns its value from the known attributes; None where it is never reported.
         write: Returns the orders that set it; None where it cannot be set.
-        also_read: A further cluster that it is read from; None where there is none.
-        beside: The part of the endpoint that has it, such as ``battery``; empty for what the endpoint is for.
+        also_read: A further cluster that it is read from; None if there is none.
+        beside: The part of the endpoint that has it, such as ``battery``; empty for the main part.
     """
 
     cluster: int

@@ -1,4 +1,4 @@
-"""The name of an endpoint for people: its labels, or what its semantic tags say. Pure.
+"""The name of an endpoint for people: its labels, or the words of its semantic tags. Pure.
 
 Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label); Standard Namespaces.
 """

@@ -1,4 +1,4 @@
-"""The clusters of what opens and closes: Window Covering, Door Lock, Valve Configuration and Control. Pure.
+"""The clusters of things that open and close: Window Covering, Door Lock, Valve Configuration and Control. Pure.
 
 Matter counts how far a covering is closed, the vocabulary how far it is open.
 

@@ -30,7 +30,7 @@ _CAPABILITY_TYPES: Final = {
     "position": "closure",
     "tilt": "closure",
     "number": "x_setting",
-    "option": "x_setting",  # of an appliance too: what turns all switches off shall not stop a freezer
+    "option": "x_setting",  # of an appliance too: a command to turn all switches off must not stop a freezer
     "on_off": "switch",
     "press": "generic_switch",
     "power": "electrical_meter",
@@ -38,10 +38,10 @@ _CAPABILITY_TYPES: Final = {
     "temperature": "temperature_sensor",
     "humidity": "humidity_sensor",
 }
-"""By what it can do: the type of an endpoint whose device types are not known."""
+"""By capability: the type of an endpoint with unknown device types."""
 
 _COOKERS: Final = {0x0077: "cooktop", 0x0078: "cooktop", 0x0079: "microwave oven", 0x007B: "oven"}
-"""By device type: what has no type in the vocabulary and gets hot, as people and policies call it."""
+"""By device type: devices that have no type in the vocabulary and get hot, under the names of people and policies."""
 
 _FINDERS: Final = (
     light_abilities,
@@ -55,7 +55,7 @@ _FINDERS: Final = (
 
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
-    """Yield the parts that an endpoint is: what it is for, and beside that its battery and plain measurements.
+    """Yield the parts of an endpoint: its main function, and beside that its battery and plain measurements.
 
     Args:
         endpoint: The endpoint.
@@ -103,7 +103,7 @@ def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
 
 
 def _advertised(endpoint: MatterEndpoint) -> str:
-    """Return the device types, with the word for what gets hot: of the cabinet of an oven, its clusters say so."""
+    """Return the device types, with the word for a hot device: the cabinet of an oven is known by its clusters."""
     types = endpoint.device_types[:5]
     text = ", ".join(f"0x{one:04X}" for one in types)
     hot = next((_COOKERS[one] for one in types if one in _COOKERS), "oven" if is_oven_cabinet(endpoint) else "")

@@ -77,10 +77,10 @@ _CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
     1069: ("pm10", _MICROGRAMS),
     1070: ("volatile_organic_compounds", _MICROGRAMS),
 }
-"""By cluster: what is measured, and the factors of the units that can be converted."""
+"""By cluster: the measured quantity, and the factors of the units that can be converted."""
 
 _PLAIN: Final = {1043: "nitrogen_dioxide", 1045: "ozone", 1067: "formaldehyde", 1071: "radon"}
-"""Clusters of what the vocabulary has no capability for: the measurements of parts beside the air's quality."""
+"""Clusters without a capability in the vocabulary: the measurements of parts beside the air's quality."""
 
 _UNITS: Final = ("ppm", "ppb", "ppt", "mg/m³", "µg/m³", "ng/m³", "1/m³", "Bq/m³")
 _CONCENTRATION, _UNIT = 0, 8
@@ -97,7 +97,7 @@ _SCALED_PRESSURE, _SCALE = 16, 20
 
 
 def sensor_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield what the endpoint measures and watches."""
+    """Yield the measurements and alarms of the endpoint."""
     for (cluster, attribute), (name, convert) in _MEASURED.items():
         if endpoint.has(cluster, attribute):
             yield MatterAbility(cluster, Capability(name=name), partial(_read_number, cluster, attribute, convert))
@@ -160,7 +160,7 @@ def _battery_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
 
 
 def _boolean_state(endpoint: MatterEndpoint) -> tuple[str, bool]:
-    """Return what the state of an endpoint is about, and which value of it means yes."""
+    """Return the subject of an endpoint's state, and the value that means yes."""
     types = endpoint.device_types
     for number, found in ((_LEAK, "water_leak"), (_RAIN, "rain"), (_FREEZE, "freeze")):
         if number in types:

@@ -62,7 +62,7 @@ class CardTag:
 
 
 class _Type4Memory:
-    """The NDEF file of a Type 4 tag, whose application is selected."""
+    """The NDEF file of a Type 4 tag with a selected application."""
 
     def __init__(self, transmit: Transmit) -> None:
         self._transmit = transmit

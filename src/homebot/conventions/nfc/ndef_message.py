@@ -29,7 +29,7 @@ class NdefRecord:
     """A record of a message.
 
     Attributes:
-        kind: Whether it is a URI, a text, a document of a media type, or of somebody's own type.
+        kind: Whether it is a URI, a text, a document of a media type, or of an external type.
         data: The URI, the text, or the document.
         type: The media type, or the type after ``urn:nfc:ext:``, in lower case.
     """
@@ -106,7 +106,7 @@ def _decoded(message: bytes, known: Mapping[str, object] | None = None) -> list[
     more = {} if known is None else {"known_types": dict(known)}
     try:
         decoded = list(islice(ndef.message_decoder(message, errors="strict", **more), _MAX_RECORDS + 1))
-    except Exception as exc:  # the library lets through what its parsing of a damaged message comes upon
+    except Exception as exc:  # the library lets through the errors of its parsing of a damaged message
         raise WireError(f"not an NDEF message: {exc}", message) from exc
     if len(decoded) > _MAX_RECORDS:
         raise WireError(f"an NDEF message has more than {_MAX_RECORDS} records")
@@ -114,7 +114,7 @@ def _decoded(message: bytes, known: Mapping[str, object] | None = None) -> list[
 
 
 def _read(record: object) -> Iterator[NdefRecord]:
-    """Yield what an undecoded record says; only the types that can point to something are looked into.
+    """Yield the records in an undecoded record; only the types that can point to something are read.
 
     Raises:
         WireError: It is one of these, and damaged.
@@ -138,7 +138,7 @@ def _read(record: object) -> Iterator[NdefRecord]:
 
 
 def _well_known(record: object) -> Iterator[NdefRecord]:
-    """Yield what an undecoded URI or text says.
+    """Yield the content of an undecoded URI or text.
 
     Raises:
         WireError: It is damaged.

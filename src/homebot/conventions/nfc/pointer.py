@@ -22,7 +22,7 @@ from homebot.errors import WireError
 __all__ = ["CheckThing", "Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
 
 CheckThing: TypeAlias = Callable[[Mapping[str, object]], object]
-"""Raises :class:`WireError` for an invalid Thing Description; what it returns is not used."""
+"""Raises :class:`WireError` for an invalid Thing Description; its result is not used."""
 
 _DEVICE: Final = "homebot:device/"
 _EXTERNAL: Final = "homebot:device"
@@ -176,7 +176,7 @@ def _of_address(uri: str) -> Pointer:
         topic = unquote(parts.path).strip("/")
         return Pointer("mqtt", shown, address=topic) if topic else Pointer("mqtt", shown)
     if parts.scheme in _URLS and parts.hostname:
-        bare = parts._replace(netloc=parts.netloc.rpartition("@")[2])  # a login that somebody wrote into it is a secret
+        bare = parts._replace(netloc=parts.netloc.rpartition("@")[2])  # a login in it is a secret
         return Pointer("url", clean_text(bare.geturl(), 200), urls=(bare.geturl(),))
     return Pointer("text", shown, words=(uri[:_MAX_TEXT],))
 

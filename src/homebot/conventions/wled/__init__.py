@@ -1,4 +1,4 @@
-"""WLED: what the lights of a controller are, what they report, and how they are commanded. Pure."""
+"""WLED: the lights of a controller, their reports and commands. Pure."""
 
 from homebot.conventions.wled.presets import preset_names
 from homebot.conventions.wled.strip import MASTER, Fields, WledStrip, effect_names

@@ -160,7 +160,7 @@ class WledStrip:
         return tuple(found)
 
     def readings(self) -> Iterator[tuple[str, Readings]]:
-        """Yield what each part reports, by its id."""
+        """Yield the reports of each part, by its id."""
         for one in self._segments:
             yield one.part, self._read_segment(one)
         if not any(one.part == MASTER for one in self._segments):
@@ -264,7 +264,7 @@ def effect_names(document: object) -> tuple[str, ...]:
     """Return the names of effects by number; those that cannot be chosen are empty.
 
     Args:
-        document: The answer to ``/json/eff``: a list of texts; what it is else has no effects.
+        document: The answer to ``/json/eff``: a list of texts; any other document has no effects.
     """
     if not isinstance(document, list):
         return ()
@@ -294,7 +294,7 @@ def _segments(state: Fields, leds: Fields) -> Iterator[_Segment]:
 
 
 def _abilities(segment: Fields, leds: Fields, place: int) -> int:
-    """Return what a segment can do: from 16 on it says so itself, before 0.13 no segment does."""
+    """Return the abilities of a segment: from 16 on it names them itself, before 0.13 no segment does."""
     known = leds.get("seglc")
     of_place = known[place] if isinstance(known, list) and place < len(known) else None
     for one in (segment.get("lc"), of_place, leds.get("lc")):

@@ -18,7 +18,7 @@ class GatewayCounters:
         commands_refused: Commands that were refused, by us or by the network.
         commands_failed: Commands that found no link.
         announcements: Messages in which devices were announced or taken back.
-        announcements_ambiguous: Those in whose JSON a key is twice.
+        announcements_ambiguous: Those with a key twice in their JSON.
         announcements_rejected: Those that broke the rules of their convention.
         announcements_deferred: Those that had to wait because too much that came where they did broke the rules.
         devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.

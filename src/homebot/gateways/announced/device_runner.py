@@ -82,7 +82,7 @@ class DeviceRunner(PublishedDevice, ABC):
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or does not let homebot in; the message says what to do.
+            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
         """
 
     @abstractmethod

@@ -80,7 +80,7 @@ class GatewayDevice:
 
 
 class _NoCodec:
-    """The codec of a part whose gateway reads and writes messages by itself."""
+    """The codec of a part that its gateway reads and writes by itself."""
 
     def topics(self) -> tuple[str, ...]:
         return ()

@@ -42,7 +42,7 @@ class BleDeviceSettings(BaseModel):
 
     Attributes:
         name: The name for people.
-        bind_key_file: File whose first line is its key, 32 hexadecimal digits, or 24 for older Xiaomi devices.
+        bind_key_file: File with its key in the first line, 32 hexadecimal digits, or 24 for older Xiaomi devices.
         bind_key_env: Environment variable that holds that key.
         rssi_at_1m: How strongly it is received at a distance of one metre, in dBm.
         profile: The profile by which it is connected to; by default that of a service which it advertises.

@@ -19,7 +19,7 @@ CoapUri = Annotated[str, AfterValidator(check_uri)]
 
 
 class CoapCredentials(BaseModel):
-    """The credentials for the devices whose address begins with a text.
+    """The credentials for the devices with addresses that begin with a text.
 
     Attributes:
         uri: Addresses that they are for; ``*`` stands for any text: ``coap://192.168.1.20/*``.

@@ -101,7 +101,7 @@ class Driver(ABC):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for what the driver needs before anything is started: its libraries, and its secrets.
+        """Look for the needs of the driver before anything is started: its libraries, and its secrets.
 
         Raises:
             UsageError: It could not work; the message gives the remedy.

@@ -98,7 +98,7 @@ class AnnouncementHandler:
     def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         """Take *message* as the first text of a device; the first of *conventions* that knows its topic is believed.
 
-        Any client may publish text, so that a topic which breaks a rule is reported and counted, but charged to no source.
+        Any client may publish text, so a topic which breaks a rule is reported and counted, but charged to no source.
         """
         for convention in conventions:
             try:

@@ -1,7 +1,7 @@
 """Responses of devices to commands, by the request and response of MQTT 5.
 
 A command carries a topic for the response, and data by which the response is matched with it; and its id in the
-journal, for people who debug the messages.
+journal, for debugging.
 
 Source: MQTT Version 5.0, section 4.10.
 """

@@ -47,7 +47,7 @@ class MqttGatewaySettings(PasswordSettings):
         ca_file: PEM file of the authorities to trust with ``mqtts``.
         cert_file: PEM file of this client's certificate.
         key_file: PEM file of its key.
-        client_id: Name at the broker, unique there; by default a new one for each run, whose session ends with it. A
+        client_id: Name at the broker, unique there; by default a new one for each run, and the session ends with it. A
             fixed one gets the messages that the broker queued while homebot was not running.
         client: ``aiomqtt``, which many others use too, or ``native``, homebot's own, which takes less time. By default
             the latter on the embedded broker, the former on all others.

@@ -1,4 +1,4 @@
-"""Devices without a Thing Description, as things: what links say of their resources. Pure.
+"""Devices without a Thing Description, as things: the resource types in their links. Pure.
 
 OCF resources are known by their type (``rt``), IPSO ones by the numbers in their path. Another resource that can be
 observed, or that its interface calls a sensor, is there to be read as a text.
@@ -31,7 +31,7 @@ class _Known:
     """A known kind of resource.
 
     Attributes:
-        name: What it is, as the names of properties say it.
+        name: Its meaning, as a property name.
         type: Of its value.
         unit: Of its value.
         bounds: The smallest and the largest value, if any.
@@ -77,7 +77,7 @@ _OCF: Mapping[str, _Known] = MappingProxyType(
 )
 
 _TARGET_TEMPERATURE = replace(_OCF["oic.r.temperature"], name="target_temperature", settable=True)
-"""A temperature of OCF that can be set: what a thermostat measures has the same type."""
+"""A temperature of OCF that can be set: a thermostat's measurement has the same type."""
 
 _ONE_OR_ZERO = ("0", "1")
 _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
@@ -107,7 +107,7 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
         (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
     }
 )
-"""By object and resource; of a quantity whose unit is in another resource, the number alone is known."""
+"""By object and resource; of a quantity with its unit in another resource, the number alone is known."""
 
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
@@ -137,13 +137,13 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     Args:
         links: The resources of one device.
         resolve: The absolute address of each target.
-        name: What people call the device.
+        name: The name of the device.
     """
     given = tuple(links)
     implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
     lit = {_folder(one) for one in given if any(word.startswith(_OCF_LIGHT) for word in one.words("rt"))}
-    # what is beside a brightness comes first: of several switches, that one is the lamp's
+    # a switch beside a brightness comes first: of several switches, that one is the lamp's
     listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
     kinds = [word for one in listed for word in one.words("rt")]
     types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))

@@ -1,7 +1,7 @@
 """W3C Thing Descriptions on MQTT topics as a convention. Pure.
 
-``homebot import`` puts a description, retained, on ``homebot/things/NAME/td``; what anything else
-puts there is read as well. The empty payload takes it back.
+``homebot import`` puts a description, retained, on ``homebot/things/NAME/td``; descriptions of other programs
+there are read as well. The empty payload takes it back.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class ThingSettings(ConventionSettings):
 class ThingDescriptions(LazyConvention[ThingSettings, "ThingReader"]):
     """Understands Thing Descriptions; keeps nothing between messages.
 
-    What a description says of other protocols than MQTT, or of payloads that are neither JSON nor text, is passed over:
+    Forms of other protocols than MQTT, or with payloads that are neither JSON nor text, are passed over:
     such a part is there, and cannot be read or set.
     """
 

@@ -44,7 +44,7 @@ _WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 
 
 class MqttBinding:
-    """The forms with topics: whoever subscribes is sent the values.
+    """The forms with topics: each subscriber is sent the values.
 
     Args:
         formats: The formats of payloads that count; forms with any other are none.
@@ -116,7 +116,7 @@ class ThingReader:
             topic=topic,
             area=clean_text(thing.area),
             facts=facts_of(thing),
-            implies_alive=True,  # who describes a thing now has just seen it; a forgotten one comes back so
+            implies_alive=True,  # its publisher has just seen the thing; a forgotten one comes back so
         )
 
 

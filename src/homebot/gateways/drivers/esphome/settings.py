@@ -32,7 +32,7 @@ class EsphomeSecrets(PasswordSettings):
     encryption, any host that announces the device would be sent the password.
 
     Attributes:
-        key_file: File whose first line is the encryption key, as in the device's ESPHome configuration under
+        key_file: File with the encryption key in its first line, as in the device's ESPHome configuration under
             ``api: encryption: key:``. Relative paths begin at the folder of the configuration's file.
         key_env: Environment variable that holds it.
         allow_plaintext_at: IP address at which one device without encryption is sent its password, and at no other.
