@@ -20,7 +20,7 @@ from homebot.errors import LinkError
 
 pytestmark = pytest.mark.virtual_time
 
-LAMPS = 5
+LAMPS = 8  # so many that the journal folds no command: it keeps ten a minute of each in full
 COMMANDS = 40
 
 

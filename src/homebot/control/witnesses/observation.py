@@ -21,7 +21,7 @@ class Observed(Enum):
 
 
 class _Sense(NamedTuple):
-    """How a sensor shows an effect.
+    """Signs of an effect in the values of a sensor.
 
     Attributes:
         least: The smallest change that counts; 0 for a sensor of truths.
