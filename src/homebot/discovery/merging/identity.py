@@ -28,7 +28,10 @@ from homebot.devices.identity import HOST
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.source_record import SourceKey
 
-__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "IdentityGraph", "is_generic"]
+__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "REPEATED", "IdentityGraph", "is_generic"]
+
+REPEATED = "repeated:"
+"""Prefix of the identifiers of announcements that are of one part, whatever they call their device."""
 
 MAX_IDENTIFIERS = 16
 """Identifiers of one announcement that count; the first ones, hardware addresses before others."""
@@ -107,6 +110,7 @@ class IdentityGraph:
         self._sources: dict[Identity, dict[SourceKey, None]] = {}
         self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
+        self._repeated: dict[SourceKey, str] = {}
 
     def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
         """Note who *key* says the device is.
@@ -163,6 +167,22 @@ class IdentityGraph:
                 reached |= self._connected(self._holders[identifier])
         return frozenset(source for one in reached for source in self._sources[one])
 
+    def bind(self, keys: Iterable[SourceKey]) -> bool:
+        """Connect announcements of one part, by an identifier of their own; return whether that is new for any.
+
+        Those that are connected need :meth:`put` again. The owner may split them, as by any other identifier.
+        """
+        keys = sorted(keys)
+        known = [self._repeated[key] for key in keys if key in self._repeated]
+        name = known[0] if known else f"{REPEATED}{'/'.join(keys[0])}"
+        is_new = any(self._repeated.get(key) != name for key in keys)
+        self._repeated.update(dict.fromkeys(keys, name))
+        return is_new
+
+    def unbind(self, key: SourceKey) -> bool:
+        """Connect *key* no more by :meth:`bind`; return whether it was, so that it needs :meth:`put` again."""
+        return bool(self._repeated) and self._repeated.pop(key, None) is not None
+
     def forget_links(self, identifiers: Iterable[str]) -> None:
         """Forget whether *identifiers* connect those that share them: the owner decided on them."""
         for identifier in identifiers:
@@ -208,6 +228,8 @@ class IdentityGraph:
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         if given := self._decisions.identifiers(key):
             found = (*found, *given)
+        if self._repeated and (name := self._repeated.get(key)):
+            found = (*found, name)
         identity_key = (key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
         identity = self._known.get(identity_key)
         if identity is None:
@@ -248,7 +270,7 @@ _HARDWARE = ("mac:", "eui64:")
 
 
 def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
-    if identifier.startswith(OWNER):
+    if identifier.startswith((OWNER, REPEATED)):
         return True
     if len(holders) > MAX_HOLDERS:
         return False

@@ -84,6 +84,7 @@ class SightingIntake:
             merger.join(table.owners[sibling], source, sibling)
         else:
             merger.regroup(affected, why)
+        merger.join_repetitions(key)
         if sighting.confirmed and not is_alone:
             self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
 
@@ -99,6 +100,8 @@ class SightingIntake:
                 entry = table.owners[key]
             self._merger.describe(entry)
             table.note("changed", entry, "its description changed")
+            self._merger.join_repetitions(key)
+            entry = table.owners[key]
         if sighting.confirmed:
             self._liveness.mark_seen(entry, source, sighting.seen_at, "it sent a message")
         elif not source.confirmed and entry.freshness == "unconfirmed":
@@ -132,3 +135,5 @@ class SightingIntake:
             source.number = self._number
             table.sources[key] = source
         self._merger.restore(entry, now, wall)
+        for key in entry.sources:
+            self._merger.join_repetitions(key)

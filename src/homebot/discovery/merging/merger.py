@@ -11,7 +11,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
-from homebot.discovery.merging.identity import IdentityGraph
+from homebot.discovery.merging.identity import REPEATED, IdentityGraph
 from homebot.discovery.merging.part_ids import NO_IDS
 from homebot.discovery.merging.parts import CONFIRM
 from homebot.discovery.merging.regrouping import Regrouped, regroup
@@ -137,6 +137,7 @@ class DeviceMerger:
         for key, source in entry.sources.items():
             if retained_only:
                 self._pending.remember_forgotten(key, source.sighting)
+            self.identities.unbind(key)
             affected |= self.identities.discard(key)
             del table.sources[key], table.owners[key]
             self._refresh_conflicts(table.topics.discard(key))
@@ -149,12 +150,29 @@ class DeviceMerger:
     def withdraw(self, entry: Entry, key: SourceKey, why: str) -> None:
         """Remove one of several announcements of *entry*."""
         table = self._table
+        self.identities.unbind(key)
         affected = self.identities.discard(key)
         del table.sources[key], table.owners[key], entry.sources[key]
         self._refresh_conflicts(table.topics.discard(key))
         self.regroup(affected, why)
         self.describe(entry)
         table.note("changed", entry, f"it announces fewer capabilities: {why}")
+
+    def join_repetitions(self, key: SourceKey) -> None:
+        """Make one device of announcements of one part, such as one that is left over from a rename.
+
+        They have the same commands on the same topics, so that each command would be obeyed as often.
+        """
+        table = self._table
+        found = table.topics.repetitions(key)
+        if not found:
+            if self.identities.unbind(key):
+                self.regroup(self.identities.put(key, table.sources[key].sighting), "it is no longer announced twice")
+        elif self.identities.bind((key, *found)):
+            affected = {key}
+            for one in (key, *found):
+                affected |= self.identities.put(one, table.sources[one].sighting)
+            self.regroup(affected, "it is announced more than once, with the same commands")
 
     def regroup(self, affected: Iterable[SourceKey], why: str) -> None:
         """Make the devices those that the announcements *affected* are about now."""
@@ -331,7 +349,12 @@ class DeviceMerger:
             labels = " and ".join(
                 f"{sources[key].label} on {key[0]}" if entry.is_shared else sources[key].label for key in keys
             )
-            yield f"the owner merged {labels}" if identifier.startswith(OWNER) else f"same {identifier} in {labels}"
+            if identifier.startswith(OWNER):
+                yield f"the owner merged {labels}"
+            elif identifier.startswith(REPEATED):
+                yield f"same commands in {labels}; one may be left over from a rename: delete its retained message"
+            else:
+                yield f"same {identifier} in {labels}"
         for source in entry.sources.values():
             if source.is_claimed:
                 yield f"{source.label} on {source.key[0]} only claims to be it, and gets no commands yet; {CONFIRM}"

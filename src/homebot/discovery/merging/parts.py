@@ -112,8 +112,8 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     """Return the parts that *sources* on one device tell of; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
-    convention they are one only when they have one id and the same topics. Two of one id that do not are in conflict:
-    the older one counts.
+    convention they are one only when they have one id and the same topics, or the same commands on the same topics. Two
+    of one id that do not are in conflict: the older one counts.
     """
     if len(sources) == 1:
         return _parts_of_one(sources[0], topics, known)
@@ -254,18 +254,23 @@ def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[
     """Return each part of each source, and which part of its origin it is; another's are in *conflicts*."""
     found: list[_Occurrence] = []
     namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
+    repeated: dict[tuple[object, ...] | None, _SourcePart] = {}
     for source in sources:
         origin = _origin(source)
         for part in source.sighting.parts:
+            commands = _commands_of(source, part)
             others = namesakes.setdefault((origin, part.service_type, part.id), [])
             older = [one for one in others if one.sources[0] is not source]
             announced = next((one for one in older if _same_topics(part, one.part)), None)
+            announced = announced or repeated.get((origin, *commands) if commands else None)
             if announced is None and older and part.id:
                 conflicts.append(f"{source.label} announces {part.id!r}, which is {older[0].sources[0].label}'s")
                 continue
             if announced is None:
                 announced = _SourcePart(part, [])
                 others.append(announced)
+                if commands:
+                    repeated[origin, *commands] = announced
             announced.sources.append(source)
             found.append((source, part, announced))
     return found
@@ -318,6 +323,13 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
 def _origin(source: SourceRecord) -> _Origin:
     sighting = source.sighting
     return source.is_claimed, not sighting.native, sighting.gateway, sighting.convention
+
+
+def _commands_of(source: SourceRecord, part: Part) -> tuple[object, ...]:
+    """Return the facts that further announcements of *part* share; see :meth:`TopicUse.repeats`. Empty for none."""
+    if not (part.payloads and part.writes) or len(source.sighting.parts) > 1:
+        return ()
+    return part.service_type, part.payloads, part.writes, part.reads
 
 
 def _same_topics(part: Part, other: Part) -> bool:

@@ -105,6 +105,16 @@ class TopicOwnership:
             return node.verdicts.get(key, "") if node.verdicts else ""
         return "" if use.has(topic) else NOBODY
 
+    def repetitions(self, key: SourceKey) -> tuple[SourceKey, ...]:
+        """Return the other announcements of the part that *key* announces; mostly there are none."""
+        use = self._uses.get(key)
+        if use is None or not use.commands:
+            return ()
+        node = self._find(key[0], use.writes[0])
+        if node is None or not isinstance(node.users, dict):
+            return ()
+        return tuple([one.key for one in node.users.values() if one.key != key and use.repeats(one)])
+
     def conflict(self, source: SourceRecord, part: Part) -> str:
         """Return in words which other announcement has what *part* of *source* would use; empty for none."""
         key = source.key

@@ -145,7 +145,8 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
         if stronger:
             found[use.key] = stronger
         elif rank < top:
-            if not _has_a_name_of(use, (one for one in best if one.device == use.device)):
+            own = [one for one in best if one.device == use.device]
+            if not (_has_a_name_of(use, own) or any(map(use.repeats, own))):
                 found[use.key] = best[0].device
         elif use.key not in winners:
             found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
@@ -190,7 +191,8 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     devices = {one.device for one in best}
     is_one_sender = bool(frozenset.intersection(*(one.names() for one in best)))
     if len(devices) == 1:
-        return best if is_one_sender else [one for one in best if one.is_native]
+        is_one_use = all(map(best[0].repeats, best))
+        return best if is_one_sender or is_one_use else [one for one in best if one.is_native]
     bridges = {one.bridge for one in best}
     has_one_bridge = len(bridges) == 1 and "" not in bridges
     is_shared = has_one_bridge or all(one.is_anonymous for one in best)

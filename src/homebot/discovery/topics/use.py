@@ -141,6 +141,7 @@ class TopicUse(NamedTuple):
         bridge: The bridge that the device is behind.
         is_anonymous: Whether it does not identify the device.
         is_native: Whether it is in a convention of devices themselves.
+        commands: The type and the payloads of its one part; empty for several, or if they follow from the topics.
     """
 
     key: SourceKey
@@ -153,6 +154,7 @@ class TopicUse(NamedTuple):
     bridge: str = ""
     is_anonymous: bool = False
     is_native: bool = False
+    commands: tuple[str, ...] = ()
 
     def has(self, topic: str) -> bool:
         """Return whether *topic* is the device's own."""
@@ -161,6 +163,14 @@ class TopicUse(NamedTuple):
     def rank(self, topic: str) -> int:
         """Return how well the place of the announcement names *topic*."""
         return score(place_of(self.announced_on), topic)
+
+    def repeats(self, other: TopicUse) -> bool:
+        """Return whether it announces the part of *other* once more: the same commands on the same topics."""
+        return (
+            bool(self.commands)
+            and self.commands == other.commands
+            and (self.writes, self.reads) == (other.writes, other.reads)
+        )
 
     def names(self) -> frozenset[str]:
         """Return the names by which announcements at other places may be the same device's."""
@@ -182,6 +192,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         writes = tuple(dict.fromkeys(writes))
     if len(reads) > 1:
         reads = tuple(dict.fromkeys(reads))
+    commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
     bridge = ""
     for fact in sighting.metadata:
         if fact.key == "via_device":
@@ -198,4 +209,5 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         bridge,
         not sighting.identifiers,
         sighting.native,
+        commands,
     )

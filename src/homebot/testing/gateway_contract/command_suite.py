@@ -52,7 +52,7 @@ class CommandSuite(GatewayWorld):
                 await becomes_set(lamp, capability, value)
 
     async def test_a_brightness_or_a_colour_turns_a_light_on_and_no_brightness_turns_it_off(self) -> None:
-        """As ``turn_on(level=…)``, ``turn_on(kelvin=…)`` and ``turn_on(color=…)`` send nothing else."""
+        # As ``turn_on(level=…)``, ``turn_on(kelvin=…)`` and ``turn_on(color=…)`` send nothing else
         async with self.house() as (lamp, watcher):
             if lamp.service_type != "light" or lamp.settings.keys().isdisjoint(LIGHTS_UP):
                 pytest.skip("its lamp has neither")
@@ -75,7 +75,7 @@ class CommandSuite(GatewayWorld):
             assert await lamp.told() is None
 
     async def test_in_a_dry_run_no_command_comes_to_it_although_it_would_act(self) -> None:
-        """As one of somebody else may, which ignores `act`."""
+        # As one of somebody else may, which ignores `act`
         async with self.house(is_muted=True) as (lamp, watcher):
             await announced(lamp, watcher)
             assert lamp.gateway.acts
@@ -129,7 +129,7 @@ class CommandSuite(GatewayWorld):
             assert (health.troubles, health.quarantined) == ((), ())
 
     async def test_a_part_is_listened_to_and_told_as_text(self) -> None:
-        """As the light service does it."""
+        # As the light service does it
         if not self.takes_commands:
             pytest.skip("nobody tells it anything")
         async with self.house() as (lamp, watcher):

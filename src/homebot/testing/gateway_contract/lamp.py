@@ -43,7 +43,7 @@ class Lamp(ABC):
 
     @abstractmethod
     async def announce(self) -> None:
-        """Come into the house as :attr:`name`, off."""
+        """Enter the house as :attr:`name`, off."""
 
     @abstractmethod
     async def report(self, *, on: bool) -> None:
@@ -96,4 +96,4 @@ class Neighbour(ABC):
 
     @abstractmethod
     async def turn(self, name: str, *, on: bool) -> None:
-        """Tell it to be on or off."""
+        """Command it to be on or off."""

@@ -62,7 +62,7 @@ class LinkSuite(GatewayWorld):
                     await announced(lamp, watcher)
 
     async def test_after_a_restart_it_finds_its_devices_again_by_the_same_keys(self) -> None:
-        """Its topics were empty; nobody else announces them for it."""
+        # Its topics were empty; nobody else announces them for it
         graph = Graph()
         async with self.lamp() as lamp, Node(graph, "watcher") as watcher:
             async with self.started(lamp, graph, {}):
@@ -76,7 +76,7 @@ class LinkSuite(GatewayWorld):
                 assert (await send(lamp, watcher)).success is self.takes_commands
 
     async def test_it_stops_when_it_is_cancelled_and_leaves_nothing_on_the_graph(self) -> None:
-        """Another one can be started on the same graph at once."""
+        # Another one can be started on the same graph at once
         async with self.house() as (lamp, _):
             graph, name = lamp.gateway.node.graph, lamp.gateway.node.full_name
             lamp.gateway.node.close()

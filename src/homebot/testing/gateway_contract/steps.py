@@ -70,7 +70,7 @@ def value(lamp: Lamp, report: Report) -> PlainValue:
 
 
 async def send(lamp: Lamp, watcher: Node, **change: object) -> SendCommandResponse:
-    """Tell the lamp to be on, or what else is said."""
+    """Send the lamp the command to be on, or another one."""
     asked = {"key": lamp.key, "part": lamp.part, "capability": lamp.capability, "value": Value.of(True), **change}
     client = watcher.create_client(SendCommand, lamp.gateway.names.send_command)
     return await client.call(Command.model_validate(asked), timeout=PATIENCE)
