@@ -7,12 +7,12 @@ __all__ = ["AccessRefused", "ClientLeft"]
 
 
 class AccessRefused(Message):
-    """A client of the rosbridge server asked for what it has no right to.
+    """A client of the rosbridge server asked for something that it has no right to.
 
     Attributes:
         issuer: The client, as ``client:NAME``.
         address: Its address and port.
-        operation: What it asked for, by rosbridge's names, for example ``publish``.
+        operation: The requested operation, by rosbridge's names, for example ``publish``.
         target: The topic or service, as the client wrote it; at most 247 characters of it.
         right: The right that is missing.
         reason: The refusal that the client was sent.

@@ -1,10 +1,10 @@
-"""Devices that a person has to allow by name, because a wrong command lets somebody in, floods or burns. Pure.
+"""Devices that a person has to allow by name: a wrong command opens a door, floods a room or starts a fire. Pure.
 
-What may drive them is the owner's to approve.
+The programs that may drive them are the owner's to approve.
 
 A switch, plug or cover that drives such a device is known by its name, in one of six languages, by its model, or by the
 tag ``always_ask``, which the owner may give to any device; a button, scene or choice by its name, a text or flag by one
-that opens, and a temperature by the name of what becomes hot. The words are those of :mod:`homebot.devices.words`.
+that opens, and a temperature by the name of a hot thing. The words are those of :mod:`homebot.devices.words`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ APPROVED: Final = "approved"
 """The name of the fact by which the owner states that a device that can hurt may be driven."""
 
 CHANGED: Final = "changed_since_approval"
-"""The name of the fact that an approved announcement is different now, which says what changed."""
+"""The name of the fact that an approved announcement is different now; its value is the change."""
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
 _ARMED = frozenset({"Armed", "armed"})
@@ -96,7 +96,7 @@ def is_declared(part: DevicePart) -> bool:
 
 
 def is_arming(part: DevicePart) -> bool:
-    """Return whether *part* is called ``Armed``, as what arms and disarms the alarm at a keypad."""
+    """Return whether *part* is called ``Armed``, as the setting that arms and disarms the alarm at a keypad."""
     return part.part.name in _ARMED
 
 
@@ -156,9 +156,9 @@ def _why_declared(part: Part) -> str:
 
 
 def _why_named_setting(device: Device, part: DevicePart) -> str:
-    """Return why a button or setting is of the class: by what its name says that it opens or heats.
+    """Return why a button or setting is of the class: by the opening or heating thing in its name.
 
-    What only keeps a device in order, such as a restart, is not called what the device is; a lock among its settings
+    Maintenance settings, such as a restart, are not called by the device's name; a lock among its settings
     is one for its keys.
     """
     told = part.part
@@ -185,7 +185,7 @@ def _why_named(groups: frozenset[str], *names: str, anywhere: bool = False) -> s
 
 
 def _why_of_model(device: Device, part: DevicePart) -> str:
-    """Return why a part is of the class by the model: an opener with all that can be set, else what a relay drives."""
+    """Return why a part is of the class by the model: an opener with all its settings, else the load of a relay."""
     model = _model(device)
     words = matching_words(model, OPENER, anywhere=True)
     if not words and part.part.service_type in _RELAYS:

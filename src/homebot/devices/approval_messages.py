@@ -24,8 +24,8 @@ class ApproveDeviceResponse(Message):
     Attributes:
         success: Whether it is approved, or no longer is.
         message: Why not.
-        commands: What is approved, one line for each setting: what is sent, and where.
-        changes: What is different from the approval before, one line for each part of an announcement.
+        commands: The approved commands, one line for each setting: payload and address.
+        changes: Differences from the approval before, one line for each part of an announcement.
     """
 
     success: bool

@@ -1,6 +1,6 @@
 """The capabilities of the vocabulary: Matter's clusters, each with one value in one unit.
 
-Source: Matter 1.6 application clusters; what Matter has no cluster for is named as Home Assistant names it.
+Source: Matter 1.6 application clusters; capabilities without a cluster in Matter have Home Assistant's names.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class CapabilityType(NamedTuple):
 
     Attributes:
         name: The name, for example ``on_off``.
-        kind: What its values are.
+        kind: The kind of its values.
         meaning: The meaning of a value, as text.
         cluster: Number of the Matter cluster; None where Matter has none.
         unit: Of a number; empty where it has none, or each device names its own.
@@ -289,10 +289,10 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
-"""Every capability by name. A device whose value fits none has ``value``, ``measurement`` or ``state``."""
+"""Every capability by name. A device with a value that fits none has ``value``, ``measurement`` or ``state``."""
 
 EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
-"""Names of those whose values are events."""
+"""Names of those with events as values."""
 
 MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
 """Names of those of which no command is repeated."""
@@ -303,4 +303,4 @@ SETTABLE: frozenset[str] = frozenset(
         *("heating_setpoint", "cooling_setpoint", "thermostat_mode", "preset_mode", "fan_speed", "fan_mode"),
     }
 )
-"""Names of those that people and programs set; what is only measured changes all the time and needs no reason."""
+"""Names of those that people and programs set; measurements change all the time and need no reason."""

@@ -42,7 +42,7 @@ _ANY = And(())
 
 
 class Right(Enum):
-    """One right of a client: the first word of what is written in a ``scope``."""
+    """One right of a client: the first word of a right in a ``scope``."""
 
     READ = "read"
     """Subscribe to topics, and call services that change nothing."""
@@ -149,7 +149,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     """Return the rights that *scope* lists.
 
     Raises:
-        UsageError: One of them is none; the message names it and says what would be.
+        UsageError: One of them is none; the message names it and an example.
     """
     found: dict[Right, list[str]] = {}
     for text in scope:
@@ -176,7 +176,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
 def without_taught_room(device: Device) -> Device:
     """Return *device* without its room, where only a tag or a code says it; otherwise the same device.
 
-    Whoever can put up a tag can say a room, so it gives nobody a right. A room that the owner states, in the
+    A tag anywhere can name a room, so it gives no rights. A room that the owner states, in the
     configuration or by a command, and one that the device announces of itself are not touched.
     """
     conventions = {one.convention for one in device.facts if one.name == "area"} if device.area else set()
@@ -184,7 +184,7 @@ def without_taught_room(device: Device) -> Device:
 
 
 def _parse(text: str) -> Query:
-    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - for those who have scopes
+    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - for clients with scopes
 
     try:
         return parse_exact_query(text)

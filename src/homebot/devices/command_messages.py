@@ -1,4 +1,4 @@
-"""Services and messages of the control layer: commands, and what became of them."""
+"""Services and messages of the control layer: commands, and their outcomes."""
 
 from functools import lru_cache
 from typing import Annotated, ClassVar, Literal, TypeAlias
@@ -50,7 +50,7 @@ class Setting(Message):
     def of(capability: str, plain: PlainValue) -> "Setting":
         """Return the setting of *capability* to *plain*, without a look at them; see :meth:`Message.of_checked`.
 
-        The last ones are remembered: what is wished is reported, and comes again.
+        The last ones are remembered: a desired value is reported, and comes again.
         """
         return Setting.of_checked(capability=capability, value=Value.of(plain))
 
@@ -60,15 +60,15 @@ class CommandRequest(Message):
 
     Attributes:
         device: The id of the device.
-        part: The id of the part; empty for the only one that takes all settings, those that are settings aside.
-        settings: What to set, each capability once.
-        transition: Seconds that the change takes, where the device supports that.
+        part: The id of the part; empty for the only one that takes all settings, parts for configuration aside.
+        settings: The desired values, each capability once.
+        transition: Seconds that the change takes, if the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
-        issuer: Who gives the command: the name of the node, or ``client:NAME`` for a client of the door.
+        issuer: The issuer of the command: the name of the node, or ``client:NAME`` for a client of the door.
         scope: The rights of a client of the door, by its token: ``read``, ``act: all``, ``act: light in hall``; empty
-            where it has no token. The door sets it, whatever the client sends. Of a node it is passed over: the rights
+            if it has no token. The door sets it, overwriting the client's. Of a node it is passed over: the rights
             of apps are in the configuration.
-        cause: The id of what led to it, such as a report; empty for a person's wish.
+        cause: The id of its cause, such as a report; empty for a person's wish.
         trigger: The same with its facts, as far as the issuer knows them.
     """
 
@@ -95,8 +95,8 @@ class CommandResult(Message):
         latency: ``confirmed``: seconds from sending to the evidence; ``reverted``: seconds after it had obeyed;
             ``no_answer``: seconds that were waited.
         evidence: ``confirmed``: 1 sent, 2 acknowledged, 3 reported, 4 witnessed.
-        saw: ``contradicted``: what was reported.
-        witness: ``confirmed`` and ``contradicted``: the name of the second device that saw it; empty where none did.
+        saw: ``contradicted``: the reported value.
+        witness: ``confirmed`` and ``contradicted``: the name of the second device that saw it; empty if none did.
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
         reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
@@ -123,7 +123,7 @@ class CommandEvent(Message):
     Attributes:
         device: The id of the device.
         part: The id of the part.
-        issuer: Who had given the command.
+        issuer: The issuer of the command.
         result: The outcome that takes the place of the first one.
     """
 
@@ -148,9 +148,9 @@ class CommandDevicesRequest(Message):
         values: Values by capability, as text, for example ``level`` and ``40``, or ``color_temperature`` and ``2700``.
         transition: Seconds that the change takes, where a device supports that.
         code: The code that an alarm or a lock requires; a secret.
-        issuer: Who gives the command; for clients of the door it is set by the door.
+        issuer: The issuer of the command; for clients of the door it is set by the door.
         scope: As for :class:`CommandRequest`.
-        cause: The id of what led to it; may be empty.
+        cause: The id of its cause; may be empty.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -166,13 +166,13 @@ class CommandDevicesRequest(Message):
 
 
 class CommandedPart(Message):
-    """One part that was commanded, and what became of it.
+    """One part that was commanded, and its outcome.
 
     Attributes:
         device: The id of the device.
         name: Its name for people, with that of the part where it has several.
         part: The id of the part.
-        result: What became of the command.
+        result: The outcome of the command.
     """
 
     device: str

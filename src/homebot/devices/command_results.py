@@ -20,14 +20,14 @@ _NO_FACTS: Final[Mapping[str, object]] = {
     "policy": "",
     "reason": "",
 }
-"""What a result says that is about another outcome."""
+"""Defaults of the fields that belong to another outcome."""
 
 _GRADES: Final = {int(grade): grade for grade in Evidence}
 _CONFIRMED: Final = CommandResult.of_checked(command_id="", outcome="confirmed", text="", reported=(), **_NO_FACTS)
 
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
-    """Return the message that carries *outcome*, and what the device reported."""
+    """Return the message that carries *outcome*, and the reported values of the device."""
     if isinstance(outcome, outcomes.Confirmed):  # as most are
         return _CONFIRMED.with_checked(
             command_id=outcome.command_id,

@@ -51,8 +51,8 @@ class CommandSender:
         A gateway that has not carried it out within *expires_after* seconds, where given, gives up. For a device that
         is away the network keeps it for *kept_for* seconds, where given; *repeated* is a command that was sent before.
 
-        Where a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; what a
-        gateway refuses to do at all is not done by another route. A button is not pressed by a second route where the
+        If a route cannot do that, and sent nothing, or cannot reach the device, the next one is tried; a command that a
+        gateway refuses is not sent by another route. A button is not pressed by a second route if the
         first may have pressed it.
 
         Raises:

@@ -37,8 +37,8 @@ _LONGEST: Final = 900.0
 class Commander:
     """Gives commands in the name of a node.
 
-    A graph that was built by hand may have no control layer. Then a command goes to the gateway, whose acknowledgement
-    is all that is known. Beside a runtime that never happens: while its control layer is away nothing is sent.
+    A graph that was built by hand may have no control layer. Then a command goes to the gateway, and only its
+    acknowledgement is known. Beside a runtime that never happens: while its control layer is away nothing is sent.
 
     Args:
         node: The node, which is the issuer.
@@ -58,10 +58,10 @@ class Commander:
         transition: float = 0.0,
         code: str = "",
     ) -> Outcome:
-        """Give a command, and return what became of it; what a device or its network does is no error.
+        """Give a command, and return its outcome; a failure of a device or its network is no error.
 
         Args:
-            tracked: The device; it has what it reported as soon as that is known.
+            tracked: The device; it has the reported values as soon as they are known.
             part_id: The id of the part.
             values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
             transition: Seconds that the change takes, where the device supports that.

@@ -23,7 +23,7 @@ __all__ = ["ANNOUNCED_WITHIN", "ConfiguredNames"]
 ANNOUNCED_WITHIN: Final = 300.0
 """Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
 
-Bridges announce theirs within a minute, and what reports at intervals does so every few minutes.
+Bridges announce theirs within a minute, and devices that report at intervals do so every few minutes.
 """
 
 _AGAIN: Final = 60.0
@@ -62,7 +62,7 @@ class ConfiguredNames:
         self._places = node.create_client(GetPlaces, GET_PLACES)
 
     async def run(self) -> None:
-        """Wait until devices were announced, and log what nothing is called then."""
+        """Wait until devices were announced, and log the names without a device then."""
         await anyio.sleep(ANNOUNCED_WITHIN)
         while True:
             try:
@@ -77,7 +77,7 @@ class ConfiguredNames:
             self._log.warning(UNKNOWN, message=f"{problem} (looked for {minutes:g} minutes after the start)")
 
     async def problems(self) -> tuple[str, ...]:
-        """Return in words what nothing is called now; none before :meth:`run` has looked, or without an answer."""
+        """Return in words the names without a device now; none before :meth:`run` has looked, or without an answer."""
         if not self._is_due:
             return ()
         try:

@@ -14,7 +14,7 @@ _LONGEST = 200
 
 
 def current_trigger() -> Trigger:
-    """Return what the task that calls this acts upon."""
+    """Return the trigger of the calling task."""
     match CURRENT_CAUSE.get():
         case None:
             return NO_TRIGGER

@@ -41,10 +41,10 @@ class Endpoint(Message):
 
     Attributes:
         gateway: Name of the gateway.
-        key: What that gateway calls the device.
+        key: The gateway's key for the device.
         address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
         command_address: The address to which it is subscribed; empty when it takes no commands.
-        freshness: As for :class:`Device`, by what was heard through this gateway alone.
+        freshness: As for :class:`Device`, from messages of this gateway alone.
         last_seen: The time of its latest message or announcement there.
         reachable: ``yes``, ``no`` or ``unknown``: whether it can be reached there, as it or the gateway reports it.
         claimed: Whether nothing but its own announcement says that it is this device. It gets no commands until it has
@@ -66,9 +66,9 @@ class Route(Message):
 
     Attributes:
         gateway: Name of the gateway.
-        key: What that gateway calls the announcement.
-        part: What the part is called there.
-        convention: By which convention it was announced.
+        key: The gateway's key for the announcement.
+        part: The id of the part there.
+        convention: The convention of the announcement.
         takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
         approved: The digest of its description, if the owner approved exactly that; else empty. See
             :mod:`homebot.devices.command_description`.
@@ -94,7 +94,7 @@ class DevicePart(Message):
         part: Its description by the best route, with the capabilities of all routes.
         routes: The ways to send it commands, best first: those by which it can be reached and was heard lately, then
             those of the device's own announcements, then the older ones. Of those that accept a command, the first
-            whose gateway is running is used. Empty while another device claims its topics; see
+            with a running gateway is used. Empty while another device claims its topics; see
             :attr:`Device.conflicts`.
     """
 
@@ -107,7 +107,7 @@ class Fact(Message):
     """One fact about a device, with its source and time.
 
     Attributes:
-        name: What it is about: ``name``, ``area``, or a name of the metadata such as ``model``.
+        name: Its subject: ``name``, ``area``, or a name of the metadata such as ``model``.
         value: The value.
         gateway: The gateway of the announcement; empty for a fact that the owner states.
         convention: The convention of the announcement; ``owner`` for a fact that the owner states.
@@ -184,7 +184,7 @@ class Device(Message):
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
         parts: Its parts, each once.
         facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
-            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``; what changed
+            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``; a change
             since is ``changed_since_approval``, with the announcement that changed.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
@@ -251,7 +251,7 @@ class DeviceChange(Message):
 
 
 class ChangedSetting(Message):
-    """A new value of what people and programs set (:data:`homebot.devices.capabilities.SETTABLE`).
+    """A new value of a setting of people and programs (:data:`homebot.devices.capabilities.SETTABLE`).
 
     Attributes:
         device: The id of the device.

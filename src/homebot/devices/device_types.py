@@ -99,7 +99,7 @@ CAN_HURT = frozenset(
         "x_robot",
     }
 )
-"""Types of devices that let somebody in, flood, heat or hurt when they do what nobody wants, or do not obey."""
+"""Types of devices that open, flood, heat or hurt when a command is wrong, or not obeyed."""
 
 
 def wanted_types(word: str) -> frozenset[str]:

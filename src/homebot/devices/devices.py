@@ -182,7 +182,7 @@ class Devices:
         It is judged as the command that it is. One that cannot be read as a command of the device is judged as a use of
         it; a device that always asks takes none of these.
 
-        It returns when the gateway has queued the command. Whether the device obeyed shows in what it reports next. A
+        It returns when the gateway has queued the command. Whether the device obeyed shows in its next report. A
         text reaches one part of a device; to reach others, use their handles (:meth:`handles`).
 
         Returns:
@@ -252,7 +252,7 @@ class Devices:
         self._subscribe(response.data_topic, response.missed)
 
     async def _renew_requests(self) -> None:
-        """Ask again, because a gateway that was restarted has forgotten who subscribed; asking twice does no harm."""
+        """Ask again, because a restarted gateway has forgotten its subscribers; asking twice does no harm."""
         async for service in self._node.graph.watch_services():
             for gateway, addresses in list(self._listened.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:

@@ -1,4 +1,4 @@
-"""A live query: the devices that are there and fit, and then whatever happens to them."""
+"""A live query: the devices that match now, and then every change of them."""
 
 from __future__ import annotations
 

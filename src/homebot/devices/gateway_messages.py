@@ -56,7 +56,7 @@ class Sighting(Message):
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: The convention of the announcement; empty where there is one only.
         native: Whether the device, or the bridge that connects it, announced itself in a convention of its own: that is
-            preferred to what another program makes of it.
+            preferred to an announcement of another program.
         whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
             same one, unless they name one radio address.
         identifiers: Identifiers of the device; see :func:`homebot.devices.identity.identifiers`.
@@ -143,8 +143,8 @@ class Command(Message):
         value: The value, in the unit of the vocabulary.
         transition: Seconds that the change takes, where the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
-        expires_after: Seconds after which the network is not to deliver it any more, where it can tell; 0 for never.
-        id: The id of the command; empty where nobody waits for what the device answers.
+        expires_after: Seconds after which the network is not to deliver it any more, if it supports that; 0 for never.
+        id: The id of the command; empty if no caller waits for the device's answer.
         kept_for: Seconds for which the network may keep it for a device that is away, as it is sent again after that;
             0 for until it expires.
         repeated: Whether it was sent before without an answer. A network in which nothing expires delivers it now or
@@ -250,8 +250,8 @@ class RawCommand(Message):
         payload: The text, sent as UTF-8.
         qos: MQTT quality of service, 0 to 2.
         retain: Whether the broker retains it.
-        issuer: The name of the node that publishes it; empty where that is not known.
-        trigger: What led to it, as far as the issuer knows.
+        issuer: The name of the node that publishes it; empty if that is not known.
+        trigger: Its cause, as far as the issuer knows.
         command_id: The id that the control layer gave it, which has noted it in the journal; empty where it did not
             pass there.
     """

@@ -10,7 +10,7 @@ __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure
 
 
 class Quarantine(Message):
-    """So much that came from outside broke the rules that what comes there is read a little at a time.
+    """A source that broke the rules so often that its messages are read a little at a time.
 
     Attributes:
         gateway: Which gateway reads it.
@@ -38,8 +38,8 @@ class Count(Message):
     """One thing that was counted.
 
     Attributes:
-        name: What.
-        count: How often, since the gateway started.
+        name: The name of the counter.
+        count: Number since the gateway started.
     """
 
     name: str
@@ -56,11 +56,11 @@ class PartFailure(Message):
 
     Attributes:
         part: The part: a component's name, or a node's.
-        what: What happened to it, in words: "crashed", "the handler of /topic failed".
-        count: How often.
+        what: The failure, in words: "crashed", "the handler of /topic failed".
+        count: Number of times.
         last: When it happened last.
         why: The last error, in words.
-        outcome: What came of it, in words; empty where it simply goes on.
+        outcome: The consequence, in words; empty if it simply goes on.
     """
 
     part: str
@@ -79,11 +79,11 @@ class HealthResponse(Message):
     """The health of a gateway, the directory, or the runtime.
 
     Attributes:
-        counts: What it took in, refused and dropped.
+        counts: Numbers of accepted, refused and dropped messages.
         quarantined: The peers in quarantine now.
-        troubles: What is wrong with it now, in words; empty where nothing is.
-        failures: What failed in it.
-        notes: What it cannot do the way it is set up, in words; nothing is wrong.
+        troubles: Its present problems, in words; empty if there are none.
+        failures: The failures in it.
+        notes: Its limits in the present setup, in words; nothing is wrong.
         home: Of the runtime: the name of the home.
     """
 

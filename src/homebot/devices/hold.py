@@ -46,7 +46,7 @@ class Hold:
 
     Attributes:
         outcome: The outcome of the command; each renewal brings it up to date, so that it is `Contradicted` once a
-            person's hand has changed the device, and `Refused` where somebody holds another value.
+            person's hand has changed the device, and `Refused` if another holder holds another value.
         is_held: Whether it is held, as far as the last answer tells.
     """
 
@@ -174,7 +174,7 @@ class _BlockHolder:
                 await self.begin()
 
     async def end(self) -> None:
-        """Hold no more; where nobody answers, the time of the lease ends it."""
+        """End the hold; without an answer, the time of the lease ends it."""
         self.hold.is_held = False
         with anyio.CancelScope(shield=True), suppress(ServiceError):
             await self._release.call(self._key, timeout=_RELEASE)
@@ -189,7 +189,7 @@ class _BlockHolder:
 
 
 def _setting(tracked: TrackedDevice, part_id: str, word: str) -> Setting | None:
-    """Return what *word* sets; None where the device or the part is gone.
+    """Return the setting that *word* means; None if the device or the part is gone.
 
     Raises:
         RefusedError: The part does not take it, or it does not last.

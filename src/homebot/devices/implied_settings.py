@@ -16,7 +16,7 @@ LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
 def implied_settings(
     capability: str, value: PlainValue, settable: Container[str]
 ) -> tuple[tuple[str, PlainValue], ...]:
-    """Return what to set, in this order, so that *capability* is *value* and a light is on, or off at level 0.
+    """Return the settings, in this order, that make *capability* *value* and turn a light on, or off at level 0.
 
     A gateway calls it for protocols in which the brightness or the colour of a light that is off leaves it off.
 

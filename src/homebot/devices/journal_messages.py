@@ -82,27 +82,27 @@ class JournalEntry(Message):
     """One step of a command or of a lease, a change that no command explains, or a request that was denied.
 
     Attributes:
-        kind: ``requested``: somebody gave a command; ``judged``: a policy gave its verdict; ``sent``: it was handed to
+        kind: ``requested``: a command was given; ``judged``: a policy gave its verdict; ``sent``: it was handed to
             the gateway, each try is an entry; ``acknowledged``: the network accepted it; ``reported``: the device
-            reported what bears on it; ``outcome``: its outcome became known; ``reverted``: the device went back later;
+            reported a related value; ``outcome``: its outcome became known; ``reverted``: the device went back later;
             ``changed``: the device changed, and no command explains it; ``published``: a raw text was published, by
-            `Devices.tell` or by another program, which nobody verifies; ``denied``: a client of the door, or who wanted
+            `Devices.tell` or by another program, unverified; ``denied``: a client of the door, or a node that wanted
             to hold a part, was refused before there was a command; ``held``: a holder began to hold a part;
-            ``released``: it let go; ``ended``: somebody else, the issuer, ended its lease; ``expired``: its time was
+            ``released``: it let go; ``ended``: another party, the issuer, ended its lease; ``expired``: its time was
             over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again;
             ``would``: in place of ``sent``, in a dry run or a replay, which send nothing.
         at: When.
         device: The id of the device; empty for ``denied`` where none is known.
         part: The id of the part.
         command: The id of the command, also of a raw one; empty for ``changed``, ``denied`` and leases.
-        issuer: Who gave the command, or holds: the name of a node, or ``client:NAME`` for a client of the door.
-        trigger: ``requested`` and ``published``: what led to it.
-        settings: ``requested``: what was wanted; ``reported`` and ``changed``: the values that were reported; of a
-            lease what is held.
+        issuer: The issuer of the command, or the holder: the name of a node, or ``client:NAME`` for a door client.
+        trigger: ``requested`` and ``published``: its cause.
+        settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; of a
+            lease the held value.
         text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others; ``denied``: the
-            command, where it is known; ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word;
-            ``outranked``: what was seen.
-        verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, whose facts are the ``operation``, its
+            command, if it is known; ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word;
+            ``outranked``: the observation.
+        verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, its
             ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
             (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.

@@ -39,8 +39,8 @@ class HolderRequest(Message):
 
     Attributes:
         lease: The name that the holder gave to its lease.
-        by: Who holds it, in a word for people.
-        issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
+        by: The holder, in a word for people.
+        issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
     """
 
     lease: _Name
@@ -53,10 +53,10 @@ class HoldRequest(Message):
 
     Attributes:
         device: The id of the device.
-        part: The id of the part; empty for the only one that takes what is held, settings aside.
-        setting: The capability and the value that is held.
+        part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
+        setting: The capability and the held value.
         lease: A name for the lease that the holder chooses, such as a UUID, unique among its own.
-        by: Who holds it, in a word for people, such as ``robot``; not blank.
+        by: The holder, in a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
@@ -77,7 +77,7 @@ class LeaseResponse(Message):
 
     Attributes:
         held: Whether the holder has it now.
-        result: What became of the newest command for it, or that a hand outranks it.
+        result: The outcome of the newest command for it, or that a hand outranks it.
     """
 
     held: bool
@@ -85,7 +85,7 @@ class LeaseResponse(Message):
 
 
 class HolderOfPart(Message):
-    """One who holds a part.
+    """One holder of a part.
 
     Attributes:
         by: Its name for people.
@@ -104,10 +104,10 @@ class HeldPart(Message):
     Attributes:
         device: The id of the device.
         part: The id of the part.
-        setting: What is held, and at which value.
-        holders: Who holds it, the first one first.
-        outranked_until: Until when a hand outranks the lease; 0 where none does.
-        saw: What was seen when the hand came.
+        setting: The held capability and its value.
+        holders: The holders, the first one first.
+        outranked_until: The end of the time in which a hand outranks the lease; 0 if none does.
+        saw: The observation when the hand came.
     """
 
     device: str
@@ -129,11 +129,11 @@ class GetLeasesRequest(Message):
 
 
 class EndLeasesRequest(Message):
-    """An order to let nobody hold a part of a device any more.
+    """An order to end all leases of a part of a device.
 
     Attributes:
         device: The id of the device.
-        issuer: Who orders it; the door sets it for its clients.
+        issuer: The issuer of the order; the door sets it for its clients.
     """
 
     device: str
@@ -141,7 +141,7 @@ class EndLeasesRequest(Message):
 
 
 class LeasesResponse(Message):
-    """Parts that are held, or whose leases were ended.
+    """Parts with leases, or parts with leases that were ended.
 
     Attributes:
         parts: The parts, by device.

@@ -109,7 +109,7 @@ THING_DIRECTORY_NODE = "/thing_directory"
 """The node of homebot's own directory of things, which commands devices for its clients."""
 
 RUNTIME_NODE = "/homebot"
-"""The node of a runtime, whose commands all pass the control layer."""
+"""The node of a runtime; all its commands pass the control layer."""
 
 OWNER = "owner"
 """The convention of facts that the owner states."""
@@ -122,7 +122,7 @@ _GATEWAYS = "/gateway/"
 GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})
 """Last parts of the names of those services of gateways that only read: no device notices a call."""
 TEXT_SCHEME = "words:"
-"""What a text address begins with."""
+"""The beginning of a text address."""
 
 
 class GatewayNames:
@@ -133,17 +133,17 @@ class GatewayNames:
         received_topics: Topic of its sightings.
         out: Topic of the raw commands for its devices.
         readings: Topic of the reports of its devices, as :class:`homebot.devices.gateway_messages.Report`.
-        answers: Topic of what devices answer to commands, as
+        answers: Topic of the answers of devices to commands, as
             :class:`homebot.devices.gateway_messages.CommandAnswer`.
         state: Topic of its own state.
         quarantine: Topic of the peers in quarantine, as :class:`homebot.devices.health.Quarantine`.
         health: Service that returns its counters and the peers in quarantine.
-        offers: Topic of what homebot offers to other systems through it, as
+        offers: Topic of the devices that homebot offers to other systems through it, as
             :class:`homebot.devices.exposure.ExposedDevice`.
         offer_reports: Topic of the states of these, as :class:`homebot.devices.exposure.ExposedState`.
         offer_commands: Topic of the commands of those systems, as :class:`homebot.devices.gateway_messages.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
-        describe_commands: Service that returns what commands would send, as
+        describe_commands: Service that returns the messages that commands would send, as
             :data:`homebot.devices.approval_messages.DescribeCommands`.
         subscribe: Service that starts the mirroring of raw messages.
     """
@@ -203,7 +203,7 @@ class TagNames:
 
 
 def gateway_of(node: str) -> str:
-    """Return the name of the gateway whose node has the full name *node*; empty where that is no gateway's."""
+    """Return the name of the gateway with the node *node*, a full name; empty if that is no gateway's."""
     name = node.removeprefix(_GATEWAYS)
     return "" if name == node or "/" in name else name
 

@@ -9,7 +9,7 @@ from homebot.messages.message import Message, UInt16
 __all__ = ["NETWORK_SERVICES", "NETWORK_SERVICES_QOS", "NetworkService"]
 
 NETWORK_SERVICES = "/network_services"
-"""The topic on which who listens on a port says so."""
+"""The topic on which programs that listen on a port announce it."""
 
 NETWORK_SERVICES_QOS: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -18,10 +18,10 @@ class NetworkService(Message):
     """A service of this process on the network.
 
     Attributes:
-        service_type: What it is, as DNS-SD calls it (RFC 6763): ``_rosbridge._tcp``, perhaps with a subtype.
+        service_type: Its type in DNS-SD (RFC 6763): ``_rosbridge._tcp``, perhaps with a subtype.
         addresses: The addresses that it listens on: ``0.0.0.0`` and ``::`` are all of the computer.
         port: Its TCP or UDP port.
-        facts: What who connects should know, such as a path; no secrets, everybody sees them.
+        facts: Facts for programs that connect, such as a path; no secrets, all programs see them.
         is_withdrawn: Whether it is no longer served.
     """
 

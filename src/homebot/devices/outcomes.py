@@ -97,8 +97,8 @@ class Contradicted(Outcome):
     """The device, or a witness, reports something else.
 
     Attributes:
-        saw: What was reported, as text, for example ``on_off is on``, or what a witness saw.
-        witness: The name of the device that saw it; empty where the commanded one itself reports it.
+        saw: The report, as text, for example ``on_off is on``, or the observation of a witness.
+        witness: The name of the device that saw it; empty if the commanded one itself reports it.
     """
 
     _words: ClassVar[str] = "contradicted: {0.saw}"

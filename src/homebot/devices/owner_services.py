@@ -46,4 +46,4 @@ OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
         MERGE_DEVICES: MergeDevices,
     }
 )
-"""Each by its name, of whatever messages."""
+"""Each by its name, with messages of any types."""

@@ -47,12 +47,12 @@ class Part(Message):
             :data:`homebot.devices.device_types.DEVICE_TYPES`.
         advertised: The type in the words of its announcement, for example ``lights`` or ``cover``.
         tag: The kind within its type, for example ``window`` or ``blind``; empty if it declares none.
-        category: ``config`` for a setting, ``diagnostic`` for a self-observation; empty for what the device is for.
+        category: ``config`` for a setting, ``diagnostic`` for a self-observation; empty for a main function.
         guessed: Whether the service type was guessed rather than declared.
         capabilities: The values that it reports and the commands that it accepts.
         reads: The addresses on which it reports (MQTT: topic filters).
         writes: The addresses on which it accepts commands (MQTT: topics).
-        payloads: A digest of what the announcement says of the payloads of its commands; empty if they follow from the
+        payloads: A digest of the command payloads in the announcement; empty if they follow from the
             other fields, as in a protocol that leaves no choice.
     """
 

@@ -1,4 +1,4 @@
-"""The services by which the owner states where devices are and what they are called."""
+"""The services by which the owner states the rooms and names of devices."""
 
 from typing import Annotated
 
@@ -30,8 +30,8 @@ class PlaceDeviceRequest(Message):
 
     Attributes:
         device: The id of the device; of one that is not there yet also its name or a hardware address.
-        room: The room, or a floor; empty to take back what was stated by this service or an import.
-        is_new: Whether it may be a room whose name is one typo away from that of another.
+        room: The room, or a floor; empty to take back a statement of this service or an import.
+        is_new: Whether it may be a room with a name one typo away from that of another.
         may_be_absent: Whether the device need not be there yet: it is placed when it appears.
     """
 
@@ -218,7 +218,7 @@ class ExportPlacesResponse(Message):
 
 
 class ImportPlacesRequest(Message):
-    """Take over a places file: all of it or, with a mistake in it, nothing. What it does not state stays.
+    """Take over a places file: all of it or, with a mistake in it, nothing. Facts that it leaves out stay.
 
     Attributes:
         text: Its text.

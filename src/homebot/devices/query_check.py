@@ -36,7 +36,7 @@ class QueryCheck:
         self._logged: set[str] = set()
 
     async def check(self, query: Query, text: str) -> None:
-        """Log what the directory does not know of *query*, which is *text* in the app; a failed call logs nothing."""
+        """Log the words of *query*, in the app *text*, that the directory does not know; a failed call logs nothing."""
         if text in self._logged or len(self._logged) >= _MOST:
             return
         try:

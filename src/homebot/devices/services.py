@@ -127,10 +127,10 @@ class QueryDevicesResponse(Message):
 
     Attributes:
         success: Whether the query was understood. A misspelt type, room or word is not.
-        message: What of it was not understood, and what was probably meant.
+        message: The part of it that was not understood, and its probable meaning.
         results: The devices.
-        total: How many fit, whatever the limit.
-        sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
+        total: Number of matches, before the limit.
+        sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
     """
 
     success: bool
@@ -154,7 +154,7 @@ class GetChangesResponse(Message):
     """The changes after that one, oldest first.
 
     Attributes:
-        changes: What is still remembered of them.
+        changes: Those that are still remembered.
         complete: Whether that is all; otherwise some are forgotten, and only a new snapshot is complete.
         sequence: Number of the last change there was.
     """
@@ -207,7 +207,7 @@ class SplitDeviceRequest(Message):
         device: Its id.
         gateway: The gateway of the announcement that is not about it; empty to make one device of each announcement
             that differs in its identifiers.
-        key: What that gateway calls the announcement.
+        key: The gateway's key for the announcement.
     """
 
     device: str
@@ -262,7 +262,7 @@ class SubscribeToTopicRequest(Message):
         topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
         listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
         since: Messages of this time or later, but before this call, are in the response as far as the gateway still
-            has them. What the broker keeps as the device's state always is.
+            has them. The device's retained state at the broker is always included.
     """
 
     topic: str
@@ -293,8 +293,8 @@ class IndexRow(Message):
     """A row of the index file.
 
     Attributes:
-        table: Its table: ``devices``, ``tombstones`` for devices that went, or ``owner`` for what the owner decided.
-        id: The id of the device, or what the owner's record is about.
+        table: Its table: ``devices``, ``tombstones`` for devices that went, or ``owner`` for decisions of the owner.
+        id: The id of the device, or the subject of the owner's record.
         record: The record, as the text of a JSON object.
     """
 

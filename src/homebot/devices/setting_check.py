@@ -1,4 +1,4 @@
-"""Check of a setting against what a part accepts. Pure."""
+"""Check of a setting against the accepted values of a part. Pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from homebot.errors import RefusedError
 __all__ = ["accepted_values", "check_setting"]
 
 _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
-"""What every colour takes, which alone has several numbers."""
+"""The accepted values of every colour, the one capability with several numbers."""
 
 
 def check_setting(target: str, part: Part, capability: str, value: PlainValue) -> None:
@@ -26,7 +26,7 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
         value: The value, in the unit of the vocabulary.
 
     Raises:
-        RefusedError: The message says what it accepts.
+        RefusedError: The message names the accepted values.
     """
     for one in part.capabilities:
         if one.name == capability and one.settable:

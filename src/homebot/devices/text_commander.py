@@ -16,7 +16,7 @@ from homebot.graph import Node
 __all__ = ["TextCommander"]
 
 _LONGEST: Final = 900.0
-"""Seconds that a text may wait for a gateway whose queue is full."""
+"""Seconds that a text may wait for a gateway with a full queue."""
 
 
 class TextCommander:

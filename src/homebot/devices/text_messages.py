@@ -18,9 +18,9 @@ class SendTextRequest(Message):
     Attributes:
         device: The id of the device.
         payload: The text.
-        issuer: Who sends it: the name of the node, or ``client:NAME`` for a client of the door.
+        issuer: The sender: the name of the node, or ``client:NAME`` for a client of the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
-        trigger: What led to it, as far as the issuer knows.
+        trigger: Its cause, as far as the issuer knows.
     """
 
     device: str

@@ -1,4 +1,4 @@
-"""Sender of raw texts: to the first endpoint of a device that accepts commands and whose gateway is running."""
+"""Sender of raw texts: to the first endpoint of a device that accepts commands and has a running gateway."""
 
 from __future__ import annotations
 

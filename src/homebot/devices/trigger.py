@@ -18,13 +18,13 @@ class Trigger(Message):
 
     Attributes:
         kind: ``report``: a device reported values, or an event; ``device``: a device appeared, changed or went;
-            ``message``: a raw message of a device; ``timer``: the time of a timer; ``lease``: somebody holds the part;
-            empty where nothing is known, as for a wish of a person.
+            ``message``: a raw message of a device; ``timer``: the time of a timer; ``lease``: the part is held;
+            empty if nothing is known, as for a wish of a person.
         id: The id of it: for a report and a device the ``sequence`` of the change, for a message its stream and time.
-        device: The id of the device; empty where it is none.
-        readings: What was reported.
-        text: The raw message, what happened to the device, the period of the timer, or who holds the part, as text.
-        at: When it happened; 0 where that is not known.
+        device: The id of the device; empty without one.
+        readings: The reported values.
+        text: The raw message, the change of the device, the period of the timer, or the holder of the part, as text.
+        at: The time of the cause; 0 if that is not known.
     """
 
     kind: Literal["", "lease", "report", "device", "message", "timer"] = ""

@@ -93,7 +93,7 @@ def _of_number(number: float) -> Value:
 
 
 def _decimal(number: float) -> float:
-    """Return *number* as the decimal number that a device meant: without the error of what it was calculated by."""
+    """Return *number* as the decimal number that a device meant: without the error of its calculation."""
     return float(f"{number:.{_DIGITS}g}") if -_WHOLE < number < _WHOLE else number
 
 

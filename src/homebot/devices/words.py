@@ -1,16 +1,16 @@
-"""Words in names and models of devices that say what a part drives: the table ``words.json``, by language. Pure.
+"""Words in names and models of devices that tell the load of a part: the table ``words.json``, by language. Pure.
 
 The words of the table have small letters without accents, see :mod:`homebot.folding`. Its groups:
 
-- ``heat``: what burns or scalds. ``water``: what floods. ``entry``: gates, doors and bolts. ``lock``: locks.
-- ``opener``: what moves a door or a gate. ``open``: what lets in or disarms.
-- ``siren``: what sounds. It does not always ask, but is no load like others.
+- ``heat``: loads that burn or scald. ``water``: loads that flood. ``entry``: gates, doors and bolts. ``lock``: locks.
+- ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
+- ``siren``: loads that sound. It does not always ask, but is no load like others.
 
 An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Beside the groups:
 
 - ``at_end``: a phrase counts only as the end of a name or of one of its ``clauses``, as in English: ``Gate motor 2``,
   ``Valve of the garden``. ``fillers`` after it change nothing. ``never``: phrases that end a name in vain.
-- ``beside``: ends of words for what only stands beside such a thing. A name with one of them does not count.
+- ``beside``: ends of words for things beside such a load. A name with one of them does not count.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ OPENER: Final = frozenset({"opener"})
 SIREN: Final = frozenset({"siren"})
 BURNS_OR_FLOODS: Final = frozenset({"heat", "water"})
 NO_LOCK: Final = frozenset({"heat", "water", "entry", "opener", "open"})
-"""The groups of what always asks, but for locks: a lock among settings is one for keys."""
+"""The groups of parts that always ask, but for locks: a lock among settings is one for keys."""
 
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 

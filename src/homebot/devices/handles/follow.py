@@ -75,9 +75,9 @@ class FollowHandles(Generic[HandleT]):
         self._devices: Follow | None = None
         self._tracked: dict[str, TrackedDevice] = {}
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # ready to be given out as "changed"
-        self._compared: dict[str, Device] = {}  # by the description alone: no new value changes what matches
+        self._compared: dict[str, Device] = {}  # by the description alone: no new value changes the matches
         self._changed: dict[str, StateChange | DeviceChange] = {}  # the newest change of each
-        self._cause: StateChange | DeviceChange | None = None  # of what is ready
+        self._cause: StateChange | DeviceChange | None = None  # of the ready devices
         self._ready: deque[HandleChange[HandleT]] = deque()
         self.events_lost = 0
         self._clock = node.graph.clock

@@ -41,7 +41,7 @@ class Handle:
     service_types: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, tracked: TrackedDevice, part_id: str, handles: Handles) -> None:
-        """Take what :meth:`homebot.devices.Devices.find` gives; not for use by hand."""
+        """Take the result of :meth:`homebot.devices.Devices.find`; not for use by hand."""
         self._tracked = tracked
         self._part_id = part_id
         self._handles = handles
@@ -132,8 +132,8 @@ class Handle:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
 
         It returns when the outcome is known: mostly when the device has reported the new value, at the latest when the
-        time is over in which it usually does. What a device or its network does is an outcome; an error is raised for a
-        command that makes no sense, and nothing is sent then.
+        time is over in which it usually does. A failure of a device or its network is an outcome; an error is raised if
+        a command makes no sense, and nothing is sent then.
 
         Args:
             capability: For example ``level``.
@@ -142,7 +142,7 @@ class Handle:
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or not this value. The message says what it accepts.
+            RefusedError: It does not support this, or not this value. The message names the accepted values.
         """
         plain = {capability: plain_value(value)}
         return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
@@ -164,13 +164,13 @@ class Handle:
     def hold(self, value: str, *, by: str, ttl: float = 10.0) -> AbstractAsyncContextManager[Hold]:
         """Command *value* and keep it while the block runs: ``async with door.hold("open", by="robot") as hold``.
 
-        Meanwhile every command that would change it is refused, whoever gives it; only stop commands pass. Others may
-        hold the same value. The block begins when the outcome of the command is known, whatever it is: look at
+        Meanwhile every command that would change it is refused, from any issuer; only stop commands pass. Others may
+        hold the same value. The block begins when the outcome of the command is known, good or bad: look at
         ``hold.succeeded`` or ``hold.outcome``. Leaving the block releases it.
 
         Args:
             value: A word that the part takes, as for ``homebot do``: ``open``, ``on``, ``locked``, ``0.4``.
-            by: Who holds it, for people; not empty.
+            by: The holder, for people; not empty.
             ttl: Seconds after which it is free should this program die, 1 to 3,600; renewed while the block runs.
 
         Raises:
@@ -196,7 +196,7 @@ class Handle:
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
-        """Return what :meth:`_number` does; where the part cannot, the value of the only part that can."""
+        """Return the result of :meth:`_number`; if the part has none, the value of the only part that has one."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
         value = self._tracked.only_value(capability)

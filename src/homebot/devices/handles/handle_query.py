@@ -46,14 +46,14 @@ class CommonFilters(TypedDict, total=False):
     """Filters that apply to every kind.
 
     Attributes:
-        area: The room of the device, or the floor or home that this is in, whatever the case and accents; empty for a
+        area: The room of the device, or its floor or home, without regard to case and accents; empty for a
             device without a room.
         name: A name of the device or part, likewise.
         tag: A tag of the device, likewise.
         reachable: Whether it reports that it can be reached.
         fresh: Whether it reported lately.
-        category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of what devices are there
-            for: nobody who turns off all switches means the one of a lamp's own indicator.
+        category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of the main functions of
+            devices: "turn off all switches" does not mean the one of a lamp's own indicator.
     """
 
     area: str
@@ -81,7 +81,7 @@ class HandleQuery(Generic[HandleT]):
     Attributes:
         kind: The class of the handles.
         search: The query for the devices that may have such parts; :meth:`parts` decides.
-        asks_for_values: Whether there is a condition on a value, so that each new one may change what matches.
+        asks_for_values: Whether there is a condition on a value, so that each new one may change the matches.
         names_places: Whether there is an area or a tag, which may be misspelt.
 
     Raises:

@@ -27,7 +27,7 @@ Watcher: TypeAlias = Callable[[str, StateChange], None]
 
 
 class Handles:
-    """Makes the handles of one node, and keeps them up to date for as long as somebody holds them.
+    """Makes the handles of one node, and keeps them up to date for as long as they are referenced.
 
     Args:
         node: The node; the handles are kept up to date until it ends.

@@ -1,4 +1,4 @@
-"""Handles for what opens and closes: coverings of windows, closures such as windows, doors and gates, and valves."""
+"""Handles for things that open and close: window coverings, closures such as windows, doors and gates, and valves."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class _Opening(Handle):
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            closed: Whether it reports that it is closed; one whose state is unknown matches neither.
+            closed: Whether it reports that it is closed; one with an unknown state matches neither.
             filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         is_closed = StateIs(cls.moves_by, "=" if closed else "!=", "closed")

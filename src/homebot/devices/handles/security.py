@@ -112,7 +112,7 @@ class AlarmPanel(Handle):
         return await self.command("alarm", "disarmed", code=code)
 
     async def arm_home(self, *, code: str = "") -> Outcome:
-        """Arm it with somebody at home.
+        """Arm it for a house with people at home.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.
@@ -123,7 +123,7 @@ class AlarmPanel(Handle):
         return await self.command("alarm", "armed_home", code=code)
 
     async def arm_away(self, *, code: str = "") -> Outcome:
-        """Arm it with nobody at home.
+        """Arm it for an empty house.
 
         Args:
             code: The code, if it requires one; never logged or shown in an error.

@@ -1,4 +1,4 @@
-"""Handles for what is turned on and off: lights, plugs, switches, sirens and fans."""
+"""Handles for devices that are turned on and off: lights, plugs, switches, sirens and fans."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Light(Handle):
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            on: Whether it reports that it is on; one with an unknown state matches neither.
             dimmable: Whether its brightness can be set.
             tunable: Whether its colour temperature can be set.
             colored: Whether its colour can be set.
@@ -140,7 +140,7 @@ class _Switchable(Handle):
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            on: Whether it reports that it is on; one with an unknown state matches neither.
             filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"on_off": on})
@@ -179,7 +179,7 @@ class Plug(_Switchable):
 
 
 class Switch(_Switchable):
-    """A relay or switch; the kind for an output when nothing says what it feeds."""
+    """A relay or switch; the kind for an output with an unknown load."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"switch"})
 
@@ -200,7 +200,7 @@ class Fan(Handle):
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            on: Whether it reports that it is on; one with an unknown state matches neither.
             filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"on_off": on})

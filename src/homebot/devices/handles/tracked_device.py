@@ -54,7 +54,7 @@ class TrackedDevice:
                 values[place] = sequence, reading, change
 
     def take_reported(self, part_id: str, reported: Setting, now: float) -> None:
-        """Store what the part is known to have reported just *now*, in seconds since the Unix epoch.
+        """Store a value that the part reported just *now*, in seconds since the Unix epoch.
 
         It stands until the directory publishes it, or a newer value.
         """
@@ -95,7 +95,7 @@ class TrackedDevice:
 
 
 class _JustReported(NamedTuple):
-    """A value that a command's result brought; most are replaced before anybody asks for their times."""
+    """A value from a command's result; most are replaced before their times are asked for."""
 
     part: str
     capability: str

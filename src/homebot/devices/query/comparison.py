@@ -47,7 +47,7 @@ _CONTACT = {"open": True, "closed": False}
 
 
 def comparison(name: Token, operator: Token, value: Token) -> Query:
-    """Return what ``name operator value`` asks for.
+    """Return the query for ``name operator value``.
 
     Raises:
         UsageError: The name is unknown, or the value or the operator does not fit it; the message names those that do.

@@ -1,4 +1,4 @@
-"""Queries that guess nothing, for what the owner permits or forbids: a misspelt word would be about nothing. Pure."""
+"""Queries that guess nothing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ class Facets:
 
 
 def facets_of(device: Device) -> Facets:
-    """Return what can be asked of *device*."""
+    """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
     types: dict[str, str] = {}
@@ -163,9 +163,9 @@ def _areas(area: str, outer_areas: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
-    """Return the kinds of a device, and what the word of one without parts may mean.
+    """Return the kinds of a device, and possible meanings of the word of one without parts.
 
-    Settings and self-observations count only where there is nothing else: nobody who asks for switches means the
+    Settings and self-observations count only if there is nothing else: a query for switches does not mean the
     one that dims a lamp's own light.
     """
     if not parts:

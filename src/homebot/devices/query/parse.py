@@ -8,7 +8,7 @@ Grammar, the loosest binding first::
     comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
 
-What stands in quotation marks is taken as it is: ``"near the door"`` looks for words, ``"zone"=3`` for a fact of that
+Words in quotation marks are taken literally: ``"near the door"`` looks for words, ``"zone"=3`` for a fact of that
 name, ``type="coffee"`` for devices that call themselves so. Without them, an unknown field or type is an error.
 
 An adjective of a state is about the parts of the types that stand beside it: ``on lights`` is not found by the plug
@@ -55,16 +55,16 @@ _LONGEST_PHRASE = 4
 
 @lru_cache(maxsize=256)  # apps ask the same again and again
 def parse_query(text: str) -> Query:
-    """Return what *text* asks for; an empty text asks for everything.
+    """Return the query that *text* spells; an empty text matches everything.
 
     Raises:
-        UsageError: It is no query; the message names what is not understood, and what would be.
+        UsageError: It is no query; the message names the part that is not understood, and an alternative.
     """
     return _Parser(tokens_of(text)).query()
 
 
 def parse_alternatives(text: str) -> tuple[tuple[tuple[Query, str], ...], ...]:
-    """Return what *text* joins with ``or`` outside of brackets, each as its terms with their own texts.
+    """Return the alternatives that *text* joins with ``or`` outside of brackets, each as its terms with their texts.
 
     Raises:
         UsageError: As :func:`parse_query`.
@@ -302,7 +302,7 @@ _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for s
 _NOUNS: dict[Query, Query] = {
     states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
 }
-"""Types whose word is an adjective too, such as ``heating``, for that adjective where no type stands beside it."""
+"""Types with a word that is an adjective too, such as ``heating``, for that adjective without a type beside it."""
 
 
 def _all_words(text: str) -> Query:

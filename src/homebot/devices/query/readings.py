@@ -1,6 +1,6 @@
 """Readings of a query with ``or``, for commands: a search may find too much, a command may not reach it. Pure.
 
-In ``lights in hall or kitchen`` and in ``lights or fans in hall``, what only one side says may be meant for both.
+In ``lights in hall or kitchen`` and in ``lights or fans in hall``, a word on only one side may be meant for both.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Readings:
     Attributes:
         alternatives: The queries on its sides, as :func:`homebot.devices.query.parse.parse_query` reads it.
         words: Those of them that are words to be searched for, or ``all``, and nothing else.
-        distributed: The queries on its sides if what only one says is meant for both; empty if that makes no sense.
+        distributed: The queries on its sides if a word on only one is meant for both; empty if that makes no sense.
     """
 
     alternatives: tuple[str, ...]
@@ -79,7 +79,7 @@ def _kind(term: Query, text: str) -> _Kind:
 
 
 def _distributed(sides: list[list[_Unit]]) -> list[str]:
-    """Return the alternatives of *sides*, those in a row that differ in one unit each with what stands around it."""
+    """Return the alternatives of *sides*, those in a row that differ in one unit each with the words around it."""
     found: list[str] = []
     place = 0
     while place < len(sides):
@@ -100,7 +100,7 @@ def _distributed(sides: list[list[_Unit]]) -> list[str]:
 
 
 def _joins(side: list[_Unit], following: list[_Unit]) -> bool:
-    """Return whether *side* ends with what *following* begins with: a type, an area, or words."""
+    """Return whether *side* ends with the same kind as *following* begins with: a type, an area, or words."""
     if not side or not following:
         return False
     kind, following_kind = side[-1][0], following[0][0]

@@ -164,7 +164,7 @@ class FactIs:
 
 @dataclass(frozen=True, slots=True)
 class IsDisputed:
-    """A device whose announcements contradict each other, or whose topics another one claims."""
+    """A device with announcements that contradict each other, or with topics that another one claims."""
 
 
 @dataclass(frozen=True, slots=True)

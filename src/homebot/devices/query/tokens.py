@@ -46,7 +46,7 @@ _SPELT: dict[str, str] = {"==": "=", ":": "=", "≤": "<=", "≥": ">=", "≠": 
 
 
 def quoted(text: str) -> str:
-    """Return *text* as it can stand in a query where a value stands, whatever is in it."""
+    """Return *text* as a value in a query, with any characters in it."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 

@@ -53,7 +53,7 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "text": "text",
     }
 )
-"""What may be asked by ``word=value`` beside capabilities and facts."""
+"""Words of ``word=value`` beside capabilities and facts."""
 
 FACTS = frozenset(
     {"configuration_url", "description", "firmware", "generation", "home", "host_mac", "hostname", "hw_version"}

@@ -36,7 +36,7 @@ __all__ = [
 
 
 FRACTION_CAPABILITIES: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""Percentages whose text is 0 to 1."""
+"""Percentages with 0 to 1 as text."""
 
 SPEED_WORDS: Final = frozenset({"level", "fan_speed"})
 """Capabilities that are 0 only when off."""
@@ -48,7 +48,7 @@ _LONGEST_UNKNOWN: Final = 40
 OPENING_WORDS: Final = ("movement", "valve")
 
 PRIORITY: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
-"""The capability whose value is the text of a message with several; movements come next, by a rule of their own."""
+"""The capability that is the text of a message with several values; movements come next, by a rule of their own."""
 
 BOOL_WORDS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
 """Texts for false and true; ``off`` and ``on`` for any other capability."""
@@ -100,8 +100,8 @@ class TextDecoder:
     """Decoder of the texts of a part, ready to be looked up, so that any other payload costs next to nothing.
 
     It is the reverse of :func:`encode_state`. Values that follow count as well: with ``0.4`` a lamp is on, with
-    ``closed`` a cover is at 0 %. A bare number is of the first capability, in the order of :func:`encode_state`, whose
-    bounds it keeps. ``nan`` and its like in the place of a measurement mean that it is unknown.
+    ``closed`` a cover is at 0 %. A bare number belongs to the first capability in the order of :func:`encode_state`,
+    if it is within its bounds. ``nan`` and its like in the place of a measurement mean that it is unknown.
 
     Args:
         capabilities: The capabilities of the part.
