@@ -100,7 +100,7 @@ def add_global_options(parser: argparse.ArgumentParser) -> None:
 
 
 def unused_option(options: argparse.Namespace) -> str:
-    """Return what is wrong where *options* have a global option that the command does not use; empty if nothing is."""
+    """Return the problem if *options* have a global option that the command does not use; empty if there is none."""
     for name in ("door", "token_file"):
         if getattr(options, name, None) is not None and name not in options.used_options:
             option, command = f"--{name.replace('_', '-')}", options.command_name
@@ -245,7 +245,7 @@ def whole(text: str) -> int:
 
 
 def _hidden(text: str) -> str:
-    """Return *text* without what may be a password."""
+    """Return *text* without the words that may be passwords."""
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 

@@ -1,4 +1,4 @@
-"""``homebot --print-completion``: what a shell needs to complete commands, options, choices and files."""
+"""``homebot --print-completion``: the script with which a shell completes commands, options, choices and files."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class PrintCompletion(argparse.Action):
         option_string: str | None = None,  # noqa: ARG002 - as above
     ) -> None:
         """Print it."""
-        import shtab  # noqa: PLC0415 - nobody else needs it
+        import shtab  # noqa: PLC0415 - used here alone
 
         whole = self._whole_parser()
         for action in _actions(whole):

@@ -1,4 +1,4 @@
-"""The history of one device as the journal has it: its last change, and the chain of what led to it."""
+"""The history of one device as the journal has it: its last change, and the chain of its causes."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _TRACES = frozenset({"reported", "changed"})
 @final
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """A command, or a change that none explains, and what led to it.
+    """A command, or a change that none explains, and its causes.
 
     Attributes:
         entries: Its entries, oldest first; of a change the one alone.
@@ -81,7 +81,7 @@ class Chain:
 
 @final
 class DeviceHistory:
-    """Reads what the journal has of a device.
+    """Reads the journal entries of a device.
 
     Args:
         client: Reads the journal.
@@ -94,7 +94,7 @@ class DeviceHistory:
     def last_change(self, device: DeviceRecord) -> Chain | None:
         """Return the chain of the last change of *device*; None where the journal has none, or an older one.
 
-        What homebot heard later of the same value, as after a restart, is no change.
+        A later report of the same value, as after a restart, is no change.
         """
         found = self._client.read(device=device["id"])
         self.begins = found["begins"]
@@ -162,13 +162,13 @@ def changed_at(device: DeviceRecord) -> float:
 
 
 def is_live(device: DeviceRecord) -> bool:
-    """Return whether the device said itself what :func:`changed_at` is about, rather than the memory of a broker."""
+    """Return whether :func:`changed_at` is from a report of the device itself, rather than the memory of a broker."""
     newest = _newest(device)
     return newest is not None and newest["live"]
 
 
 def is_first(device: DeviceRecord) -> bool:
-    """Return whether what :func:`changed_at` is about is the first that homebot heard of it since it was started."""
+    """Return whether :func:`changed_at` is from the first report that homebot got since it was started."""
     newest = _newest(device)
     return newest is not None and newest["is_first"]
 
@@ -189,7 +189,7 @@ def _newest(device: DeviceRecord) -> StateRecord | None:
 
 
 def as_state(text: str) -> str:
-    """Return *text* as a state, folded: ``closed`` also where somebody writes the command ``close``."""
+    """Return *text* as a state, folded: ``closed`` also for the command ``close``."""
     folded = text.strip().casefold()
     return COMMANDED_STATES.get(folded, folded)
 
@@ -229,13 +229,13 @@ def _knows(entries: Iterable[JournalEntryRecord], states: Iterable[StateRecord],
             known[entry["part"], one["capability"]] = plain_value(one["value"])
     told = {(one["part"], one["capability"]): plain_value(one["value"]) for one in states}
     shared = known.keys() & told.keys()
-    if last["kind"] == "reverted":  # to what it was before, whatever that is
+    if last["kind"] == "reverted":  # to the state before, which is not known
         return all(known[one] != told[one] for one in shared)
     return bool(shared) and all(known[one] == told[one] for one in shared)
 
 
 def _states_of(change: JournalEntryRecord) -> Sequence[StateRecord]:
-    """Return what a change that no command explains tells, as states."""
+    """Return the states of a change that no command explains."""
     at, part = change["at"], change["part"]
     return [
         {**one, "part": part, "since": at, "told_at": at, "live": True, "is_first": False} for one in change["settings"]
@@ -243,7 +243,7 @@ def _states_of(change: JournalEntryRecord) -> Sequence[StateRecord]:
 
 
 def _squeezed(text: str) -> str:
-    """Return *text* without what may be spelt in two ways."""
+    """Return *text* without the characters that differ between two spellings."""
     return text.casefold().replace(" ", "").replace("_", "")
 
 

@@ -42,7 +42,7 @@ _ROUNDS = 3
 
 
 def all_devices(door: DoorClient, convert: Callable[[DeviceRecord], T], service_type: str = "") -> list[T]:
-    """Return what *convert* makes of each device that offers *service_type* (all where it is empty), sorted by id."""
+    """Return the results of *convert* for each device that offers *service_type* (all if it is empty), sorted by id."""
     found: dict[str, T] = {}
     if service_type:
         answer = door.call(FIND_DEVICES, {"service_type": service_type})
@@ -55,16 +55,16 @@ def all_devices(door: DoorClient, convert: Callable[[DeviceRecord], T], service_
 
 
 def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryResponseRecord:
-    """Return what fits *query*, best first; *limit* at most.
+    """Return the matches of *query*, best first; *limit* at most.
 
     Raises:
-        PeerError: The query is not understood; the message says what of it.
+        PeerError: The query is not understood; the message names the part that is not.
     """
     return _begin_query(door, query, limit, 0)()
 
 
 def named_device(door: DoorClient, name: str) -> DeviceRecord:
-    """Return the one device whose id or name *name* is, whatever the case and accents of a name.
+    """Return the one device with the id or name *name*, without regard to case and accents of a name.
 
     Raises:
         UsageError: *name* is empty.
@@ -77,7 +77,7 @@ def named_device(door: DoorClient, name: str) -> DeviceRecord:
 
 
 def device_or_similar(door: DoorClient, name: str) -> DeviceRecord | list[str]:
-    """Return the one device whose id or name *name* is; where there is none, the ids and names a typo away from it.
+    """Return the one device with the id or name *name*; if there is none, the ids and names a typo away from it.
 
     Raises:
         UsageError: *name* is empty.
@@ -131,7 +131,7 @@ def _unapproved(door: DoorClient, device: str) -> UnapprovedRecord:
 
 
 def house_time(door: DoorClient) -> float:
-    """Return what time it is for homebot, in seconds since 1970."""
+    """Return the present time of homebot, in seconds since 1970."""
     return to_seconds(cast("TimeRecord", door.call("/rosapi/get_time")["time"]))
 
 
@@ -173,7 +173,7 @@ def _near(door: DoorClient, name: str) -> list[DeviceRecord]:
 
 
 def _called(name: str, devices: Sequence[DeviceRecord]) -> list[DeviceRecord]:
-    """Return the device whose id *name* is, or all that have the name."""
+    """Return the device with the id *name*, or all that have the name."""
     wanted = fold(name)
     own = [one for one in devices if one["id"] == name]
     return own or [one for one in devices if wanted in {fold(text) for text in (one["id"], one["name"], *one["names"])}]

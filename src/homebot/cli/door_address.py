@@ -18,7 +18,7 @@ from homebot.toml_file import TomlTable, read_toml
 
 __all__ = ["DoorAddress", "door_of"]
 
-_LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - what listens everywhere is reached here
+_LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildcard address is reached here
 
 
 class DoorAddress(NamedTuple):

@@ -34,7 +34,7 @@ _OPEN_TIMEOUT: Final = 5.0
 _CLOSE_TIMEOUT: Final = 1.0
 _SKIP_AT_MOST: Final = 1.0  # seconds
 _GRACE: Final = 2.0  # seconds by which the server's own time limit may be late
-_NO_RIGHT: Final = "the right "  # what a refusal for want of a right begins with
+_NO_RIGHT: Final = "the right "  # the beginning of a refusal for want of a right
 
 
 class ReceivedMessage(NamedTuple):
@@ -55,7 +55,7 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
     """Run *command* with a connection to the homebot that *options* name, and return its exit code.
 
     Raises:
-        HomebotError: Nobody answers, the server does not let us in, or the command failed.
+        HomebotError: No answer came, the server refuses us, or the command failed.
     """
     address = door_of(options)
     with open_door(address.host, address.port, address.token, address.source) as door:
@@ -76,8 +76,8 @@ def open_door(host: str, port: int, token: str = "", source: str = "") -> Iterat
         source: The file that names the address, for errors; empty for none.
 
     Raises:
-        LinkError: Nobody answers there, or it is no homebot.
-        RefusedError: The server wants another token, or does not let us in.
+        LinkError: No answer came from there, or it is no homebot.
+        RefusedError: The server wants another token, or refuses us.
     """
     where = f"{f'[{host}]' if ':' in host else host}:{port}"
     try:
@@ -128,7 +128,7 @@ class DoorClient:
     def begin_call(
         self, service: str, request: Mapping[str, object] | None = None, timeout: float = 5.0
     ) -> Callable[[], dict[str, object]]:
-        """Call *service*, and return what waits for the response, with the errors of :meth:`call`."""
+        """Call *service*, and return a function that waits for the response, with the errors of :meth:`call`."""
         self._calls += 1
         identifier = f"call:{self._calls}"
         frame = {"op": "call_service", "id": identifier, "service": service, "args": dict(request or {})}
@@ -157,7 +157,7 @@ class DoorClient:
         self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
 
     def publish(self, topic: str, message: Mapping[str, object]) -> None:
-        """Publish *message*; what is wrong with it shows in :meth:`settle`."""
+        """Publish *message*; an error in it is raised by :meth:`settle`."""
         self._send({"op": "publish", "id": f"publishing on {topic}", "topic": topic, "msg": dict(message)})
 
     def settle(self) -> None:
@@ -170,7 +170,7 @@ class DoorClient:
         self.call("/rosapi/get_time")
 
     def skip_kept(self) -> None:
-        """Pass over what publishers keep for late joiners, which comes in one go after :meth:`subscribe`.
+        """Pass over the messages kept for late joiners, which come in one go after :meth:`subscribe`.
 
         Live messages that come in between are passed over too.
 
@@ -186,7 +186,7 @@ class DoorClient:
             self.settle()
 
     def next(self, timeout: float | None = None) -> ReceivedMessage:
-        """Return the next message of what was subscribed to, waiting for it.
+        """Return the next message of the subscriptions, waiting for it.
 
         Raises:
             TimeoutError: None came within *timeout* seconds.
@@ -250,7 +250,7 @@ class DoorClient:
             raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {_begin(text)!r}")
         match frame.get("op"):
             case "status":
-                # Our identifiers say in words what was asked for; the server repeats them.
+                # Our identifiers name the request in words; the server repeats them.
                 raise RefusedError(str(frame.get("id", "a frame")), _with_hint(str(frame.get("msg"))))
             case "publish":
                 lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
@@ -259,7 +259,7 @@ class DoorClient:
                 self._answers[str(frame.get("id"))] = frame
 
     def _text(self, deadline: float | None) -> bytes:
-        """Return the payload of the next message, whatever its fragments."""
+        """Return the payload of the next message, fragmented or not."""
         parts: list[bytes] = []
         while True:
             while not self._frames:
@@ -276,7 +276,7 @@ class DoorClient:
                 return b"".join(parts)
 
     def _receive(self, deadline: float | None) -> None:
-        """Take what the server sent, waiting for it until *deadline*; answer what the protocol wants answered."""
+        """Receive data of the server, waiting for it until *deadline*; answer the frames that require an answer."""
         left = None if deadline is None else deadline - time.monotonic()
         if left is not None and left <= 0:
             raise TimeoutError
@@ -288,7 +288,7 @@ class DoorClient:
         for event in self._protocol.events_received():
             if isinstance(event, Frame) and event.opcode in {Opcode.TEXT, Opcode.CONT}:
                 self._frames.append(event)
-        with suppress(OSError):  # it left: what it said before counts
+        with suppress(OSError):  # it left: its earlier messages count
             self._write()
 
     def _send(self, frame: Mapping[str, object]) -> None:
@@ -325,7 +325,7 @@ def _reason(response: Response) -> str:
 
 
 def _with_hint(problem: str) -> str:
-    """Return the server's *problem*; where a right is missing, with what follows the change of the configuration."""
+    """Return the server's *problem*; if a right is missing, with the remedy after a change of the configuration."""
     if not problem.startswith(_NO_RIGHT):
         return problem
     has_token = "; the token " in problem

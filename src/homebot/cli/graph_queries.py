@@ -1,4 +1,4 @@
-"""Questions of the command line to ``/rosapi``: what is on the graph, and what its messages look like."""
+"""Questions of the command line to ``/rosapi``: the entities of the graph, and the fields of its messages."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ __all__ = [
 
 
 def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EntityRecord]:
-    """Return what is on the graph, sorted by name; an empty text means any."""
+    """Return the entities of the graph, sorted by name; an empty text means any."""
     found = door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node})
     return cast("list[EntityRecord]", found["endpoints"])
 
 
 def home_name(door: DoorClient) -> Callable[[], str]:
-    """Ask what the home is called, and return what waits for the answer: empty if homebot does not say."""
+    """Ask for the name of the home, and return a function that waits for the answer: empty without one."""
     response = door.begin_call(RUNTIME_HEALTH)
 
     def name() -> str:
@@ -54,7 +54,7 @@ def is_hidden(entity: EntityRecord) -> bool:
 
 
 def topic_type(door: DoorClient, topic: str) -> str:
-    """Return what *topic* carries; empty where there is no such topic."""
+    """Return the type of *topic*; empty if there is no such topic."""
     return str(door.call("/rosapi/topic_type", {"topic": topic})["type"])
 
 
@@ -112,12 +112,12 @@ class Schema:
 
 
 def message_schema(door: DoorClient, ros_type: str) -> Schema:
-    """Ask what the message type *ros_type* looks like."""
+    """Ask for the schema of the message type *ros_type*."""
     return _schema(door, "/rosapi/message_details", ros_type)
 
 
 def response_schema(door: DoorClient, ros_type: str) -> Schema:
-    """Ask what the response of the service type *ros_type* looks like."""
+    """Ask for the schema of the response of the service type *ros_type*."""
     return _schema(door, "/rosapi/service_response_details", ros_type)
 
 

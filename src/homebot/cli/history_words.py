@@ -46,7 +46,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
 
 
 def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
-    """Yield the steps of *chain* and of what led to it, oldest first, each with its time."""
+    """Yield the steps of *chain* and of its causes, oldest first, each with its time."""
     trigger = chain.trigger
     if chain.before is not None:
         yield from chain_lines(chain.before, names, now)
@@ -61,7 +61,7 @@ def chain_lines(chain: Chain, names: Mapping[str, str], now: float) -> Iterator[
 
 
 def result_text(chain: Chain, now: float) -> str:
-    """Return what became of a command, as it is known at *now*, in seconds since 1970."""
+    """Return the outcome of a command, as it is known at *now*, in seconds since 1970."""
     decided = [one for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
@@ -78,12 +78,12 @@ def result_text(chain: Chain, now: float) -> str:
 
 
 def _is_late(chain: Chain) -> bool:
-    """Return whether the device did it after the outcome; what it did before is an entry of the command."""
+    """Return whether the device did it after the outcome; an earlier report is an entry of the command."""
     return bool(chain.late) and chain.changed_at > to_seconds(chain.entries[-1]["at"])
 
 
 def _doubt(chain: Chain) -> str:
-    """Return what a witness saw instead of what the device reported; empty where none contradicted it."""
+    """Return the observation of a witness against the report of the device; empty if none contradicted it."""
     results = [one["results"][0] for one in chain.entries if one["kind"] == "outcome"]
     return next((printable(one["saw"]) for one in results if one["outcome"] == "contradicted" and one["witness"]), "")
 
@@ -93,7 +93,7 @@ def _wanted(entry: JournalEntryRecord) -> str:
 
 
 def _told(entries: Iterable[JournalEntryRecord]) -> Iterator[JournalEntryRecord]:
-    """Yield what says something: that the network accepted it only where no report came, and a no once."""
+    """Yield the informative entries: an acceptance by the network only without a report, and a no once."""
     shown = list(entries)
     has_report = any(one["kind"] == "reported" for one in shown)
     for before, one in zip([None, *shown], shown, strict=False):

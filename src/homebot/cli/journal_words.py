@@ -85,7 +85,7 @@ def denial_text(entry: JournalEntryRecord) -> str:
 
 
 def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
-    """Return what led to a command as a clause; empty where that is not known."""
+    """Return the cause of a command as a clause; empty if it is not known."""
     name = name_text(trigger["device"], names, next((one["part"] for one in trigger["readings"]), ""))
     match trigger["kind"]:
         case "lease":
@@ -112,7 +112,7 @@ def outcome_text(result: CommandResultRecord) -> str:
 
 
 def issuer_text(issuer: str) -> str:
-    """Return who gave a command: an app by its name, a client as one."""
+    """Return the issuer of a command: an app by its name, a client as one."""
     if issuer.startswith(_CLIENT):
         return f"the client {printable(issuer.removeprefix(_CLIENT), 60)}"
     return printable(issuer.removeprefix("/"), 60) or "somebody"
@@ -157,7 +157,7 @@ def _lease_text(entry: JournalEntryRecord, name: str) -> str:
 
 
 def _request_text(entry: JournalEntryRecord) -> str:
-    """Return what was denied, in words after "was refused"."""
+    """Return the refused request, in words after "was refused"."""
     if entry["settings"]:
         return f"to hold it {settings_text(entry['settings'])}"
     facts = _facts(entry)

@@ -14,7 +14,7 @@ __all__ = ["failed_command_of"]
 _FAILED = frozenset({"no_answer", "contradicted"})
 
 _LATEST = 60.0
-"""Seconds after the outcome in which a change to what was commanded is taken for the effect of the command."""
+"""Seconds after the outcome in which a change to the commanded value is taken for the effect of the command."""
 
 _EARLY = 2.0
 """Seconds that a device may tell of the effect before the journal has the command."""
@@ -26,8 +26,8 @@ _ROUNDING = 1.5
 def failed_command_of(state: StateRecord, entries: Sequence[JournalEntryRecord]) -> JournalEntryRecord | None:
     """Return the request of the command, which failed, that explains since when *state* is so; None where none does.
 
-    It is the last one that was sent to the part before. Either it asked for that, or the device answered it so. What a
-    device tells first of all may have been so before.
+    It is the last one that was sent to the part before. Either it asked for that, or the device answered it so. The
+    first report of a device may be about an earlier state.
     """
     at, value = to_seconds(state["since"]), plain_value(state["value"])
     sent = (one for one in reversed(entries) if one["kind"] == "sent" and one["part"] == state["part"])

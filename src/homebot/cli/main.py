@@ -55,7 +55,7 @@ COMMANDS: Final = {
     "node": "list and inspect nodes",
     "broker": "run an MQTT broker and nothing else",
 }
-"""What each does in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
+"""The purpose of each in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
 
 _WRONG_COMMAND_LINE: Final = 2
 
@@ -84,7 +84,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2), or asked for ``--help`` or ``--version`` (code 0).
     """
     if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # a device may be called what a terminal cannot show
+        sys.stdout.reconfigure(
+            errors="backslashreplace"
+        )  # a device name may have characters that a terminal cannot show
     with clean_output():
         return _run(sys.argv[1:] if argv is None else argv)
 
@@ -124,7 +126,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 
 def _needed_commands(argv: Sequence[str] | None) -> Sequence[str]:
-    """Return the command that *argv* begins with: nobody asks then for the list of all, or for one like it."""
+    """Return the command that *argv* begins with: then the list of all, or of similar ones, is not needed."""
     return (argv[0],) if argv and argv[0] in COMMANDS else tuple(COMMANDS)
 
 
@@ -142,13 +144,13 @@ def _run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
-        # Whoever read our output has enough. Python would complain once more when it flushes at exit.
+        # The reader of our output has enough. Python would complain once more when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of *command*, and what runs it, to its *parser*."""
+    """Add the arguments of *command*, and the function that runs it, to its *parser*."""
     name = "import_thing" if command == "import" else command.replace("-", "_")
     with gc_paused(), _minimal_structlog_imports():
         module = importlib.import_module(f"homebot.cli.commands.{name}")
@@ -158,7 +160,7 @@ def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Look for no garbage during the block, nor ever in what it loads: a sixth of the time that modules take."""
+    """Look for no garbage during the block, nor ever in modules loaded there: a sixth of the time that modules take."""
     gc.disable()
     try:
         yield
@@ -169,7 +171,7 @@ def gc_paused() -> Iterator[None]:
 
 @contextmanager
 def _minimal_structlog_imports() -> Iterator[None]:
-    """Keep structlog from loading what it would print tracebacks or serve a framework with: a tenth of a command."""
+    """Keep structlog from loading its tracebacks and framework support: a tenth of a command."""
     unused = {"rich", "twisted"} - sys.modules.keys()
     for library in unused:
         sys.modules[library] = None  # type: ignore[assignment]  # Python's own way to say that there is none

@@ -1,4 +1,4 @@
-"""A parser of arguments that says which option or command somebody may have meant by one that does not exist."""
+"""A parser of arguments that suggests an existing option or command for one that does not exist."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class CommandParser(argparse.ArgumentParser):
         return f"unknown option {name}; {self._meant(name.lstrip('-'), known, '--')}"
 
     def _meant(self, name: str, known: Iterable[str], prefix: str = "") -> str:
-        """Return what was most likely meant, or where to look."""
+        """Return the most likely meaning, or the place to look."""
         similar = similar_to(name, known, _CUTOFF)
         return f"did you mean {prefix}{similar[0]}?" if similar else self._hint
 

@@ -1,4 +1,4 @@
-"""Records of what the owner states: the fields of its messages, as JSON has them; see :mod:`homebot.cli.records`."""
+"""Records of the owner's statements: the fields of their messages, as JSON has them; see :mod:`homebot.cli.records`."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ GATEWAY_STATE = "homebot/msg/GatewayState"
 _RAW_COMMAND = "homebot/msg/RawCommand"
 
 _STATE_TIMEOUT = 2.0
-"""Seconds for the state of a gateway that nobody publishes yet."""
+"""Seconds for the state of a gateway that is not published yet."""
 
 _STATE_WITHIN = 10.0
 """Seconds for one that is published: it is kept for late joiners, and comes at once unless the computer is busy."""
@@ -26,7 +26,7 @@ _STATE_WITHIN = 10.0
 _OUTCOME = 10.0
 _POLL = 0.02
 _LOG_WAIT = 0.3
-"""Seconds: for what became of a command, between two looks, and for the lines of the log that are kept."""
+"""Seconds: for the outcome of a command, between two looks, and for the lines of the log that are kept."""
 
 
 class GatewayPublisher:
@@ -41,7 +41,7 @@ class GatewayPublisher:
         self._checked: set[str] = set()
 
     def check(self, gateway: str) -> None:
-        """Make sure that *gateway* is there and sends what it is told.
+        """Make sure that *gateway* is there and sends its commands.
 
         Raises:
             RefusedError: It only observes.
@@ -71,11 +71,11 @@ class GatewayPublisher:
         self.send(gateway, {"address": topic, "payload": payload, "retain": retain})
 
     def send(self, gateway: str, command: Mapping[str, object]) -> None:
-        """Send a command through *gateway*, and wait until it says what became of it.
+        """Send a command through *gateway*, and wait until it reports the outcome.
 
         Raises:
             RefusedError: It only observes, or refused the command, or the command is no message of its topic.
-            LinkError: It is not there, did not reach its network, or did not say what became of the command.
+            LinkError: It is not there, did not reach its network, or did not report the outcome.
         """
         self.check(gateway)
         before = self._counts(gateway)
@@ -85,7 +85,7 @@ class GatewayPublisher:
             self._wait_for_the_outcome(gateway, command, before)
 
     def _wait_for_the_outcome(self, gateway: str, command: Mapping[str, object], before: Mapping[str, int]) -> None:
-        """Look at what the gateway counts: its topic has no way back."""
+        """Look at the gateway's counts: its topic has no way back."""
         what = f"the command to {command.get('address')}"
         deadline = time.monotonic() + _OUTCOME
         while time.monotonic() < deadline:
@@ -100,7 +100,7 @@ class GatewayPublisher:
         raise LinkError(f"gateway {gateway} did not report the result of {what} within {_OUTCOME:g} s")
 
     def _counts(self, gateway: str) -> dict[str, int] | None:
-        """Return what *gateway* counted so far; None where it does not count its commands."""
+        """Return the counts of *gateway* so far; None if it does not count its commands."""
         service = GatewayNames(gateway).health
         if not entities(self._door, kind="service", name=service):
             return None
@@ -109,7 +109,7 @@ class GatewayPublisher:
         return counts if "commands" in counts else None
 
     def _reason(self, gateway: str, command: Mapping[str, object]) -> str:
-        """Return what the gateway's log says of *command*; the last lines are kept for late joiners."""
+        """Return the gateway's log lines about *command*; the last lines are kept for late joiners."""
         self._door.subscribe("/rosout")
         beginning, reason = f"not sent to {command.get('address')}: ", "see the gateway's log"
         for message in self._door.until(_LOG_WAIT):
@@ -120,7 +120,7 @@ class GatewayPublisher:
 
 
 def gateway_state(door: DoorClient, gateway: str) -> GatewayStateRecord | None:
-    """Return how *gateway* says it is; None where nobody says so."""
+    """Return the state of *gateway*, as it reports it; None without a report."""
     topic = GatewayNames(gateway).state
     door.subscribe(topic)
     is_published = entities(door, kind="publisher", name=topic)

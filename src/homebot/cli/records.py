@@ -1,4 +1,4 @@
-"""Records of what homebot answers with: the fields of its messages, as JSON has them.
+"""Records of homebot's answers: the fields of its messages, as JSON has them.
 
 To import the messages, and to check thousands of devices once more, takes longer than all else that a command does.
 """

@@ -42,7 +42,7 @@ async def serve(
 ) -> None:
     """Enter *service*, wait for SIGINT, SIGTERM, SIGHUP or the end of *seconds*, and leave it.
 
-    Leaving takes 4.8 s at most: then the process is ended with code 1, whatever hangs.
+    Leaving takes 4.8 s at most: then the process is ended with code 1, in any case.
 
     Args:
         service: Entering means ready, leaving means gone.

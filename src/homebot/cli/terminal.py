@@ -49,7 +49,7 @@ def print_table(
     On a terminal a long cell goes on in the line below, and no line is wider than the terminal.
 
     Args:
-        head: What each column is called.
+        head: The titles of the columns.
         rows: As many cells each.
         if_any: Columns to leave out where no row has anything in them.
         if_room: Columns that a terminal goes without where it is too narrow for all; the first goes first.
@@ -115,12 +115,12 @@ def print_line(text: str, style: str = "") -> None:
 
 @contextmanager
 def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show on standard error how far a long command is, where that is a terminal; give what tells how many are done.
+    """Show on standard error how far a long command is, if that is a terminal; give the function that updates it.
 
     Nothing of it is left at the end, and with a *total* of 0 there is nothing to show.
     """
     if not total or not is_terminal(sys.stderr):
-        yield lambda done: None  # noqa: ARG005 - nobody looks
+        yield lambda done: None  # noqa: ARG005 - no terminal
         return
     from rich.progress import Progress  # noqa: PLC0415 - as above
 

@@ -24,7 +24,7 @@ def to_device(record: DeviceRecord) -> Device:
 
 
 def thing_text(device: Device, broker: str) -> str:
-    """Return the Thing Description of *device*, whose gateways use the broker at that address."""
+    """Return the Thing Description of *device*; its gateways use the broker at that address."""
     gateways = {one.gateway for one in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
     return json.dumps(to_thing(device, MqttForms(dict.fromkeys(gateways, broker))), indent=2)

@@ -57,7 +57,7 @@ def life(device: DeviceRecord) -> str:
 
 
 def types(device: DeviceRecord) -> str:
-    """Return what the device offers, each type once; for one that sends plain text, its own word for that."""
+    """Return the types that the device offers, each once; for one that sends plain text, its own word for that."""
     if device["parts"] and device["service_type"] not in DEVICE_TYPES:
         return device["service_type"]
     found = dict.fromkeys(one["part"]["service_type"] for one in main_parts(device))

@@ -1,4 +1,4 @@
-"""The state that somebody misses at a device, held against what the device is and can be. Pure."""
+"""The state that the user misses at a device, compared with its present and possible states. Pure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST: Final = 6
 
 
 def is_so(device: DeviceRecord, wanted: str) -> bool:
-    """Return whether the last report of what can be commanded is *wanted*."""
+    """Return whether the last report of a commandable state is *wanted*."""
     states = list(settable_states(device))
     off = {one["part"] for one in states if one["capability"] == "on_off" and plain_value(one["value"]) is False}
     return any(

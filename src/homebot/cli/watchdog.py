@@ -1,4 +1,4 @@
-"""Ends a process that does not stop in time, whatever hangs in it."""
+"""Ends a process that does not stop in time, even if something in it hangs."""
 
 from __future__ import annotations
 

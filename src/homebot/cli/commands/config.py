@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Read the file, find its plug-ins, check every table and credential, and say what would run."""
+    """Read the file, find its plug-ins, check every table and credential, and print the parts that would run."""
     configure_logging()
     path = Path(options.config)
     if errors := _errors(load_tables(path), path):

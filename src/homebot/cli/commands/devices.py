@@ -97,7 +97,7 @@ def _write_things(door: DoorClient, options: argparse.Namespace) -> None:
 
 
 def _all(door: DoorClient, service_type: str, convert: Callable[[DeviceRecord], T]) -> list[T]:
-    """Return what *convert* makes of each device.
+    """Return the results of *convert* for all devices.
 
     Raises:
         _UnknownTypeError: There cannot be devices of *service_type*.

@@ -30,7 +30,7 @@ last line has the worst outcome. The name of the home is that of the homebot tha
 """
 
 _WIDEST: Final = 1000
-"""Characters of an outcome: a refusal ends with what to do about it."""
+"""Characters of an outcome: a refusal ends with its remedy."""
 
 _LONGEST: Final = 900.0
 """Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    """Let devices be commanded, and print what became of it."""
+    """Let devices be commanded, and print the outcomes."""
     request = _request(options)
 
     def run(door: DoorClient) -> int:

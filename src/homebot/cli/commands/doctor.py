@@ -119,7 +119,7 @@ def _is_dry(reason: str) -> bool:
 
 
 def print_health(name: str, health: HealthRecord, now: float, *, everything: bool) -> bool:
-    """Print what went wrong in a node; return whether all is well there."""
+    """Print the problems of a node; return whether all is well there."""
     for problem in health["troubles"]:
         print(f"problem of {name}: {printable(problem)}")
     for note in health["notes"]:
@@ -141,7 +141,7 @@ def _is_ill(one: CountRecord) -> bool:
 
 
 def _count(one: CountRecord) -> tuple[str, ...]:
-    """Return a row of the table of counts, with a word beside what alone makes all not well."""
+    """Return a row of the table of counts, with a word beside a count that is a problem by itself."""
     more = "; homebot journal tells more" if one["name"].startswith("commands_") else ""
     hint = (f"a problem{more}",) if _is_ill(one) else ()
     return one["name"].replace("_", " "), str(one["count"]), *hint

@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _find(options: argparse.Namespace) -> int:
-    """Print what fits a query, best first; return 1 where nothing does."""
+    """Print the matches of a query, best first; return 1 if there are none."""
     query = " ".join(options.query)
 
     def run(door: DoorClient) -> int:

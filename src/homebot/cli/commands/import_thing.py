@@ -105,7 +105,7 @@ def _read(file: str) -> tuple[str, Thing]:
 
 
 def _check_is_json(file: str, payload: bytes) -> None:
-    """Raise an error that says where *payload* is no JSON; what is nested too deep is left to who reads it."""
+    """Raise an error at the place of invalid JSON in *payload*; too deep nesting is left to the topic's readers."""
     with suppress(RecursionError):
         try:
             json.loads(payload)

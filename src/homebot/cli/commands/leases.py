@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _leases(options: argparse.Namespace) -> int:
-    """Print who holds what, and until when."""
+    """Print the holders of leases, with the held values and expiry times."""
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)["id"] if options.device else ""

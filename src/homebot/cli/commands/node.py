@@ -48,7 +48,7 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _info(options: argparse.Namespace) -> int:
-    """Print what a node reads, publishes, serves and calls."""
+    """Print the topics and services that a node reads, publishes, serves and calls."""
 
     def run(door: DoorClient) -> int:
         name = options.node if options.node.startswith("/") else f"/{options.node}"

@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _record(options: argparse.Namespace) -> int:
-    """Write what happens in the house into a file."""
+    """Write the events of the house into a file."""
 
     def run(door: DoorClient) -> int:
         answer = door.call(START_RECORDER, timeout=_LONGEST)
@@ -76,7 +76,7 @@ def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
 
 
 def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> LinkError | OSError | None:
-    """Write lines until somebody stops it, the time is over or the file is full; return what ended it before that."""
+    """Write lines until interrupted, the time is over or the file is full; return the error that ended it before."""
     ends = None if seconds is None else time.monotonic() + seconds
     is_over = False
     with _stop_signals() as stopped:

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _release(options: argparse.Namespace) -> int:
-    """Let nobody hold a device any more."""
+    """End all leases of a device."""
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)["id"]

@@ -124,7 +124,7 @@ def _print_diff(recording: Recording, diff: CommandDiff, names: Mapping[str, str
 
 
 def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
-    """Return a command as a line: when, which device, what, who and why.
+    """Return a command as a line: time, device, setting, issuer and cause.
 
     Args:
         given: The command.

@@ -33,14 +33,14 @@ __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
-"""In a real house no app runs that nobody named: the light service switches off every lamp that is on."""
+"""The apps of a simulated house. In a real house no app runs unasked: the light service switches off every lamp."""
 
 _TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKEN"}
 
 COLLECT_AFTER = (5_000, 0, 420)
-"""When Python looks for circular garbage, of which there is next to none here, and what there is dies young. By its
+"""Thresholds of Python's garbage collector: there is next to no circular garbage here, and it dies young. By its
 defaults, half of the time in which ten thousand devices are taken in goes into that (measured); most of it into looking
-again at what has come to stay, and all else waits meanwhile. So it looks at 5,000 new objects, every other time at the
+again at permanent objects, and all else waits meanwhile. So it looks at 5,000 new objects, every other time at the
 5,000 before them as well, which takes 4 ms at most; at everything, which holds up all else for a second, only once 4.2
 million more have come to stay, thirty thousand devices' worth."""
 
@@ -124,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _recording(path: str | None) -> Iterator[LineSink | None]:
-    """Yield what takes the lines of a recording; None where *path* is none."""
+    """Yield the writer of the lines of a recording; None if *path* is none."""
     if path is None:
         yield None
         return
@@ -141,7 +141,7 @@ def _run_apart(
     lost_lines: Callable[[], int],
     record_into: LineSink | None,
 ) -> int:
-    """Run where nothing waits for whoever reads the log."""
+    """Run without waiting for a reader of the log."""
     if options.log_format is not None:
         configure_logging(options.log_format)
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
@@ -171,7 +171,7 @@ def _index_file(config: Config) -> Path:
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
-    """Return what *options* ask for, and the simulated house that belongs to it, if any.
+    """Return the configuration for *options*, and the simulated house that belongs to it, if any.
 
     Raises:
         ConfigError: The file cannot be used, or a value is wrong.
@@ -253,7 +253,7 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
 async def _run(make_runtime: Callable[..., Runtime], seconds: float | None) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
-    with gc_paused():  # what the plan names is loaded
+    with gc_paused():  # the plug-ins of the plan are loaded
         runtime = make_runtime(loop_watch=watch)
     await serve(_settled(runtime), seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
@@ -261,7 +261,7 @@ async def _run(make_runtime: Callable[..., Runtime], seconds: float | None) -> i
 
 @asynccontextmanager
 async def _settled(runtime: Runtime) -> AsyncIterator[None]:
-    """Enter *runtime*; what is there then, modules and classes above all, stays, and is no garbage ever."""
+    """Enter *runtime*; the objects that exist then, modules and classes above all, stay, and are never garbage."""
     async with AsyncExitStack() as stack:
         with gc_paused():
             await stack.enter_async_context(runtime)

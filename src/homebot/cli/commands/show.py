@@ -70,7 +70,7 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:
-    """Print what is known of *device*.
+    """Print the facts of *device*.
 
     Args:
         device: The device.

@@ -167,7 +167,7 @@ def _echo(options: argparse.Namespace) -> int:
 
 
 def _schema(door: DoorClient, topic: str) -> Schema | None:
-    """Return what the topic carries; where it does not exist yet, say so and return None."""
+    """Return the message type of the topic; if it does not exist yet, print that and return None."""
     ros_type = topic_type(door, topic)
     if ros_type:
         return message_schema(door, ros_type)

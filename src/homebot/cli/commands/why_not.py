@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _why_not(options: argparse.Namespace) -> int:
-    """Print which commands asked for a state, and what became of them."""
+    """Print the commands that asked for a state, and their outcomes."""
 
     def run(door: DoorClient) -> int:
         if not options.state.strip():
@@ -99,7 +99,7 @@ def _unasked(device: DeviceRecord, options: argparse.Namespace, begins: TimeReco
 
 
 def _obeyed(chain: Chain) -> bool:
-    """Return whether the device did what *chain* wanted, or was so already, and nothing is known of its way back."""
+    """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
     results = [one["results"][0]["outcome"] for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
     return bool(results) and results[-1] in {"confirmed", "already_so"}
 
