@@ -1,4 +1,4 @@
-"""A dictionary with room for so many values, of which some are kept for good. Pure."""
+"""A dictionary of limited size, with pinned values. Pure."""
 
 from __future__ import annotations
 
@@ -11,49 +11,49 @@ T = TypeVar("T")
 
 
 class BoundedDict(Generic[T]):
-    """Values by name. A new one for which there is no room takes the place of the oldest that is not kept for good.
+    """Values by name. In a full one, a new value replaces the oldest that is not pinned.
 
     Args:
-        room: How many there may be.
-        forget: Called with what was dropped.
+        room: The most values.
+        forget: Called with each dropped value.
 
     Attributes:
-        dropped: How many were dropped or not taken, so far.
+        dropped: Number of dropped and refused values.
     """
 
     def __init__(self, room: int, forget: Callable[[T], None] | None = None) -> None:
         self.dropped = 0
         self._room = room
         self._forget = forget
-        self._passing: dict[str, T] = {}
-        self._kept: dict[str, T] = {}
+        self._unpinned: dict[str, T] = {}
+        self._pinned: dict[str, T] = {}
 
     def get(self, name: str) -> T | None:
-        """Return what is called *name*."""
-        found = self._kept.get(name)
-        return self._passing.get(name) if found is None else found
+        """Return the value of *name*."""
+        value = self._pinned.get(name)
+        return self._unpinned.get(name) if value is None else value
 
     def add(self, name: str, value: T) -> bool:
-        """Add *value*; False where all room is taken for good."""
+        """Add *value*; return False if all values are pinned."""
         if len(self) >= self._room:
             self.dropped += 1
-            if not self._passing:
+            if not self._unpinned:
                 return False
-            oldest = self._passing.pop(next(iter(self._passing)))
+            oldest = self._unpinned.pop(next(iter(self._unpinned)))
             if self._forget is not None:
                 self._forget(oldest)
-        self._passing[name] = value
+        self._unpinned[name] = value
         return True
 
     def pin(self, name: str) -> None:
-        """Keep what is called *name* for good."""
-        if name in self._passing:
-            self._kept[name] = self._passing.pop(name)
+        """Pin the value of *name*, so that it is never dropped."""
+        if name in self._unpinned:
+            self._pinned[name] = self._unpinned.pop(name)
 
     def remove(self, name: str) -> T | None:
-        """Remove and return what is called *name*; None where nothing is."""
-        found = self._kept.pop(name, None)
-        return self._passing.pop(name, None) if found is None else found
+        """Remove and return the value of *name*, or None."""
+        value = self._pinned.pop(name, None)
+        return self._unpinned.pop(name, None) if value is None else value
 
     def __len__(self) -> int:
-        return len(self._passing) + len(self._kept)
+        return len(self._unpinned) + len(self._pinned)

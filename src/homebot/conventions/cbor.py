@@ -1,6 +1,6 @@
 """Documents in CBOR, in and out. Pure, and bounded whatever it is given.
 
-It reads what has a meaning in JSON: tags are passed over, and byte strings become text where they are UTF-8.
+It reads the values of JSON: tags are ignored, and byte strings become text, with replacements for invalid UTF-8.
 
 Source: RFC 8949, sections 3 and 4; the examples of its appendix A are tests.
 """
@@ -23,10 +23,10 @@ _BREAK = object()
 
 
 def decode_cbor(payload: bytes) -> object:
-    """Return the document that *payload* spells: one data item and nothing after it.
+    """Return the document in *payload*: one data item and nothing after it.
 
     Raises:
-        WireError: It is no CBOR, or too long, too deep or too large to be read.
+        WireError: It is no CBOR, or too long, too deep or too large.
     """
     if len(payload) > MAX_STATE_BYTES:
         raise WireError(f"CBOR of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
@@ -43,8 +43,8 @@ def encode_cbor(document: object) -> bytes:
     """Return *document* in CBOR, as short as RFC 8949, section 4.1, prefers it, but for floats of 16 bit.
 
     Raises:
-        TypeError: It is none: only null, booleans, numbers, texts, lists and objects with keys that are texts or whole
-            numbers can be spelt.
+        TypeError: It has other values than null, booleans, numbers, texts, lists, and objects with texts or whole
+            numbers as keys.
     """
     match document:
         case None:
@@ -54,13 +54,7 @@ def encode_cbor(document: object) -> bytes:
         case int() if -(2**64) <= document < 2**64:
             return cbor_head(0, document) if document >= 0 else cbor_head(1, -1 - document)
         case int() | float():
-            number = float(document)
-            try:
-                short = struct.pack(">f", number)
-            except OverflowError:
-                short = b""
-            is_exact = bool(short) and struct.unpack(">f", short)[0] == number
-            return b"\xfa" + short if is_exact else b"\xfb" + struct.pack(">d", number)
+            return _encode_float(float(document))
         case str():
             encoded = document.encode(errors="replace")
             return cbor_head(3, len(encoded)) + encoded
@@ -71,6 +65,15 @@ def encode_cbor(document: object) -> bytes:
             return cbor_head(5, len(document)) + b"".join(pairs)
         case _:
             raise TypeError(f"CBOR of a {type(document).__name__} is not supported")
+
+
+def _encode_float(number: float) -> bytes:
+    try:
+        short = struct.pack(">f", number)
+    except OverflowError:
+        short = b""
+    is_exact = bool(short) and struct.unpack(">f", short)[0] == number
+    return b"\xfa" + short if is_exact else b"\xfb" + struct.pack(">d", number)
 
 
 def cbor_head(major: int, number: int) -> bytes:
@@ -84,7 +87,7 @@ def cbor_head(major: int, number: int) -> bytes:
 
 
 class _Reader:
-    """The place up to which a payload was read."""
+    """Reader of the items of a payload, with the place of the next one."""
 
     def __init__(self, payload: bytes) -> None:
         self.at = 0
@@ -97,22 +100,24 @@ class _Reader:
             raise WireError(f"CBOR has more than {_MAX_ITEMS} items")
         if depth <= 0:
             raise WireError(f"CBOR is nested deeper than {_MAX_DEPTH} levels")
-        first = self._take(1)[0]
+        first = self._consume(1)[0]
         major, info = first >> 5, first & 31
         if major == 7:
             return self._simple(info)
         if info == _INDEFINITE and major in {2, 3, 4, 5}:
             return self._indefinite(major, depth)
-        number = self._number(info)
+        return self._definite(major, self._number(info), depth)
+
+    def _definite(self, major: int, number: int, depth: int) -> object:
         match major:
             case 0:
                 return number
             case 1:
                 return -1 - number
             case 2:
-                return self._take(number).decode(errors="replace")
+                return self._consume(number).decode(errors="replace")
             case 3:
-                return _text(self._take(number))
+                return _text(self._consume(number))
             case 4:
                 return [self._inner(depth) for _ in range(self._count(number))]
             case 5:
@@ -120,7 +125,7 @@ class _Reader:
             case _:  # a tag
                 return self._inner(depth)
 
-    def _take(self, count: int) -> bytes:
+    def _consume(self, count: int) -> bytes:
         found = self._payload[self.at : self.at + count]
         if len(found) < count:
             raise WireError("CBOR ends too early", self._payload)
@@ -132,7 +137,7 @@ class _Reader:
             return info
         if info > 27:
             raise WireError(f"CBOR has the reserved information {info}", self._payload)
-        return int.from_bytes(self._take(1 << (info - 24)), "big")
+        return int.from_bytes(self._consume(1 << (info - 24)), "big")
 
     def _count(self, number: int) -> int:
         if number > len(self._payload) - self.at:  # each has at least a byte
@@ -146,19 +151,21 @@ class _Reader:
         return value
 
     def _pair(self, depth: int) -> tuple[object, object]:
-        key = self._inner(depth)
+        return self._key(self._inner(depth)), self._inner(depth)
+
+    def _key(self, key: object) -> str | int:
         if isinstance(key, bool) or not isinstance(key, (str, int)):
             raise WireError(f"CBOR has a key that is a {type(key).__name__}", self._payload)
-        return key, self._inner(depth)
+        return key
 
     def _simple(self, info: int) -> object:
         if info == _INDEFINITE:
             return _BREAK
         if layout := _FLOATS.get(info):
-            number = float(struct.unpack(layout, self._take(struct.calcsize(layout)))[0])
+            number = float(struct.unpack(layout, self._consume(struct.calcsize(layout)))[0])
             return number if math.isfinite(number) else None
         if info == 24:
-            self._take(1)
+            self._consume(1)
             return None
         if info > 27:
             raise WireError(f"CBOR has the reserved information {info}", self._payload)
@@ -168,9 +175,7 @@ class _Reader:
         if major == 5:
             pairs: dict[object, object] = {}
             while (key := self.item(depth - 1)) is not _BREAK:
-                if isinstance(key, bool) or not isinstance(key, (str, int)):
-                    raise WireError(f"CBOR has a key that is a {type(key).__name__}", self._payload)
-                pairs[key] = self._inner(depth)
+                pairs[self._key(key)] = self._inner(depth)
             return pairs
         found: list[object] = []
         while (value := self.item(depth - 1)) is not _BREAK:

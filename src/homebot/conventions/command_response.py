@@ -1,7 +1,6 @@
 """Responses of devices to commands, as text. Pure.
 
-What a response means is not laid down: one with an error, as Zigbee2MQTT and Shelly write it, is a refusal; any other
-accepts the command.
+No standard defines them: one with an error, as of Zigbee2MQTT and Shelly, is a refusal; any other accepts the command.
 """
 
 from __future__ import annotations
@@ -14,12 +13,12 @@ from homebot.errors import WireError
 
 __all__ = ["problem_of"]
 
-_LONGEST: Final = 4096  # bytes of a response that are looked at
+_LONGEST: Final = 4096  # bytes of a response
 _LONGEST_REASON: Final = 200
 
 
 def problem_of(response: bytes) -> str:
-    """Return the reason of a response that refuses; empty for one that accepts, which is any other."""
+    """Return the reason of a refusing response; empty for any other."""
     try:
         fields = parse_object(response[:_LONGEST])
     except WireError:

@@ -1,4 +1,4 @@
-"""Checks of a command's value against what the part can do, and writers of commands made of them. Pure."""
+"""Checks of commanded values, and writers of commands with them. Pure."""
 
 from __future__ import annotations
 
@@ -26,29 +26,21 @@ __all__ = [
 ]
 
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
-"""The publications for a value and a transition in seconds; raises RefusedError."""
+"""Writes a value with a transition in seconds. Like all checks here, raises RefusedError with the accepted values."""
 
 _MOST_NAMED = 20
 _HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 
 
 def require_bool(capability: str, value: PlainValue) -> bool:
-    """Return *value* where it is true or false.
-
-    Raises:
-        RefusedError: It is something else.
-    """
+    """Return *value*, which must be true or false."""
     if isinstance(value, bool):
         return value
     raise RefusedError(f"{capability} {shown(value)}", "it takes true or false")
 
 
 def require_number(capability: str, value: PlainValue, least: float, most: float, unit: str = "") -> float:
-    """Return *value* where it is a number within the bounds.
-
-    Raises:
-        RefusedError: It is something else, or outside.
-    """
+    """Return *value*, which must be a number within the bounds."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
         return float(value)
     bounds = f"{least:g} to {most:g} {unit}".rstrip()
@@ -56,11 +48,7 @@ def require_number(capability: str, value: PlainValue, least: float, most: float
 
 
 def require_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float, float], ...]) -> tuple[float, ...]:
-    """Return *value* where it has one number within each of the *bounds*.
-
-    Raises:
-        RefusedError: It is something else, or one is outside.
-    """
+    """Return *value*, which must have one number within each of the *bounds*."""
     if (
         isinstance(value, tuple)
         and len(value) == len(bounds)
@@ -72,21 +60,13 @@ def require_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[floa
 
 
 def require_color(value: PlainValue) -> tuple[float, float]:
-    """Return the hue and the saturation that *value* is.
-
-    Raises:
-        RefusedError: It is something else, or one is outside 0 to 360 or 0 to 100.
-    """
+    """Return the hue, 0 to 360, and the saturation, 0 to 100, of *value*."""
     hue, saturation = require_numbers("color", value, _HUE_SATURATION)
     return hue, saturation
 
 
 def require_transition(seconds: float, most: float = math.inf) -> float:
-    """Return *seconds* where a change can take so long.
-
-    Raises:
-        RefusedError: They are none, or more than *most*.
-    """
+    """Return *seconds*, which must be 0 to *most*."""
     if math.isfinite(seconds) and 0 <= seconds <= most:
         return seconds
     takes = "0 or more seconds" if math.isinf(most) else f"0 to {most:g} s"
@@ -94,11 +74,7 @@ def require_transition(seconds: float, most: float = math.inf) -> float:
 
 
 def require_option(capability: str, value: PlainValue, options: Iterable[str]) -> str:
-    """Return *value* where it is one of the *options*.
-
-    Raises:
-        RefusedError: It is none of them; names them.
-    """
+    """Return *value*, which must be one of the *options*."""
     known = tuple(options)
     if isinstance(value, str) and value in known:
         return value
@@ -114,7 +90,7 @@ def bool_writer(capability: str, publish: Callable[[bool], Publications]) -> Wri
 def number_writer(
     capability: str, bounds: tuple[float, ...], unit: str, publish: Callable[[float], Publications]
 ) -> Writer:
-    """Return a writer of numbers within the *bounds*, a smallest and a largest, without transition."""
+    """Return a writer of numbers within the *bounds*, without transition."""
     least, most = bounds
     return lambda value, _transition: publish(require_number(capability, value, least, most, unit))
 
@@ -125,7 +101,7 @@ def option_writer(capability: str, options: Iterable[str], publish: Callable[[st
 
 
 def push_writer(capability: str, publish: Callable[[], Publications]) -> Writer:
-    """Return a writer of true alone: the part does something, and keeps no state."""
+    """Return a writer of true alone, for an action without state."""
 
     def write(value: PlainValue, _transition: float) -> Publications:
         if value is not True:

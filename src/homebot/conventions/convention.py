@@ -1,7 +1,4 @@
-"""Port of a convention: the way in which one family of devices uses MQTT. Pure: topics and payloads in, values out.
-
-At its end is the base of homebot's own, which load what reads their messages with the first one.
-"""
+"""Port of a convention: the use of MQTT by one family of devices. Pure: topics and payloads in, values out."""
 
 from __future__ import annotations
 
@@ -37,7 +34,7 @@ TopicPrefix: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, patt
 
 
 class ConventionSettings(BaseModel):
-    """The table of a convention; a key that it does not know is an error."""
+    """The table of a convention; unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
@@ -45,9 +42,8 @@ class ConventionSettings(BaseModel):
 class Convention(Protocol):
     """One way in which devices announce themselves; the plug-in group is ``homebot.mqtt_conventions``.
 
-    A plug-in is a class that is called with the settings of its table, an instance of :attr:`Settings`. Where a device
-    identifies itself in several messages, the object keeps those of unfinished devices, bounded; it reads no clock,
-    does no input or output, and the same messages in the same order give the same result.
+    A plug-in is a class with its table as the only argument, an instance of :attr:`Settings`. It stores the messages of
+    incomplete devices, bounded; it reads no clock, does no input or output, and is deterministic.
 
     Attributes:
         Settings: The model of its table; a field ``root`` is by default the home of the gateway.
@@ -59,7 +55,7 @@ class Convention(Protocol):
 
     @property
     def rejected(self) -> int:
-        """Announcements that broke its rules, so far."""
+        """Number of invalid announcements."""
         ...
 
     def filters(self) -> tuple[str, ...]:
@@ -67,57 +63,56 @@ class Convention(Protocol):
         ...
 
     def birth_messages(self) -> Publications:
-        """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
+        """Return the requests of announcements, published after the subscriptions and at every reconnect."""
         ...
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message that matches one of the filters, and return what it describes of devices; often nothing.
+        """Return the announced devices in a message on one of the filters; often none.
 
-        A convention whose devices identify themselves only when asked also returns what to ask them.
+        For devices that identify themselves only on request, return the requests too.
 
         Raises:
-            WireError: The message belongs to this convention but breaks its rules; names field and value. What was
-                taken before stays.
+            WireError: The message is invalid; names field and value. Earlier messages stay effective.
         """
         ...
 
 
 class OfferPublisher(Protocol):
-    """The other direction of a convention: shows others what homebot offers. It knows what it published."""
+    """Publisher of homebot's exposed devices; it stores its publications."""
 
     def filters(self) -> tuple[str, ...]:
-        """Return the filters of the commands that others send."""
+        """Return the filters of incoming commands."""
         ...
 
     def is_own_topic(self, topic: str) -> bool:
-        """Return whether *topic* is one on which it announces; what comes there is no device."""
+        """Return whether *topic* is one of its own announcements, which are no devices."""
         ...
 
     def publications(self, offer: ExposedDevice) -> Publications:
-        """Return what makes *offer* be there, or be gone where it is withdrawn."""
+        """Return the publications that announce *offer*, or withdraw it."""
         ...
 
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> Publications:
-        """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
+        """Return the states of *offer* with *changed* ones of the *known* values, by part and capability."""
         ...
 
     def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
-        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        """Return the commands in a message on one of the filters, in this order."""
         ...
 
 
 @runtime_checkable
 class TextConvention(Protocol):
-    """A convention whose devices publish and take text, so that the topic alone names the device and what it is.
+    """A convention of text devices, identified by their topics alone.
 
-    Its filters are subscribed to at QoS 1, since states come there; no command topic may match them. It is given the
-    first message on a topic, and no other as long as the device is there; see :attr:`DeviceAnnounced.text`.
+    Its filters are subscribed to at QoS 1, because states come there; no command topic may match them. It only reads
+    the first message of a device; see :attr:`DeviceAnnounced.text`.
     """
 
     def announced(self, topic: str) -> DeviceAnnounced | None:
-        """Return the device that publishes on *topic*, or None when the topic is none of this convention's.
+        """Return the device that publishes on *topic*, or None for a foreign topic.
 
         Raises:
             WireError: The topic belongs to this convention but breaks its rules.
@@ -127,16 +122,16 @@ class TextConvention(Protocol):
 
 @runtime_checkable
 class ReservingConvention(Protocol):
-    """A convention with topics that move more than one device."""
+    """A convention with command topics of several devices."""
 
     def reserved(self) -> tuple[str, ...]:
-        """Return the filters of the topics on which no announcement may have commands sent."""
+        """Return the filters of topics that no announcement may use for commands."""
         ...
 
 
 @runtime_checkable
 class SlicedConvention(Protocol):
-    """A convention of which one message may describe many devices, so that it is better taken with pauses."""
+    """A convention with messages of many devices, which are read in slices."""
 
     def read_message_in_slices(
         self, topic: str, payload: bytes, *, retained: bool
@@ -144,17 +139,17 @@ class SlicedConvention(Protocol):
         """Read a message in steps of a few milliseconds; yield None where the caller may pause.
 
         Raises:
-            WireError: As :meth:`Convention.read_message`.
+            WireError: The message is invalid.
         """
         ...
 
 
 @runtime_checkable
 class ProblemReportingConvention(Protocol):
-    """A convention that may notice that something it should receive does not come."""
+    """A convention that reports its problems, such as a missing message."""
 
     def problems(self) -> tuple[str, ...]:
-        """Return what is wrong now, in words for people; empty where nothing is."""
+        """Return the current problems, for the user; empty for none."""
         ...
 
 
@@ -163,26 +158,22 @@ class PublishingConvention(Protocol):
     """A convention that can also publish."""
 
     def publisher(self, owner: str, status_topic: str) -> OfferPublisher | None:
-        """Return what publishes the offers of the homebot *owner*; None where the settings do not want it.
+        """Return the publisher of the homebot *owner*; None if it is disabled.
 
         Args:
-            owner: A name that is lasting, and unique in the house.
-            status_topic: Where that homebot publishes ``online`` and ``offline``.
+            owner: A lasting name, unique in the house.
+            status_topic: The topic of ``online`` and ``offline`` of that homebot.
         """
         ...
 
 
 class MessageReader(Protocol):
-    """The part of a convention that needs loading: it understands messages, and keeps what they report.
-
-    Attributes:
-        rejected: Announcements that broke the rules, so far.
-    """
+    """The reader of a convention, imported with its first message; counts *rejected* announcements."""
 
     rejected: int
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Do what :meth:`Convention.read_message` does."""
+        """Read a message as :meth:`Convention.read_message`."""
         ...
 
 
@@ -191,10 +182,7 @@ ReaderT = TypeVar("ReaderT", bound=MessageReader)
 
 
 class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
-    """A convention that knows where devices announce themselves, and loads the rest when one does.
-
-    A house uses one or two of the conventions that are subscribed to.
-    """
+    """A convention with a reader that is imported with the first message: a house uses one or two of them."""
 
     Settings: ClassVar[type[BaseModel]]
     name: ClassVar[str]
@@ -208,17 +196,17 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
 
     @cached_property
     def reader(self) -> ReaderT:
-        """Return the reader of the messages; it is loaded when it is first asked for."""
+        """Return the reader, imported on first use."""
         return self.load_reader()
 
     @property
     def is_loaded(self) -> bool:
-        """True once there is a reader, as a message came."""
+        """True after the first message."""
         return "reader" in self.__dict__
 
     @property
     def rejected(self) -> int:
-        """Announcements that broke the rules, so far."""
+        """Number of invalid announcements."""
         return self.reader.rejected if self.is_loaded else 0
 
     def birth_messages(self) -> Publications:
@@ -226,7 +214,7 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
         return ()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message and return what it describes of devices."""
+        """Return the announced devices in a message."""
         try:
             return self.reader.read_message(topic, payload, retained=retained)
         except WireError:

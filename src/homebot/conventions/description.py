@@ -1,4 +1,4 @@
-"""Description of an announced device, as a convention gives it, with the codec of each part. Pure values."""
+"""Description of an announced device, with the codec of each part. Pure values."""
 
 from __future__ import annotations
 
@@ -31,14 +31,7 @@ AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
 
 
 class Publication(NamedTuple):
-    """A message to publish.
-
-    Attributes:
-        topic: Where; no wildcards.
-        payload: What.
-        qos: 0, 1 or 2.
-        retain: Whether the broker shall keep it.
-    """
+    """A message to publish."""
 
     topic: str
     payload: bytes
@@ -47,29 +40,29 @@ class Publication(NamedTuple):
 
 
 Publications: TypeAlias = tuple[Publication, ...]
-"""What to publish, in this order."""
+"""Messages to publish, in this order."""
 
 
 class Codec(Protocol):
-    """The codec of one part: pure, and bounded in time and memory whatever it is given."""
+    """The codec of one part: pure, and bounded in time and memory for any input."""
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic filters that it reads; wildcards only where the device declared them."""
+        """Return its topic filters, with wildcards only if the device declared them."""
         ...
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
-        """Return the value of each capability that a message reports; None for one that is now unknown.
+        """Return the reported value of each capability; None for an unknown one.
 
-        A message that reports nothing of this part, or cannot be understood, gives an empty mapping, and what was known
-        stays. An event that the broker had kept is none. Nobody changes the mapping afterwards.
+        The mapping is empty for an invalid message, one without values of this part, and a retained event; known values
+        stay. It is never changed.
         """
         ...
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
-        """Return what to publish so that *capability* becomes *value*, on topics that the part names in ``writes``.
+        """Return the command that sets *capability*, on topics in ``writes`` of the part.
 
         Raises:
-            RefusedError: The part cannot do that, or the value is out of its bounds; says which it takes.
+            RefusedError: The capability is not settable, or the value is invalid; names the valid ones.
         """
         ...
 
@@ -79,23 +72,16 @@ class TakesCode(Protocol):
     """A codec of a part that may want a code, in addition to :class:`Codec`."""
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
-        """Write as :meth:`Codec.write`, with a code. It is a secret: no error shows it.
+        """Return the command as :meth:`Codec.write`, with a code, which no error shows.
 
         Raises:
-            RefusedError: As there, or it is the wrong code, or the part takes none for that.
+            RefusedError: As there, or the code is wrong, or the capability takes none.
         """
         ...
 
 
 class AutoExpiry(NamedTuple):
-    """A value that ends by itself.
-
-    Attributes:
-        capability: Whose.
-        after: Seconds after which it does.
-        value: What it then is; None for unknown.
-        only: Fade only from this value; None from any.
-    """
+    """The expiry of a value: *after* seconds it becomes *value*, if it is *only* or that is None."""
 
     capability: str
     after: float
@@ -108,13 +94,10 @@ class DescribedPart:
     """A part and its codec.
 
     Attributes:
-        part: What it is.
-        codec: How its messages are read and its commands written.
-        state_requests: What to publish so that it reports its state.
-        expiries: Values that end by themselves.
-        remembers: Whether the codec makes commands or readings out of what the part reported before. One that takes its
-            place, because the device is described anew, is given the last messages again.
-        availability: How it reports by itself whether it can be reached; None where it does not, or as the device does.
+        state_requests: Requests of its state.
+        remembers: Whether the codec depends on earlier reports. Its successor in a new description reads the last
+            messages again.
+        availability: Its own availability; None if it is that of the device.
     """
 
     part: Part
@@ -126,7 +109,7 @@ class DescribedPart:
 
 
 class AvailabilitySource(Protocol):
-    """One topic that reports whether a device can be reached."""
+    """One topic of the availability of a device."""
 
     @property
     def topic(self) -> str:
@@ -134,34 +117,28 @@ class AvailabilitySource(Protocol):
         ...
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether it can, or None when *payload* means neither."""
+        """Return whether the device is reachable; None for any other payload."""
         ...
 
 
 class LastWillAvailability(NamedTuple):
-    """The topic of a device's last will, and the two payloads there; see :class:`AvailabilitySource`.
-
-    Attributes:
-        topic: The topic.
-        online: The payload of a device that can be reached.
-        offline: The payload of one that cannot.
-    """
+    """The topic of a device's last will, and its two payloads; see :class:`AvailabilitySource`."""
 
     topic: str
     online: bytes
     offline: bytes
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* means neither."""
+        """Return whether the device is reachable; None for any other payload."""
         return True if payload == self.online else False if payload == self.offline else None
 
 
 class Availability(NamedTuple):
-    """The topics on which a device reports whether it can be reached. Before the first message it is unknown.
+    """The availability of a device, unknown before the first message.
 
     Attributes:
         sources: The topics; at least one.
-        mode: Whether ``all`` must say yes, or ``any``, or the ``latest`` payload counts.
+        mode: Whether ``all`` or ``any`` must be online, or the ``latest`` payload decides.
     """
 
     sources: tuple[AvailabilitySource, ...]
@@ -169,12 +146,12 @@ class Availability(NamedTuple):
 
 
 class TextEndpoint(NamedTuple):
-    """The topics on which a device publishes and takes text by itself.
+    """The topics of a text device.
 
     Attributes:
-        service_type: What it offers, as it is called in its topic.
-        address: The topic that it publishes on, and nothing else does.
-        command_address: The topic on which it takes commands.
+        service_type: Its service type, in the spelling of its topic.
+        address: Its state topic, used by no other device.
+        command_address: Its command topic.
     """
 
     service_type: str
@@ -184,28 +161,26 @@ class TextEndpoint(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class DeviceAnnounced:
-    """A device as one announcement describes it. A later one with the same key takes its place.
+    """The description of a device in one announcement, which replaces an earlier one with its key.
 
     Attributes:
-        key: Names the announcement: unique in its convention, and lasting, for example ``light/0x17_light``.
-        convention: Which convention it is in.
-        identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`. Announcements of one device
-            share at least one; empty where it named none.
-        name: What people call the device.
-        parts: What it offers.
-        topic: Where it was announced.
-        area: The room that was announced for it.
+        key: Its lasting key, unique in its convention, for example ``light/0x17_light``.
+        convention: The name of the convention.
+        identifiers: See :func:`homebot.devices.identity.identifiers`. Announcements of one device share at least one;
+            empty if it has none.
+        topic: The topic of the announcement.
+        area: The announced room.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
-        availability: How it reports whether it can be reached, as a whole; None when it does not.
-        owns: Topics that the device has for itself with all that is below them, because it was announced there or the
-            bridge that publishes for it names its devices so; never because the announcement says so.
-        native: Whether the convention is that of the device itself, or of the bridge that connects it; what it reports
-            is preferred to what somebody else makes of the device.
-        whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
-            same one, unless they name one radio address.
-        implies_alive: Whether the announcement is a sign of life of the device itself when it comes live.
-        text: Where it publishes and takes text; its one part does, whose service type is empty where the vocabulary has
-            none. It is announced by the first message on that topic, whatever it says, and gone with an empty one.
+        availability: The availability of the whole device; None if it reports none.
+        owns: Topics of the device alone, with all topics below, proven by the topic of the announcement or the naming
+            of its bridge, never by the content of the announcement.
+        native: Whether the convention is that of the device, or of the bridge that connects it; its values are
+            preferred to those of other programs.
+        whole_device: Whether each announcement of the convention is a whole device: two of them are never the same
+            one, unless they have one radio address.
+        implies_alive: Whether a live announcement is a sign of life of the device.
+        text: The topics of a text device; the service type of its only part is empty if the vocabulary has none. It is
+            announced by any first message on its topic, and withdrawn by an empty one.
     """
 
     key: str
@@ -225,19 +200,19 @@ class DeviceAnnounced:
 
     @property
     def full_key(self) -> str:
-        """Key of the gateway for it; a text device, and one of no convention, is distinct without."""
+        """Key in the gateway, with the convention, except of a text device or one without convention."""
         return self.key if self.text is not None or not self.convention else f"{self.convention}:{self.key}"
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceWithdrawn:
-    """An announcement was taken back.
+    """The withdrawal of an announcement.
 
     Attributes:
-        key: Which; see :class:`DeviceAnnounced`.
-        why: The reason, in words.
-        is_final: Whether the device is known to be gone. Otherwise its new announcement may follow in a moment.
-        device: What is gone, where that is known: a directory may know it though the gateway does not.
+        key: See :class:`DeviceAnnounced`.
+        why: The reason, for the user.
+        is_final: Whether the device is gone. Otherwise a new announcement may follow in a moment.
+        device: The device, if it is known: a directory may know it although the gateway does not.
     """
 
     key: str
@@ -247,14 +222,10 @@ class DeviceWithdrawn:
 
 
 class DeviceRequest(NamedTuple):
-    """A convention knows of a device that identifies itself only when it is asked.
+    """A request to a device that identifies itself only on request; answers come on the convention's filters.
 
-    The convention asks again at the device's next sign of life as long as no answer came, so a question may be dropped.
-    The gateway may send questions slowly, one device after the other; of two with the same key the later one counts.
-
-    Attributes:
-        key: Whom it asks; unique in its convention.
-        publications: What to publish, in this order. Answers come on the convention's own filters.
+    The gateway may send requests slowly or drop one: without an answer the convention repeats it at the device's next
+    sign of life. A later request replaces one with its key, which is unique in its convention.
     """
 
     key: str

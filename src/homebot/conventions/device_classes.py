@@ -1,4 +1,4 @@
-"""The device classes that Home Assistant, and firmware made for it, has for sensors and covers. Pure.
+"""Device classes of Home Assistant, and of firmware for it, for sensors and covers. Pure.
 
 Source: Home Assistant core 2025.4, ``components/sensor/const.py``, ``components/binary_sensor/__init__.py`` and
 ``components/cover/__init__.py``.
@@ -15,21 +15,21 @@ from homebot.devices.capabilities import CAPABILITIES
 __all__ = ["CLOSURE_CLASSES", "CONDITION_CLASSES", "QUANTITY_CLASSES", "condition_of", "is_quantity", "quantity_of"]
 
 CLOSURE_CLASSES = frozenset({"damper", "door", "garage", "gate", "window"})
-"""Covers that are a closure rather than a window covering."""
+"""Device classes of covers that are closures, not window coverings."""
 
 
 def is_quantity(device_class: str) -> bool:
-    """Return whether a sensor of this class measures, even where it says nothing else."""
+    """Return whether the class alone identifies a sensor of numbers."""
     return device_class in _CLASSES
 
 
 @lru_cache(maxsize=512)
 def quantity_of(device_class: str, unit: str) -> Quantity:
-    """Return what a sensor of this class measures.
+    """Return the quantity of a sensor.
 
     Args:
-        device_class: As its config has it; one that is not known, or none, is a ``measurement``.
-        unit: As its config has it. None is the vocabulary's own; one that cannot be converted into that stays.
+        device_class: Its class; an unknown or empty one is a ``measurement``.
+        unit: Its unit; an empty one is the vocabulary's own, and an inconvertible one stays.
     """
     service_type, capability = _CLASSES.get(device_class, _OTHER)
     canonical = CAPABILITIES[capability].unit
@@ -42,7 +42,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
 
 
 def condition_of(device_class: str) -> tuple[str, str]:
-    """Return the service type of a binary sensor of this class, and what is so when it is on; else a ``state``."""
+    """Return service type and capability of a binary sensor; ``state`` for an unknown class."""
     return _CONDITIONS.get(device_class, _OTHER_CONDITION)
 
 
@@ -89,7 +89,7 @@ _CLASSES: Mapping[str, tuple[str, str]] = {
 QUANTITY_CLASSES: Mapping[str, str] = {
     capability: name for name, (_, capability) in sorted(_CLASSES.items(), reverse=True) if capability != "measurement"
 }
-"""The other way round: the class that says a capability."""
+"""Class by capability."""
 
 _OTHER_CONDITION = ("x_binary_sensor", "state")
 _CONTACT = ("contact_sensor", "contact")
@@ -124,10 +124,10 @@ _CONDITIONS: Mapping[str, tuple[str, str]] = {
     "vibration": ("x_binary_sensor", "vibration"),
     "window": _CONTACT,
 }
-"""Class to service type and to what is so when the sensor is on."""
+"""Class to service type and capability."""
 
 CONDITION_CLASSES: Mapping[str, tuple[str, ...]] = {
     capability: tuple(sorted(one for one in _CONDITIONS if _CONDITIONS[one][1] == capability))
     for capability in {capability for _, capability in _CONDITIONS.values()}
 }
-"""The other way round: the classes that say a capability."""
+"""Classes by capability."""

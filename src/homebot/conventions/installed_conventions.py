@@ -1,4 +1,4 @@
-"""Finds the conventions that a gateway is to understand, and checks their tables."""
+"""Installed conventions of a gateway, and the checks of their tables."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ _ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", 
 
 
 def default_conventions() -> tuple[str, ...]:
-    """Return homebot's own conventions, as far as they are installed."""
+    """Return homebot's own conventions that are installed."""
     return tuple(name for name in _ALL if has_plugin(GROUP, name))
 
 
 def any_announcing(names: Iterable[str]) -> bool:
-    """Return whether devices describe themselves in one of the conventions *names*, as far as those can be loaded."""
+    """Return whether one of the loadable conventions *names* has announcements."""
     return any(not issubclass(kind, TextConvention) for _, kind in _loadable(names))
 
 
 def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> tuple[Convention, ...]:
-    """Load and make the conventions *names*.
+    """Load and create the conventions *names*.
 
     Args:
         names: Entry-point names, or ``module:Class``.
-        tables: The settings of some of them, by name, as :func:`check_tables` takes them.
-        root: The home of the gateway, which is that of a convention whose table names no other.
+        tables: Their settings, by name; see :func:`check_tables`.
+        root: The home of the gateway, the default for tables with a ``root``.
 
     Raises:
         PluginError: One cannot be found or loaded.
@@ -53,9 +53,9 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
 
 
 def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
-    """Return what is wrong with *tables*, each of which must be that of one of the conventions *names*.
+    """Return the errors of *tables*, which must belong to the conventions *names*.
 
-    A convention that cannot be loaded is passed over: that is told when it is looked for.
+    A convention that cannot be loaded is skipped: :func:`find_conventions` reports it.
     """
     models: dict[str, type[BaseModel]] = {}
     for name, kind in _loadable(names):
@@ -94,7 +94,7 @@ def _checked(model: type[BaseModel], table: object) -> BaseModel:
 
 
 def _problem(key: str, model: type[BaseModel], error: Mapping[str, object]) -> InitErrorDetails:
-    """Return a problem as ``[gateways.NAME]`` reports its own: which key, what is wrong, what there is."""
+    """Return a problem in the form of ``[gateways.NAME]``: key, error and value."""
     loc = error["loc"]
     words = str(error["msg"]).removeprefix("Value error, ")
     words = f"{words[:1].lower()}{words[1:]}"

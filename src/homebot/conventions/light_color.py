@@ -1,6 +1,6 @@
-"""Colours as lamps spell them, and the one way the vocabulary does: hue in degrees and saturation in percent. Pure.
+"""Colours of lamps, and of the vocabulary: hue in degrees and saturation in percent. Pure.
 
-Lamps round as Home Assistant does, so that the same command gives the same bytes.
+Numbers are rounded as in Home Assistant, so that the same command gives the same bytes.
 
 Source: Home Assistant core 2025.4, ``util/color.py``; xy: Philips Hue, RGB to xy color conversion (wide gamut, D65);
 white of a colour temperature: T. Helland, How to convert temperature (K) to RGB.
@@ -42,10 +42,9 @@ def kelvin_mired(value: float) -> int:
 
 
 def mired_bounds(least: float, most: float) -> tuple[float, float]:
-    """Return the lowest and the highest kelvin that a lamp of *least* to *most* mired takes, both at least 1.
+    """Return the lowest and the highest kelvin of a lamp with *least* to *most* mired, both at least 1.
 
-    They are compared in its own unit: what :func:`kelvin_mired` makes of a kelvin must lie within, whose ends are whole
-    numbers as well, or become some by rounding down.
+    The results of :func:`kelvin_mired` for both are within these mired, rounded down.
     """
     coldest, warmest = math.floor(least), math.floor(most)
     low, high = MIRED // (warmest + 1) + 1, kelvin_mired(coldest)
@@ -58,7 +57,7 @@ def nearest_mired_bounds(least: float, most: float) -> tuple[float, float]:
 
 
 def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
-    """Return the kelvin of a white that a lamp reports in kelvin or in mired; None where it cannot be one."""
+    """Return the kelvin of a reported white in kelvin or in mired; None if it is out of range."""
     if value is None or not 1 <= value <= _MOST_KELVIN:
         return None
     return float(value) if in_kelvin else float(kelvin_mired(value))
@@ -82,7 +81,7 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
 MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000
 _LEAST_Y = 1e-11
-"""To divide by; a smaller one, which no lamp means, would make infinity."""
+"""Smallest divisor; no lamp has a smaller one, and its quotient could be infinite."""
 
 
 def _rgb(hue: float, saturation: float) -> Channels:

@@ -1,6 +1,6 @@
-"""JSON of many megabytes, parsed item by item, so that other work can be done in between. Pure.
+"""JSON of many megabytes, parsed item by item with pauses for other work. Pure.
 
-`json` parses 32 MiB in a second, and lets no other thread run meanwhile.
+`json` parses 32 MiB in a second, without a turn for other threads.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from homebot.errors import WireError
 __all__ = ["is_longer_than", "parse_in_slices", "parse_list"]
 
 _Place: TypeAlias = tuple[object, int]
-"""A value, and where the text goes on behind it."""
+"""A value, and the index after it."""
 
 _LEVELS: Final = 2
-"""Lists and objects that are parsed by their members: the pages of a list are mostly lists in an object."""
+"""Levels that are parsed by their members: the pages of a list are mostly lists in an object."""
 
 _SPACES: Final = b" \t\n\r"
 _NO_SPACE: Final = re.compile(r"[^ \t\n\r]")
@@ -35,11 +35,11 @@ _CLOSING: Final = {"[": "]", "{": "}"}
 
 
 def parse_list(payload: bytes, limit: int) -> Iterator[object]:
-    """Yield the items of the JSON list that *payload* is, one after the other.
+    """Yield the items of a JSON list.
 
     Raises:
-        WireError: As :func:`~homebot.conventions.payload.parse_json`, or it is JSON but no list; what was yielded
-            before that is no list either.
+        WireError: As :func:`~homebot.conventions.payload.parse_json`, or it is JSON but no list; items yielded before
+            are invalid then.
     """
     if len(payload) > limit or not payload.lstrip(_SPACES).startswith(b"["):
         value = parse_json(payload, limit)
@@ -59,14 +59,13 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
 
 
 def parse_in_slices(payload: bytes, limit: int) -> Generator[int, None, object]:
-    """Parse JSON as :func:`~homebot.conventions.payload.parse_json` does, and pause behind each member.
+    """Parse JSON as :func:`~homebot.conventions.payload.parse_json`, with a pause after each member.
 
     Yields:
-        The characters that were parsed until there. What is nested more deeply than two levels is parsed without a
-        pause.
+        The number of parsed characters. Values below the second level are parsed without a pause.
 
     Returns:
-        The value, when all of it was parsed.
+        The value.
 
     Raises:
         WireError: It is longer than *limit* bytes, or as :func:`~homebot.conventions.payload.parse_json`.
@@ -85,7 +84,7 @@ def parse_in_slices(payload: bytes, limit: int) -> Generator[int, None, object]:
 
 
 def is_longer_than(value: object, limit: int) -> bool:
-    """Return whether *value*, of JSON, has more than *limit* characters when it is written; a little less may count."""
+    """Return whether the JSON *value* has more than about *limit* characters as text."""
     left = limit
     waiting = [value]
     while waiting:
@@ -123,7 +122,7 @@ def _parse(text: str, at: int, levels: int) -> Generator[int, None, _Place]:
 
 
 def _parse_name(text: str, at: int) -> tuple[str, int]:
-    """Parse the name of a member; its value is where the text goes on."""
+    """Parse the name of a member; return it and the index of its value."""
     name, at = json_decoder().raw_decode(text, at)
     at = _after_spaces(text, at)
     check_surrogates(name)
@@ -154,7 +153,7 @@ def _decode(text: str, at: int, levels: int) -> _Place:
 
 
 def _next_member(text: str, at: int, closing: str) -> int:
-    """Return where the next member begins that follows a comma, or where *closing* is."""
+    """Return the index of the next member after a comma, or that of *closing*."""
     at = _after_spaces(text, at)
     if text[at : at + 1] == closing:
         return at

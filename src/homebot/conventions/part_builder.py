@@ -1,4 +1,4 @@
-"""Builder of a part: its capabilities, with what reads and writes them, become its description. Pure."""
+"""Builder of a part from its capabilities with their readers and writers. Pure."""
 
 from __future__ import annotations
 
@@ -21,12 +21,10 @@ MessageT = TypeVar("MessageT")
 
 
 class PartBuilder(Generic[MessageT]):
-    """Collects what one part can do, and becomes its description.
-
-    Its arguments are fields of :class:`homebot.devices.part.Part`.
+    """Builder of a part; its arguments are fields of :class:`homebot.devices.part.Part`.
 
     Attributes:
-        parse_payload: Makes of a payload what the readers are given.
+        parse_payload: Parses a payload into the message of the readers.
     """
 
     parse_payload: PayloadParser[MessageT]
@@ -55,7 +53,7 @@ class PartBuilder(Generic[MessageT]):
 
     @property
     def is_empty(self) -> bool:
-        """True if it can do nothing at all, so far."""
+        """True if it has no capability yet."""
         return not self._capabilities
 
     def add_capability(
@@ -68,7 +66,7 @@ class PartBuilder(Generic[MessageT]):
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have the capability *name*, settable where there is a *writer*. One that is neither is left out."""
+        """Add the capability *name*, settable with a *writer*. Without any access it is left out."""
         if not readable and writer is None:
             return
         make = _capability if len(options) <= _FEW_OPTIONS else _capability.__wrapped__
@@ -79,7 +77,7 @@ class PartBuilder(Generic[MessageT]):
     def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
     ) -> None:
-        """Add a capability as :meth:`add_capability`, for what may be set with a code alone."""
+        """Add a settable capability as :meth:`add_capability`, with a code in its commands."""
         self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
         self._coded_writers[name] = writer
 
@@ -88,32 +86,32 @@ class PartBuilder(Generic[MessageT]):
         self._readers[topic] = (*self._readers.get(topic, ()), reader)
 
     def read_events_from(self, topic: str, reader: Reader[MessageT]) -> None:
-        """Read events from a topic as :meth:`read_from`, but not what the broker had retained: it happened before."""
+        """Read events from a topic as :meth:`read_from`, without retained ones, which happened before."""
         self._readers.setdefault(topic, ())
         self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
 
     def add_command_topics(self, *topics: str) -> None:
-        """Name the topics on which the part takes commands."""
+        """Add the topics of its commands."""
         self._writes.update(dict.fromkeys(topics))
 
     def add_state_request(self, *publications: Publication) -> None:
-        """Name what makes the device report the part's state."""
+        """Add requests of its state."""
         self._state_requests.update(dict.fromkeys(publications))
 
     def add_expiry(self, *expiries: AutoExpiry) -> None:
-        """Let values end by themselves."""
+        """Add expiries of values."""
         self._expiries += expiries
 
     def remembers(self) -> None:
-        """Note that its codec needs what was reported before; see :attr:`DescribedPart.remembers`."""
+        """Mark its codec as dependent on earlier reports; see :attr:`DescribedPart.remembers`."""
         self._remembers = True
 
     def build(self, payloads: object = None) -> DescribedPart:
         """Return the finished part.
 
         Args:
-            payloads: Plain values of the announcement from which the payloads of its commands follow; None if they
-                follow from topics and capabilities.
+            payloads: Plain values of the announcement that determine the payloads of commands; None if topics and
+                capabilities determine them.
         """
         part_id, service_type, name, advertised, tag, category, guessed = self._about
         codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
@@ -140,19 +138,19 @@ class PartBuilder(Generic[MessageT]):
 
 
 class JsonPart(PartBuilder[JsonMessage]):
-    """A part whose readers are given a JSON object."""
+    """A part with readers of JSON objects."""
 
     parse_payload = staticmethod(json_object)
 
 
 class BytesPart(PartBuilder[bytes]):
-    """A part whose readers are given the payload."""
+    """A part with readers of bytes."""
 
     parse_payload = staticmethod(raw_bytes)
 
 
 def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:
-    """Return the first *most* of *parts*; one whose id another has already gets a number behind it."""
+    """Return the first *most* of *parts*; a repeated id gets a number as suffix."""
     found: dict[str, DescribedPart] = {}
     counts: dict[str, int] = {}
     for one in islice(parts, most):

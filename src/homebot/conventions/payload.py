@@ -1,4 +1,4 @@
-"""Payloads of devices: bounded JSON and texts, and the readings taken from them. Pure."""
+"""Payloads of devices: bounded JSON and texts, and readings from them. Pure."""
 
 from __future__ import annotations
 
@@ -55,11 +55,10 @@ MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 """Longest announcement of one device; one with a hundred parts has about 100 kB."""
 
 MAX_STATE_BYTES = 256 * 1024
-"""Longest message of a device's state that is looked at."""
+"""Longest message of a device's state."""
 
 MAX_LONG_STATE_BYTES = 1024 * 1024
-"""The same on a topic of announcements, whose messages are long: the ``bridge/info`` of a large Zigbee house tells
-states as well."""
+"""The same on a topic of announcements, with long messages: a large ``bridge/info`` of Zigbee2MQTT has states too."""
 
 MAX_DEPTH = 64
 """Levels of lists and objects in JSON."""
@@ -69,15 +68,14 @@ _MAX_SHOWN = 60
 
 
 def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
-    """Return what *payload* says in JSON.
+    """Return the JSON value of *payload*, with finite numbers.
 
-    Of keys that are there twice the last one counts, see :class:`DuplicateKeys`. Numbers are ``int``, or ``float``
-    with an end.
+    Of duplicate keys the last one is used, see :class:`DuplicateKeys`.
 
     Args:
-        payload: UTF-8 where it is bytes.
+        payload: Text, or UTF-8.
         limit: Longest length, in bytes or characters.
-        unique: Whether a key that is there twice is an error.
+        unique: Whether a duplicate key is an error.
 
     Raises:
         WireError: It is too long, no JSON as RFC 8259 has it (no NaN, no Infinity), nested deeper than 64 levels, or
@@ -85,11 +83,11 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
-    if not unique and _noted.get() is None:
+    if not unique and _recorded.get() is None:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
         except ValueError:
-            pass  # what it does not take is refused below, with the reason
+            pass  # invalid JSON is refused below, with the reason
         else:
             if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
@@ -97,10 +95,10 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
 
 
 def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
-    """Return what *payload* says, or the reason why it is no JSON; notes keys that are there twice."""
+    """Return the JSON value of *payload*, or raise the reason; records duplicate keys."""
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        decoder = _UNIQUE if unique else _DECODER if _noted.get() is None else _NOTING
+        decoder = _UNIQUE if unique else _DECODER if _recorded.get() is None else _RECORDING_DECODER
         value, end = decoder.raw_decode(text) if text.startswith("{") else (None, -1)
         if end != len(text):  # spaces around it, which nearly no payload has, or no object
             value = decoder.decode(text)
@@ -116,15 +114,15 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
 
 
 def _is_flat_and_finite(value: object) -> bool:
-    """Return whether *value* is an object of one level, as most payloads are, that :func:`_is_finite` takes."""
+    """Return whether *value* is an object of one level, as most payloads, with finite numbers."""
     try:
         return isinstance(value, dict) and _ENDLESS.isdisjoint(value.values())
-    except TypeError:  # what has a list or an object in it has no hash
+    except TypeError:  # lists and objects have no hash
         return False
 
 
 def _is_finite(value: object, depth: int) -> bool:
-    """Return whether *value* has at most *depth* levels, and no number without an end, as which ``1e999`` is read."""
+    """Return whether *value* has at most *depth* levels and only finite numbers; ``1e999`` is infinite."""
     if isinstance(value, dict):
         value = value.values()
     elif not isinstance(value, list):
@@ -140,7 +138,7 @@ def _is_finite(value: object, depth: int) -> bool:
 
 
 def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> dict[str, object]:
-    """Return the JSON object that *payload* is.
+    """Return the JSON object in *payload*.
 
     Raises:
         WireError: As :func:`parse_json`, or it is JSON but no object.
@@ -152,9 +150,9 @@ def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> d
 
 
 def clean_text(text: str, limit: int = 120) -> str:
-    """Return *text* fit to be shown on one line: no control characters, no invisible ones, at most *limit* long.
+    """Return *text* for one line of output: without control and invisible characters, at most *limit* long.
 
-    Markup stays as it is, because it is text; who shows it must escape it.
+    Markup is not escaped.
     """
     if len(text) <= limit and text.isprintable():
         return text.strip()
@@ -163,12 +161,12 @@ def clean_text(text: str, limit: int = 120) -> str:
 
 
 def text_of(value: object, limit: int = 120) -> str:
-    """Return *value* as :func:`clean_text` has it; empty where it is no text."""
+    """Return *value* after :func:`clean_text`; empty if it is no text."""
     return clean_text(value, limit) if isinstance(value, str) else ""
 
 
 def shown(value: object) -> str:
-    """Return *value* as an error message may show it: short, on one line."""
+    """Return *value* for an error message: short, on one line."""
     if isinstance(value, (str, bytes)):
         value = value[: _MAX_SHOWN + 1]
         text = repr(value)
@@ -199,30 +197,30 @@ def _finite(text: str) -> float:
 _DECODER = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant)
 
 
-_noted: ContextVar[list[str] | None] = ContextVar("_noted", default=None)
-_MOST_NOTED = 10
+_recorded: ContextVar[list[str] | None] = ContextVar("_recorded", default=None)
+_MOST_RECORDED = 10
 
 
 class DuplicateKeys:
-    """A context that gives the keys that were twice in what :func:`parse_json` read meanwhile, the first ten."""
+    """A context that returns the first ten duplicate keys in payloads of :func:`parse_json`."""
 
     __slots__ = ("_token",)
 
     def __enter__(self) -> list[str]:
-        """Note from now on."""
+        """Begin recording."""
         keys: list[str] = []
-        self._token = _noted.set(keys)
+        self._token = _recorded.set(keys)
         return keys
 
     def __exit__(self, *error: object) -> None:
-        """Note no more."""
-        _noted.reset(self._token)
+        """End recording."""
+        _recorded.reset(self._token)
 
 
 def record_duplicate(key: str) -> None:
-    """Note that a key of an object is there twice, where :class:`DuplicateKeys` asks for that."""
-    keys = _noted.get()
-    if keys is not None and len(keys) < _MOST_NOTED:
+    """Record a duplicate key of an object in a context of :class:`DuplicateKeys`."""
+    keys = _recorded.get()
+    if keys is not None and len(keys) < _MOST_RECORDED:
         keys.append(key)
 
 
@@ -230,7 +228,7 @@ def _refuse(key: str) -> NoReturn:
     raise ValueError(f"the key {shown(key)} occurs twice")
 
 
-_NOTING = json.JSONDecoder(
+_RECORDING_DECODER = json.JSONDecoder(
     parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=duplicate_key_hook(record_duplicate)
 )
 _UNIQUE = json.JSONDecoder(
@@ -239,8 +237,8 @@ _UNIQUE = json.JSONDecoder(
 
 
 def json_decoder() -> json.JSONDecoder:
-    """Return the decoder of :func:`parse_json`, which notes keys that are there twice if somebody wants to know."""
-    return _DECODER if _noted.get() is None else _NOTING
+    """Return the decoder of :func:`parse_json`, which records duplicate keys in such a context."""
+    return _DECODER if _recorded.get() is None else _RECORDING_DECODER
 
 
 def check_depth(value: object, levels: int = MAX_DEPTH) -> None:
@@ -278,7 +276,7 @@ Readings: TypeAlias = Mapping[str, PlainValue]
 """Values by capability; see :meth:`homebot.conventions.description.Codec.read`."""
 
 JsonMessage: TypeAlias = Mapping[str, object]
-"""One message: a JSON object. Nobody changes it, because all parts that read it share it."""
+"""One message: a JSON object, never changed, because the parts of a device share it."""
 
 TextT = TypeVar("TextT", str, bytes)
 
@@ -287,7 +285,7 @@ NO_READINGS: Readings = MappingProxyType({})
 
 @lru_cache(maxsize=8)
 def to_text(payload: bytes) -> str | None:
-    """Return the text that *payload* is; None where it is none, or longer than what is looked at."""
+    """Return the UTF-8 text of *payload*; None if it is invalid or too long."""
     if len(payload) > MAX_STATE_BYTES:
         return None
     try:
@@ -298,7 +296,7 @@ def to_text(payload: bytes) -> str | None:
 
 @lru_cache(maxsize=2)  # all parts of a device read the same message, one after the other
 def to_json(payload: bytes) -> object:
-    """Return what *payload* says in JSON, not to be changed; None where that is nothing."""
+    """Return the JSON value of *payload*, not to be changed; None if it is invalid."""
     try:
         return parse_json(payload)
     except WireError:
@@ -306,7 +304,7 @@ def to_json(payload: bytes) -> object:
 
 
 def as_fields(value: object) -> Mapping[str, object]:
-    """Return the JSON object that *value*, read of JSON, is; an empty one where it is none."""
+    """Return *value* if it is a JSON object, otherwise an empty one."""
     return value if isinstance(value, dict) else _NO_FIELDS
 
 
@@ -316,10 +314,7 @@ def compact_json(value: object) -> str:
 
 
 def is_unknown(value: object) -> bool:
-    """Return whether *value*, in the place of a number, means that the device does not know it.
-
-    That is null, a number that is none or has no end, and the words that firmware has for these.
-    """
+    """Return whether *value* stands for an unknown number: null, NaN, an infinity, or a word of firmware for these."""
     if isinstance(value, str):
         return means_unknown(value)
     return value is None or (isinstance(value, float) and not math.isfinite(value))
@@ -328,13 +323,13 @@ def is_unknown(value: object) -> bool:
 def read_number(
     capability: str, value: object, convert: Callable[[float], float | None] = float, unknown: object = None
 ) -> Readings:
-    """Return what *value* reports of *capability*: a number, that it is unknown, or nothing.
+    """Return the reading of a number: its value, None for an unknown one, or nothing.
 
     Args:
-        capability: What the number is.
-        value: What the message has in its place.
-        convert: Makes the value of the number; None where that cannot be.
-        unknown: The device's own text for a number that it does not know, beside those of :func:`is_unknown`.
+        capability: Its capability.
+        value: Its value in the message.
+        convert: Converts the number; None if it is out of range.
+        unknown: The device's own text for an unknown number, besides those of :func:`is_unknown`.
     """
     if value == unknown:
         return {capability: None}
@@ -346,23 +341,23 @@ def read_number(
 
 
 def meaning_reader(capability: str, meanings: Mapping[TextT, PlainValue]) -> Callable[[TextT], Readings]:
-    """Return a reader of *capability* by a table of the texts, or payloads, that mean something."""
+    """Return a reader of *capability* by a table of texts or payloads."""
     return lambda text: {capability: meanings[text]} if text in meanings else NO_READINGS
 
 
 def percent_of(value: object) -> float | None:
-    """Return the number from 0 to 100 that *value* is; None, unknown, for anything else."""
+    """Return *value* if it is a number from 0 to 100; otherwise None, unknown."""
     number = to_number(value)
     return number if number is not None and 0 <= number <= 100 else None
 
 
 def number_of(value: object) -> float | None:
-    """Return the number that a text or a JSON value is; None where it is none. As in Python, true is 1."""
+    """Return the number in a text or a JSON value; None for none. As in Python, true is 1."""
     return float(value) if isinstance(value, bool) else to_number(value)
 
 
 def whole_of(text: str) -> int | None:
-    """Return the whole number that *text* is, without point or exponent; None where it is none."""
+    """Return the whole number in *text*, without point or exponent; None for none."""
     try:
         return int(text) if len(text) <= _MAX_DIGITS else None
     except ValueError:
@@ -370,14 +365,14 @@ def whole_of(text: str) -> int | None:
 
 
 def numbers_of(text: str, count: int) -> tuple[float, ...] | None:
-    """Return the *count* numbers that *text* has between commas; None where it has others."""
+    """Return the *count* numbers between commas in *text*; None for another count."""
     parts = text.split(",", count)
     numbers = [number for part in parts if (number := number_of(part)) is not None]
     return tuple(numbers) if len(numbers) == len(parts) == count else None
 
 
 def fields_of(text: str) -> Mapping[str, object]:
-    """Return the JSON object that *text* is; empty where it is none."""
+    """Return the JSON object in *text*; empty for none."""
     if not text.lstrip().startswith("{"):
         return _NO_FIELDS
     try:

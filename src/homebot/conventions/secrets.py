@@ -1,6 +1,6 @@
-"""Names of what opens a lock or a network: PIN codes, passwords, keys and tokens, which are never read. Pure.
+"""Names of secrets: PIN codes, passwords, keys and tokens, which are never read. Pure.
 
-Whoever may see what devices report, or a recording of it, is not to learn them.
+They must not appear in reports of devices or in recordings.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ __all__ = ["names_secret"]
 
 
 def names_secret(name: str) -> bool:
-    """Return whether *name*, a key or in words, is that of a code, password or key: ``pin_code``, ``User code``."""
+    """Return whether *name* is that of a code, password or key: ``pin_code``, ``User code``."""
     return _SECRETS.search(name) is not None
 
 
@@ -27,4 +27,4 @@ _WORDS = "|".join(
     ]
 )
 _SECRETS = re.compile(rf"pin[_\W]?code|pass(?:word|code|phrase)|wifi[_\W]config|(?<![^\W_])(?:{_WORDS})", re.IGNORECASE)
-"""``PIN`` in capitals alone: a ``pin`` may be one of a chip, and so may ``PIN 4``."""
+"""``PIN`` only in capitals: ``pin`` and ``PIN 4`` may be pins of a chip."""

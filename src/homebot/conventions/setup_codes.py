@@ -18,7 +18,7 @@ __all__ = ["HomekitCode", "MatterCode", "check_matter_setup_code", "read_homekit
 _BASE38: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-."
 _BASE36: Final = _BASE38[:36]
 _CHARACTERS: Final = {1: 2, 2: 4, 3: 5}
-"""Characters by the bytes that they spell, in each group."""
+"""Number of characters by number of bytes, in each group."""
 
 _PAYLOAD: Final = 11
 """Bytes of the part that every Matter code has."""
@@ -49,7 +49,7 @@ class HomekitCode:
 
     Attributes:
         category: The number of the accessory category.
-        setup_id: Four characters that identify the accessory; empty where the code has none.
+        setup_id: Four characters that identify the accessory; empty for none.
     """
 
     category: int

@@ -1,4 +1,4 @@
-"""A codec that is tables: what each topic reports, and how each capability is set. Pure."""
+"""A codec made of tables: readers by topic, and writers by capability. Pure."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
 
 Reader: TypeAlias = Callable[[MessageT], Readings]
-"""The readings of one parsed message. Never raises."""
+"""Reads a parsed message. Never raises."""
 
 CodedWriter: TypeAlias = Callable[[PlainValue, str], Publications]
-"""The publications for a value and a code, which is empty where none was given; raises RefusedError."""
+"""Writes a value with a code, which may be empty; raises RefusedError."""
 
 
 class PayloadParser(Protocol[MessageT_co]):
-    """A function from a payload to what the readers of a part are given."""
+    """A parser of payloads into the messages of readers."""
 
     def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
-        """Return the message; None where the payload is none. Never raises."""
+        """Return the message; None if the payload is invalid. Never raises."""
         ...
 
 
 _NONE: Mapping[str, Never] = MappingProxyType({})
-"""One for all: most parts of a house have nothing in most tables."""
+"""One shared empty table: most tables of a house are empty."""
 
 
 def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
-    """Open a payload for readers of bytes: as it is."""
+    """Return the payload for readers of bytes."""
     del retained
     return payload
 
 
 def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
-    """Open a payload for readers of a JSON object, which they share."""
+    """Parse a payload for readers of a JSON object, which they share."""
     del retained
     message = to_json(payload)
     return message if isinstance(message, dict) else None
@@ -54,11 +54,11 @@ class TableCodec(Generic[MessageT]):
     """A codec made of tables; see :class:`homebot.conventions.description.Codec`.
 
     Args:
-        parse_payload: What the readers are given of a payload.
-        readers: By topic, or filter where the device declared one; every topic is here.
-        event_readers: By topic; they are not given what the broker had kept.
-        writers: By capability.
-        coded_writers: Those that take a code, by capability; they are not among *writers*.
+        parse_payload: Parses a payload for the readers.
+        readers: Readers by topic, or by a filter that the device declared; has all topics.
+        event_readers: Readers of live messages by topic.
+        writers: Writers by capability.
+        coded_writers: Writers with a code by capability, not among *writers*.
     """
 
     __slots__ = ("_coded_writers", "_event_readers", "_parse_payload", "_readers", "_wild", "_writers")
@@ -82,11 +82,11 @@ class TableCodec(Generic[MessageT]):
             self._wild = tuple([topic for topic in readers if "+" in topic or "#" in topic])
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic filters that it reads."""
+        """Return its topic filters."""
         return tuple(self._readers)
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
-        """Return what a message reports."""
+        """Return the readings of a message."""
         readers = self._readers.get(topic, ())
         if self._event_readers and not retained:
             readers += self._event_readers.get(topic, ())
@@ -105,7 +105,7 @@ class TableCodec(Generic[MessageT]):
         return found
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
-        """Return what to publish so that *capability* becomes *value*."""
+        """Return the command that sets *capability*."""
         if capability in self._coded_writers:
             require_transition(transition)
             return self._coded_writers[capability](value, "")
@@ -116,7 +116,7 @@ class TableCodec(Generic[MessageT]):
         return writer(value, require_transition(transition))
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
-        """Return what to publish so that *capability* becomes *value*, which *code* allows."""
+        """Return the command that sets *capability* with a *code*."""
         if capability not in self._coded_writers:
             raise RefusedError(shown(capability), "it takes no code")
         return self._coded_writers[capability](value, code)

@@ -1,4 +1,4 @@
-"""A codec of parts that publish and take plain text, see :mod:`homebot.devices.text`. Pure."""
+"""A codec of text devices, see :mod:`homebot.devices.text`. Pure."""
 
 from __future__ import annotations
 
@@ -13,19 +13,18 @@ from homebot.errors import RefusedError
 __all__ = ["TextCodec"]
 
 _LONGEST = 1000
-"""Bytes of a payload that is decoded."""
+"""Most bytes of a decoded payload."""
 
 
 class TextCodec:
-    """The codec of a part that publishes and takes text; see :class:`homebot.conventions.description.Codec`.
+    """The codec of a text device; see :class:`homebot.conventions.description.Codec`.
 
-    A text is read when it is another one than before, once more when it is live and was kept by the broker before, and
-    once when it is the first live one after :meth:`write`: a device that stays as it is repeats what it said before.
-    Of a thermostat a number may be the temperature of the room or the target: it is the target where it answers a
-    command with just that number.
+    A repeated text is read only if it is live after a retained one, or the first live one after :meth:`write`: an
+    unchanged device repeats its state. A number of a thermostat may be the temperature of the room or the target: it is
+    the target if it answers a command with the same number.
 
     Args:
-        part: The part; it reports on the first topic of its ``reads``, and is commanded on the first of its ``writes``.
+        part: The part, with the state topic first in ``reads`` and the command topic first in ``writes``.
     """
 
     __slots__ = ("_awaited", "_decode", "_is_asked", "_last", "_part", "_was_retained")
@@ -38,11 +37,11 @@ class TextCodec:
         self._is_asked = False
 
     def topics(self) -> tuple[str, ...]:
-        """Return the topic that the part publishes on."""
+        """Return its state topic."""
         return self._part.reads
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
-        """Return what *payload* reports that the one before did not."""
+        """Return the readings of *payload*, unless it is a repetition."""
         del topic
         is_repeated = payload == self._last
         if is_repeated and (retained or not (self._was_retained or self._is_asked)):
@@ -55,12 +54,12 @@ class TextCodec:
             return readings
         answer = self._as_answer(readings)
         if is_repeated and answer is not readings:
-            return NO_READINGS  # it may be what it was before
+            return NO_READINGS  # perhaps the old value
         self._awaited = b""
         return answer
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
-        """Return what to publish so that *capability* becomes *value*; there is no text for a transition."""
+        """Return the command that sets *capability*; text has no transitions."""
         del transition
         payload = encode_command(capability, value, self._part).encode(errors="replace")
         self.expect(payload)
@@ -68,7 +67,7 @@ class TextCodec:
         return (Publication(self._part.writes[0], payload, qos=1),)
 
     def expect(self, command: bytes) -> None:
-        """Note that *command* was sent to the part, so that its answer may be the same text."""
+        """Record that *command* was sent, so that its answer may be the same text."""
         self._awaited = command if len(command) <= _LONGEST else b""
 
     def _as_answer(self, readings: Readings) -> Readings:

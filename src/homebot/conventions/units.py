@@ -102,17 +102,16 @@ def to_fahrenheit(celsius: float, digits: int = 6) -> float:
 
 
 def celsius_bounds(low: float, high: float) -> tuple[float, float]:
-    """Return the bounds *low* and *high*, in °F, in °C.
+    """Return the bounds *low* and *high*, in °F, in °C, rounded outwards to tenths, so that rounded bounds are valid.
 
-    Each is the tenth that is as far out or farther, so that a bound which somebody rounded is within as well. What is
-    sent to it must be kept within *low* and *high* then.
+    Commands must be limited to *low* and *high*.
     """
     lowest, highest = (round((one - 32.0) / 0.18, 6) for one in (low, high))
     return math.floor(lowest) / 10, math.ceil(highest) / 10
 
 
 def sensor_type(capability: str) -> str:
-    """Return the service type of a part that only reports *capability*."""
+    """Return the service type of a sensor of *capability*."""
     return SENSOR_TYPES.get(capability) or (
         "x_binary_sensor" if CAPABILITIES[capability].kind == "bool" else "x_sensor"
     )
@@ -138,7 +137,7 @@ SENSOR_TYPES: Mapping[str, str] = {
     "rain": "rain_sensor",
     "press": "generic_switch",
 }
-"""Service types that say more than that a part is a sensor."""
+"""Service types of sensors, if the vocabulary has a special one."""
 
 _MILLI = Conversion(0.0, 1.0, 1e3)
 _MICRO = Conversion(0.0, 1.0, 1e6)

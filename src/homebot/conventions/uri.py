@@ -8,12 +8,10 @@ __all__ = ["resolve_uri"]
 
 
 def resolve_uri(base: str, href: str) -> str:
-    """Return *href* resolved against *base* as RFC 3986, section 5.2, has it, whatever the scheme.
-
-    Python does so only for the schemes that it knows.
+    """Return *href* resolved against *base* by RFC 3986, section 5.2, for any scheme; Python knows only some.
 
     Raises:
-        ValueError: One of them is no address.
+        ValueError: One of them is invalid.
     """
     scheme, separator, rest = base.partition("://")
     if urlsplit(href).scheme or not separator:

@@ -45,7 +45,7 @@ _VALVES = {True: "open", False: "closed"}
 
 
 def add_cover(part: BytesPart, props: Props) -> None:
-    """Let *part* be a cover. One without an enum of commands is moved by its position."""
+    """Add the capabilities of a cover. Without an enum of commands it is moved by its position."""
     position, state, command = props.get("position"), props.get("movement"), props.get("move")
     for capability in ("position", "tilt"):
         if capability in props:
@@ -73,7 +73,7 @@ def add_cover(part: BytesPart, props: Props) -> None:
 
 
 def add_lock(part: BytesPart, props: Props) -> None:
-    """Let *part* be a lock: locked where its state is true."""
+    """Add the capabilities of a lock, which is locked if its state is true."""
     state, command = props.get("lock"), props.get("lock_action")
     commands = _options_by_command(command, _LOCK_COMMANDS)
 
@@ -98,7 +98,7 @@ def add_lock(part: BytesPart, props: Props) -> None:
 
 
 def add_valve(part: BytesPart, props: Props) -> None:
-    """Let *part* be a valve: open where its state is true."""
+    """Add the capabilities of a valve, which is open if its state is true."""
     state = props["valve"]
 
     def read(payload: bytes) -> Readings:
@@ -116,7 +116,7 @@ def add_valve(part: BytesPart, props: Props) -> None:
 
 
 def add_thermostat(part: BytesPart, props: Props) -> None:
-    """Let *part* be a thermostat."""
+    """Add the capabilities of a thermostat."""
     for capability in ("heating_setpoint", "cooling_setpoint", "local_temperature"):
         if capability in props:
             add_temperature(part, capability, props[capability])
@@ -126,7 +126,7 @@ def add_thermostat(part: BytesPart, props: Props) -> None:
 
 
 def add_fan(part: BytesPart, props: Props) -> None:
-    """Let *part* be a fan. One without a switch is off at speed 0."""
+    """Add the capabilities of a fan. Without a switch it is off at speed 0."""
     speed = props.get("fan_speed")
     if "on_off" in props:
         add_flag(part, props["on_off"])
@@ -162,14 +162,7 @@ def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tupl
 
 @dataclass(frozen=True, slots=True)
 class _Vacuum:
-    """A robot that cleans.
-
-    Attributes:
-        node: The node that takes its commands.
-        command: What it does.
-        state: What it reports of that; None while it does not.
-        power: How strong its fan is; None where that cannot be set.
-    """
+    """A robot that cleans: the properties of its commands, its state and its power, and the node of its commands."""
 
     node: HomieNode
     command: HomieProperty
@@ -178,14 +171,14 @@ class _Vacuum:
 
     @property
     def props(self) -> tuple[HomieProperty, ...]:
-        """All of the above."""
+        """Its properties."""
         return tuple(prop for prop in (self.command, self.state, self.power) if prop is not None)
 
 
 def find_vacuum(nodes: tuple[NodeRoles, ...]) -> _Vacuum | None:
-    """Return the robot, by the words of its commands and its state; None where the device is none.
+    """Return the robot, by the options of its commands and its state; None for other devices.
 
-    Its state may come later than its commands, which are as clear where they are these four.
+    Before its state is announced, exactly these four commands identify it.
     """
     props = [(node.node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
     states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
@@ -193,7 +186,7 @@ def find_vacuum(nodes: tuple[NodeRoles, ...]) -> _Vacuum | None:
     if not commands or not (states or set(commands[0][1].options) == set(_COMMANDS.values())):
         return None
     node, command = commands[0]
-    power = next((prop for one, prop in props if prop.is_settable and "fan" in _spelled(one)), None)
+    power = next((prop for owner, prop in props if prop.is_settable and "fan" in _words(owner)), None)
     return _Vacuum(node, command, states[0] if states else None, power)
 
 
@@ -214,14 +207,8 @@ def build_vacuum(vacuum: _Vacuum) -> BytesPart:
 
 _COMMANDS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
 _STATES: Mapping[str, str] = {
-    "docked": "docked",
-    "idle": "idle",
-    "returning": "returning",
-    "cleaning": "cleaning",
-    "paused": "paused",
-    "error": "error",
-    "moving": "cleaning",
-    "manual_control": "cleaning",
+    **{state: state for state in ("docked", "idle", "returning", "cleaning", "paused", "error")},
+    **dict.fromkeys(("moving", "manual_control"), "cleaning"),
 }
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
@@ -231,6 +218,6 @@ def _read(state: HomieProperty, payload: bytes) -> Readings:
     return {"vacuum": _STATES[value]} if isinstance(value, str) and value in _STATES else NO_READINGS
 
 
-def _spelled(node: HomieNode) -> frozenset[str]:
+def _words(node: HomieNode) -> frozenset[str]:
     """Return the words of a node, also of one that writes ``FanSpeedControlCapability``."""
     return tokens_in(_CAMEL.sub(" ", node.id), node.name)

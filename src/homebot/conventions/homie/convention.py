@@ -27,14 +27,14 @@ class HomieSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
-        domains: The first level of the topics; ``+`` for any, as the convention asks of what looks for devices.
+        domains: The first level of the topics; ``+`` for any, as the convention recommends to controllers.
     """
 
     domains: tuple[_Domain, ...] = ("homie",)
 
 
 class Homie(LazyConvention[HomieSettings, "HomieReader"]):
-    """Understands what devices report of themselves; keeps it, bounded. Alerts and logs are passed over."""
+    """Discovery of devices by their attributes, with bounded memory. Alerts and logs are ignored."""
 
     Settings: ClassVar[type[BaseModel]] = HomieSettings
     name: ClassVar[str] = "homie"
@@ -55,7 +55,7 @@ _VERSION_4 = (
     *(f"+/+/{attribute}" for attribute in NODE_ATTRIBUTES),
     *(f"+/{attribute}" for attribute in DEVICE_ATTRIBUTES),
 )
-"""In the order in which retained messages shall come: all of a device is there when its state is."""
+"""In the order of the retained messages: the state comes last, after all that it completes."""
 
 _VERSION_5 = ("5/+/$description", "5/+/$state")
-"""The documents first, so that all is there when the state says ready."""
+"""The document precedes the state that makes it effective."""

@@ -1,6 +1,6 @@
 """Lamps: on and off, brightness and colour, perhaps in nodes of their own. Pure.
 
-Setting the brightness or the colour also switches the lamp on, because Homie leaves that to who asks.
+Setting the brightness or the colour also switches the lamp on: Homie leaves that to the controller.
 
 Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level and color.
 """
@@ -29,7 +29,7 @@ _KELVIN = (1000.0, 40_000.0)
 
 
 def add_light(part: BytesPart, props: Mapping[str, HomieProperty]) -> None:
-    """Let *part* be a lamp made of *props*, which are by role."""
+    """Add the capabilities of a lamp, from its properties by role."""
     lamp = _HomieLamp(props.get("on_off"))
     level, color, white = (props.get(role) for role in ("level", "color", "color_temperature"))
     if lamp.switch is not None:
@@ -129,7 +129,7 @@ def _add_white(part: BytesPart, lamp: _HomieLamp, white: HomieProperty) -> None:
 
 
 def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, float] | tuple[()]:
-    """Return the bounds in kelvin; of a lamp that counts in mired all that lie within when rounded to whole mired."""
+    """Return the bounds in kelvin; of a lamp in mired, those that are within after rounding to whole mired."""
     least, most = white.range.least, white.range.most
     if least is None or most is None or not 1 <= least < most:
         return ()

@@ -1,4 +1,4 @@
-"""A device as Homie describes it, whatever the version, with the formats of its properties. Pure values.
+"""Devices, nodes and properties of Homie, of all versions, and the formats of properties. Pure values.
 
 Source: Homie convention 5, Payload and Property Formats, Device Lifecycle; Homie 4.0, Property Attributes.
 """
@@ -44,13 +44,7 @@ _FIELDS = 3
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A range of numbers that a property takes.
-
-    Attributes:
-        least: Smallest; None where there is none.
-        most: Largest; None where there is none.
-        step: Distance of the numbers it takes; None for all between.
-    """
+    """A range of numbers: its bounds and its step, each None if there is none."""
 
     least: float | None = None
     most: float | None = None
@@ -66,7 +60,7 @@ class Range:
         return number if self.most is None else min(number, self.most)
 
     def nearest(self, number: float) -> float:
-        """Return the number that it takes nearest to *number*; steps count from the smallest, or else the largest."""
+        """Return the nearest allowed number; steps count from the smallest, or else from the largest."""
         if not self.step:
             return number
         base = self.least if self.least is not None else self.most if self.most is not None else 0.0
@@ -84,16 +78,15 @@ def parse_range(text: str) -> Range:
     if not text:
         return Range()
     fields = text.split(":")
-    numbers = [to_number(one) if one else None for one in fields]
-    is_spelled = 1 < len(fields) <= _FIELDS and all(
-        number is not None or not one for number, one in zip(numbers, fields, strict=True)
-    )
-    found = Range(*numbers) if is_spelled else None
-    if found is None or (found.step is not None and found.step <= 0):
+    numbers = [to_number(field) for field in fields]
+    if not 1 < len(fields) <= _FIELDS or any(number is None and fields[i] for i, number in enumerate(numbers)):
         raise WireError(f"format {shown(text)} is not a range")
-    if found.least is not None and found.most is not None and found.least > found.most:
+    least, most, step = (*numbers, None)[:_FIELDS]
+    if step is not None and step <= 0:
+        raise WireError(f"format {shown(text)} is not a range")
+    if least is not None and most is not None and least > most:
         raise WireError(f"format {shown(text)} contains no number")
-    return found
+    return Range(least, most, step)
 
 
 def parse_options(text: str) -> tuple[str, ...]:
@@ -111,7 +104,7 @@ def parse_options(text: str) -> tuple[str, ...]:
 
 
 MAX_PROPERTIES = 500
-"""Properties of one device that are looked at."""
+"""Most properties of one device."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,15 +112,10 @@ class HomieProperty:
     """One value of a device.
 
     Attributes:
-        id: Unique in its node.
-        name: What people call it.
-        datatype: ``integer``, ``float``, ``boolean``, ``string``, ``enum``, ``color``, ``datetime``, ``duration`` or
-            ``json``.
-        topic: Where it is reported; commands go to ``<topic>/set``.
-        unit: Of a number; empty where it has none.
-        range: Of a number.
-        options: Of an enum, or the forms of a colour.
-        is_settable: Whether it takes commands.
+        id: Its id, unique in its node.
+        datatype: One of :data:`DATATYPES`.
+        topic: The topic of its value; commands go to ``<topic>/set``.
+        options: The options of an enum, or the forms of a colour.
         is_retained: Whether its value is a state; otherwise it is an event.
         names_form: Whether a colour's form stands before its numbers, as in version 5.
     """
@@ -151,14 +139,7 @@ class HomieProperty:
 
 @dataclass(frozen=True, slots=True)
 class HomieNode:
-    """A part of a device, as Homie divides it.
-
-    Attributes:
-        id: Unique in its device.
-        name: What people call it.
-        type: What it calls itself.
-        properties: Its values.
-    """
+    """A node of a device; its id is unique there."""
 
     id: str
     name: str
@@ -171,13 +152,9 @@ class HomieDevice:
     """A device.
 
     Attributes:
-        id: Unique in its domain.
-        name: What people call it.
-        type: What it calls itself.
-        topic: What all of its topics begin with.
-        nodes: What it consists of.
-        root: Topic of the device that it hangs on; empty for none.
-        facts: Further facts.
+        id: Its id, unique in its domain.
+        topic: The topic above all its topics.
+        root: The topic of its root device; empty for none.
     """
 
     id: str
@@ -197,16 +174,12 @@ STATES: Mapping[str, bool | None] = {
     "disconnected": False,
     "lost": False,
 }
-"""Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts means neither."""
+"""Reachability by state; a sleeping device executes commands when it wakes, a starting one means neither."""
 
 
 @dataclass(frozen=True, slots=True)
 class _StateTopic:
-    """See :class:`homebot.conventions.description.AvailabilitySource`.
-
-    Attributes:
-        topic: The topic.
-    """
+    """The state of a device as an :class:`homebot.conventions.description.AvailabilitySource`."""
 
     topic: str
 
@@ -219,10 +192,5 @@ _LONGEST = max(map(len, STATES))
 
 
 def availability_of(topic: str, root: str) -> Availability:
-    """Return how the device at *topic* reports whether it can be reached. One whose root is lost is lost.
-
-    Args:
-        topic: What its topics begin with.
-        root: What those of its root begin with; empty where it has none.
-    """
-    return Availability(tuple(_StateTopic(f"{one}/$state") for one in (topic, root) if one), "all")
+    """Return the availability of the device at *topic*, which is lost with its *root*, if that is not empty."""
+    return Availability(tuple(_StateTopic(f"{device}/$state") for device in (topic, root) if device), "all")

@@ -34,9 +34,9 @@ class Kind:
     """A kind of node.
 
     Attributes:
-        service_type: Of what it controls; empty where it only reports.
-        roles: What each property does, by its id.
-        condition: What its first truth reports, whatever its id.
+        service_type: The service type of its controls; empty if it has none.
+        roles: Roles of its properties, by id.
+        condition: The capability of its first reported boolean, with any id.
         tag: See :attr:`homebot.devices.part.Part.tag`.
     """
 
@@ -100,19 +100,19 @@ _LONGEST = 200
 
 
 def declared_kind(node_type: str) -> str:
-    """Return the name of the kind that *node_type* declares; empty where it declares none that is known."""
+    """Return the name of the declared kind of *node_type*; empty if it is unknown."""
     match = _DECLARED.fullmatch(node_type)
     return match[1] if match is not None and match[1] in KINDS else ""
 
 
 def declared_class(device_type: str) -> str:
-    """Return what a device declares to be, such as ``light`` or ``outlet``; empty where it does not."""
+    """Return the declared class of a device, such as ``light`` or ``outlet``; empty for none."""
     match = _CLASS.fullmatch(device_type)
     return match[1] if match is not None else ""
 
 
 def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
-    """Return the kinds that the words of *node* suggest, then those of which the words *around* it do."""
+    """Return the kinds suggested by the words of *node*, then those suggested by the words *around* it."""
     own = tokens_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
     return tuple(dict.fromkeys(kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints))
 
@@ -132,34 +132,34 @@ _BESIDE = frozenset(
     | {"status", "threshold", "time", "timeout", "timer", "tone", "transition", "travel", "update", "vibration"}
     | {"volume", "water"}
 )
-"""A property of these is a setting, or of something else than its node is there for."""
+"""Words of properties that are settings, or do not serve the purpose of their node."""
 
 _SETTINGS = frozenset(
     {"backlight", "calibration", "child", "display", "firmware", "hysteresis", "identify", "indicator", "keypad"}
     | {"keys", "lockout", "offset", "reset", "schedule", "screen", "sensitivity", "threshold", "update"}
 )
-"""A node of these is there for setting up."""
+"""Words of nodes for configuration."""
 
 _OBJECTS = frozenset(
     {"attached", "bell", "boiler", "box", "button", "connected", "dock", "empty", "enabled", "filter", "full"}
     | {"grade", "heater", "heating", "hot", "installed", "level", "light", "lock", "locked", "low", "meter", "mode"}
     | {"mop", "opener", "pump", "supply", "tank", "temperature", "usage", "valve", "watertank"}
 )
-"""Things that can have water, gas or a door without that being a condition of them."""
+"""Things that have water, gas or a door as a part, not as a condition."""
 
 
 def is_beside(tokens: frozenset[str]) -> bool:
-    """Return whether *tokens* of a property say that it is not what its node is there for."""
+    """Return whether a property with these words does not serve the purpose of its node."""
     return not tokens.isdisjoint(_BESIDE)
 
 
 def _is_object(tokens: frozenset[str]) -> bool:
-    """Return whether *tokens* of a property name a thing, so that a condition among them is only part of its name."""
+    """Return whether the words of a property name a thing, so that a condition is only part of its name."""
     return not tokens.isdisjoint(_OBJECTS)
 
 
 def is_setting(tokens: frozenset[str]) -> bool:
-    """Return whether *tokens* of a node say that nothing of it is what its device is there for."""
+    """Return whether a node with these words is for configuration."""
     return not tokens.isdisjoint(_SETTINGS)
 
 
@@ -196,10 +196,10 @@ _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
 )
 
 _NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
-"""Beside these a number is not what another word names: the temperature of a colour, the cycles of a battery."""
+"""Words that change the meaning of others: the temperature of a colour, the cycles of a battery."""
 
 _SHORT = 4
-"""A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
+"""Longer words also count as the beginning of another, as ``battery`` in ``batterystate``."""
 
 _CONDITION_TOKENS: Mapping[str, tuple[str, ...]] = {
     "occupancy": ("motion", "occupancy", "presence"),
@@ -217,7 +217,7 @@ _CONDITIONS: Mapping[str, str] = {one: capability for capability, names in _COND
 
 
 def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
-    """Return the capability of a number with *unit* near *tokens*, and whether that is a guess."""
+    """Return the capability of a number by its unit and its words, and whether that is a guess."""
     unit = unit.strip()
     if unit in _BY_UNIT:
         return _BY_UNIT[unit], False
@@ -230,11 +230,11 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
 
 
 def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
-    """Return the capability of a truth; ``state`` where nothing else is known.
+    """Return the capability of a boolean; ``state`` if its meaning is unknown.
 
     Args:
-        tokens: Of the property. One of a thing, such as a water tank, is no condition, nor is the opposite of one.
-        around: Of its node; they count where the property's own say nothing.
+        tokens: Words of the property. Those of a thing, such as a water tank, or of an opposite are no condition.
+        around: Words of its node, for a property with neutral words only.
     """
     if _is_object(tokens):
         return "state"
@@ -245,9 +245,9 @@ def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
 
 
 _OPPOSITES = frozenset({"absent", "clear", "close", "closed", "dry", "no", "not", "ok", "safe", "shut", "vacant"})
-"""Words by which a truth is the opposite of the condition that it names: ``door-closed``, ``No motion``."""
+"""Words that invert a condition: ``door-closed``, ``No motion``."""
 
 _NEUTRAL = frozenset(
     {"active", "alarm", "alert", "detected", "detection", "detector", "sensor", "state", "status", "triggered", "value"}
 )
-"""Words that say of a truth nothing but that it is one."""
+"""Words without information about a boolean."""

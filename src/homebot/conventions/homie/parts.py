@@ -1,8 +1,8 @@
-"""Parts of a Homie device, and the device as the gateway takes it. Pure.
+"""Parts of a Homie device, and its description. Pure.
 
-Each node's controls are one part, each value that it only reports another, and each further value that can be set a
-setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own. Of a
-robot that cleans, the nodes that declare no other kind are settings: the power of its fan makes it no fan.
+The controls of a node are one part, each reported value is another, and each other settable value is a setting. Switch,
+brightness and colour of a lamp are one part, also from several nodes. In a robot that cleans, nodes without a declared
+kind are settings: the power of its fan makes it no fan.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ __all__ = ["build_parts", "describe"]
 
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
-    """Return the parts of *device*; first what it is there for."""
+    """Return the parts of *device*, the main one first."""
     around = tokens_in(device.type, device.id, device.name)
     nodes = tuple(find_roles(node, around) for node in device.nodes)
     controls: list[BytesPart] = []
@@ -68,20 +68,22 @@ _ADDERS: Mapping[str, _Add] = {
 
 
 def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
-    """Return the nodes that together are one lamp; none where there is none, or more than one."""
-    found = tuple(
-        node for node in nodes if any(role.name in LIGHT_ROLES for role in node.roles) and _may_be_of_a_lamp(node)
-    )
-    counts = [sum(1 for node in found if node.prop(role) is not None) for role in LIGHT_ROLES]
-    if any(count > 1 for count in counts):
+    """Return the nodes of the only lamp; none for no lamp or several."""
+    lamp = tuple(node for node in nodes if _light_roles(node) and _may_be_of_a_lamp(node))
+    roles = [role for node in lamp for role in _light_roles(node)]
+    if len(set(roles)) != len(roles):
         return ()
-    is_lamp = declared_class(device.type) == "light" or any(counts[1:])
-    is_lamp = is_lamp or any(node.kind == "light" and node.is_guess for node in found)
-    return found if is_lamp else ()
+    is_guessed = any(node.kind == "light" and node.is_guess for node in lamp)
+    is_lamp = is_guessed or declared_class(device.type) == "light" or set(roles) - {"on_off"}
+    return lamp if is_lamp else ()
+
+
+def _light_roles(node: NodeRoles) -> frozenset[str]:
+    return frozenset(role.name for role in node.roles) & set(LIGHT_ROLES)
 
 
 def _may_be_of_a_lamp(node: NodeRoles) -> bool:
-    """Return whether its kind says so, or nothing else: a pump's switch is not that of the lamp beside it."""
+    """Return whether its kind is that of a lamp or unknown: the switch of a pump is no part of a lamp."""
     if node.kind:
         return node.kind == "switch" or node.kind in _lights()
     return tokens_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
@@ -117,7 +119,7 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, HomieProperty]) -> str:
-    """Return the type of the controls of *node*; empty where it has none, or only some that mean nothing alone."""
+    """Return the service type of the controls of *node*; empty if it has none, or only incomplete ones."""
     kind = KINDS[node.kind].service_type if node.kind else ""
     if props.keys() & _NEEDED.get(kind, frozenset()):
         is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & tokens_in(node.node.type, node.node.id)
@@ -142,10 +144,10 @@ _NEEDED: Mapping[str, frozenset[str]] = {
 
 
 def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
-    """Return the description of *device*; None where it offers nothing itself, as a bridge does.
+    """Return the description of *device*; None if it has no parts itself, as a bridge.
 
-    Who it is, is its id in its domain: a hardware address counts where the id ends with one. The ``$mac`` of version 4
-    is that of the computer that publishes for it, and perhaps for many.
+    Its identifier is its id in its domain, with a hardware address if the id ends with one. The ``$mac`` of version 4
+    belongs to the publishing computer, perhaps of many devices.
     """
     parts = build_parts(device)
     if not parts:

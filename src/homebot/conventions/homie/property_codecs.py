@@ -1,4 +1,4 @@
-"""Single properties as capabilities: how each is read, and how it is set. Pure."""
+"""Readers and writers of single properties. Pure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _DIGITS = 3
 
 
 def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
-    """Let *prop* be *capability* as it is, in the vocabulary's unit."""
+    """Add *capability* with the value of *prop*, in the vocabulary's unit."""
     conversion = conversion_of(capability, prop.unit) or Conversion()
     _add(
         part,
@@ -47,7 +47,7 @@ def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
 
 
 def add_press(part: BytesPart, prop: HomieProperty) -> None:
-    """Let *prop* report presses: the options of an enum, or a truth."""
+    """Add ``press``: the options of an enum, or a true boolean."""
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
@@ -60,7 +60,7 @@ def add_press(part: BytesPart, prop: HomieProperty) -> None:
 
 
 def add_flag(part: BytesPart, prop: HomieProperty) -> None:
-    """Let *prop* be whether the part is on."""
+    """Add ``on_off`` with the value of *prop*."""
     _add(
         part,
         "on_off",
@@ -72,7 +72,7 @@ def add_flag(part: BytesPart, prop: HomieProperty) -> None:
 
 
 def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
-    """Let *prop* be *capability* in percent of its range."""
+    """Add *capability* in percent of the range of *prop*."""
     _add(
         part,
         capability,
@@ -84,7 +84,7 @@ def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
 
 
 def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> None:
-    """Let *prop* be *capability* in degrees Celsius."""
+    """Add *capability* in degrees Celsius."""
     is_fahrenheit = prop.unit.strip() in _FAHRENHEIT
     ends = _bounds(prop)
     bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
@@ -103,7 +103,7 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
 
 
 def add_enum(part: BytesPart, capability: str, prop: HomieProperty) -> None:
-    """Let the options of *prop* be *capability*, in small letters."""
+    """Add *capability* with the options of *prop*, in small letters."""
     options = {option.casefold(): option for option in prop.options}
     _add(
         part,
@@ -128,7 +128,7 @@ def _add(
     unit: str = "",
     options: tuple[str, ...] = (),
 ) -> None:
-    """Let *prop* be *capability*: by the *meaning* of its values, None for none, and what *spell* makes of commands."""
+    """Add *capability*; *meaning* translates reported values, None for none, and *spell* commanded ones."""
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
@@ -154,7 +154,7 @@ def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
 
 
 def percent_written(prop: HomieProperty, capability: str, percent: float) -> Publication:
-    """Return what sets *prop* to *percent* of its range; below its smallest value, that."""
+    """Return the command that sets *prop* to *percent* of its range, at least to its smallest value."""
     return publication(prop, _spell_percent(prop, capability, percent))
 
 

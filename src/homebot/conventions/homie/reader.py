@@ -10,7 +10,7 @@ __all__ = ["HomieReader"]
 
 
 class HomieReader:
-    """Reads the attributes of devices of any version, and keeps what they reported."""
+    """Reader of the attributes of devices of any version, with bounded memory."""
 
     def __init__(self) -> None:
         self.rejected = 0
@@ -19,7 +19,7 @@ class HomieReader:
 
     @property
     def dropped(self) -> int:
-        """Number of devices or attributes that were forgotten or not taken for want of room."""
+        """Number of dropped devices and attributes."""
         return self._version4.dropped + self._version5.dropped
 
     @property
@@ -28,12 +28,12 @@ class HomieReader:
         return self._version4.ignored + self._version5.ignored
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
-        """Take an attribute and return what it describes of its device."""
+        """Read an attribute and return the description that it completes."""
         domain, _, rest = topic.partition("/")
         device_id, _, attribute = rest.partition("/")
         if device_id != "5":
-            return self._version4.take(domain, device_id, attribute, payload)
+            return self._version4.read_attribute(domain, device_id, attribute, payload)
         inner_id, _, inner = attribute.partition("/")
         if inner in {"$state", "$description"}:
-            return self._version5.take(domain, inner_id, inner, payload)
+            return self._version5.read_attribute(domain, inner_id, inner, payload)
         return ()

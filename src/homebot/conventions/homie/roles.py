@@ -1,11 +1,11 @@
-"""Roles of a node's properties: as its type declares, or as names and formats suggest. Pure.
+"""Roles of a node's properties: declared by its type, or guessed from names and formats. Pure.
 
 Source: hc-smarthome v2; the words and forms that Homie devices commonly use.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from homebot.conventions.homie.model import HomieNode, HomieProperty
@@ -23,36 +23,24 @@ from homebot.conventions.homie.node_types import (
 __all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
 
 
-def _guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    """Return the role of a property, one of :data:`homebot.conventions.homie.roles.CONTROLS` or ``press``.
-
-    Args:
-        node: The node that has it.
-        prop: The property.
-        kind: The node's kind; empty where there is no hint.
-        tokens: Of the property's id and name.
-
-    Returns:
-        Its role; empty where there is no hint.
-    """
-    return _settable_role(node, prop, kind, tokens) if prop.is_settable else _reported_role(node, prop, kind, tokens)
+def _options(prop: HomieProperty) -> frozenset[str]:
+    return frozenset(option.casefold() for option in prop.options) if prop.datatype == "enum" else frozenset()
 
 
 def _is_opening(prop: HomieProperty) -> bool:
-    """Return whether it reports how something opens and closes."""
-    return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
+    """Return whether it is an enum of positions and movements."""
+    return prop.datatype == "enum" and _options(prop) <= _OPENINGS
 
 
 def _is_moving(prop: HomieProperty) -> bool:
-    """Return whether it takes commands to open and to close."""
-    options = {one.casefold() for one in prop.options}
-    return prop.datatype == "enum" and bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
+    """Return whether it is an enum with an option to open and one to close."""
+    options = _options(prop)
+    return bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
 
 
 def _is_speed(prop: HomieProperty) -> bool:
-    """Return whether its words are speeds of something that can stand still."""
-    options = {one.casefold() for one in prop.options}
-    return prop.datatype == "enum" and not _STANDING.isdisjoint(options) and not _is_moving(prop)
+    """Return whether it is an enum of speeds, with one for standing still."""
+    return not _STANDING.isdisjoint(_options(prop)) and not _is_moving(prop)
 
 
 _SWITCHING = frozenset({"power", "on", "onoff", "state", "switch", "relay", "value"})
@@ -100,72 +88,96 @@ def _settable_flag_role(kind: str, tokens: frozenset[str], *, is_main: bool) -> 
 
 
 def _settable_number_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    if kind == "thermostat":
-        if not tokens & _SETPOINTS or not _is_room_temperature(prop):
+    is_main = prop.id == node.id
+    match kind:
+        case "thermostat":
+            return _setpoint_role(prop, tokens)
+        case "shutter" | "garage-door":
+            return _opening_role(prop, tokens, is_main=is_main)
+        case "fan":
+            return "fan_speed" if (tokens & _SPEEDS or is_main) and _is_speed_range(prop) else ""
+        case "" if "position" in tokens:
+            return _opening_role(prop, tokens, is_main=is_main)
+        case "light" | "":
+            return _lamp_role(node, prop, kind, tokens)
+        case _:
             return ""
-        return "cooling_setpoint" if any(token.startswith("cool") for token in tokens) else "heating_setpoint"
-    if kind in {"shutter", "garage-door"} or (not kind and "position" in tokens):
-        if tokens & _TILTS:
-            return "tilt"
-        return "position" if (tokens & _POSITIONS or prop.id == node.id) and _is_fraction(prop) else ""
-    if kind == "fan":
-        return "fan_speed" if (tokens & _SPEEDS or prop.id == node.id) and _is_speed_range(prop) else ""
-    if kind not in {"light", ""}:
+
+
+def _setpoint_role(prop: HomieProperty, tokens: frozenset[str]) -> str:
+    if not tokens & _SETPOINTS or not _is_room_temperature(prop):
         return ""
+    return "cooling_setpoint" if any(token.startswith("cool") for token in tokens) else "heating_setpoint"
+
+
+def _opening_role(prop: HomieProperty, tokens: frozenset[str], *, is_main: bool) -> str:
+    if tokens & _TILTS:
+        return "tilt"
+    return "position" if (tokens & _POSITIONS or is_main) and _is_fraction(prop) else ""
+
+
+def _lamp_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
     if prop.unit in _WHITES:
         is_white = prop.unit != "K" or prop.range.most is None or prop.range.most > _LEAST_KELVIN
         return "color_temperature" if is_white else ""
-    about = _LEVELS if kind == "light" or tokens_in(node.id, node.type) & _LEVELS else _BRIGHT
-    return "level" if tokens & about and _is_fraction(prop) and prop.range.most is not None else ""
+    names = _LEVELS if kind == "light" or tokens_in(node.id, node.type) & _LEVELS else _BRIGHT
+    return "level" if tokens & names and _is_fraction(prop) and prop.range.most is not None else ""
 
 
 def _is_fraction(prop: HomieProperty) -> bool:
-    """Return whether its range is a part of a whole: it begins at 0 or 1, and ends where percent and bytes do."""
+    """Return whether its range is that of a percentage or a byte, from 0 or 1."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
 
 
 def _is_speed_range(prop: HomieProperty) -> bool:
-    """Return whether its numbers are percent or steps, of which 0 is standing still."""
+    """Return whether its numbers are percent or steps from 0."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
 
 
 def _is_room_temperature(prop: HomieProperty) -> bool:
-    """Return whether it may be 20 °C: offsets and hystereses may not."""
+    """Return whether 20 °C is in its range, unlike in that of an offset or a hysteresis."""
     unit = prop.unit.strip()
     return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
 
 
 def _settable_enum_role(prop: HomieProperty, kind: str, tokens: frozenset[str], *, is_main: bool) -> str:
-    options = {one.casefold() for one in prop.options}
-    if kind == "fan":
-        return "fan_mode" if tokens & _SPEEDS or is_main else ""
-    if kind == "thermostat" and tokens & {"fan", "fanmode"}:
-        return "fan_mode"
-    if kind == "thermostat" and prop.id in _MODES and options & _THERMAL:
-        return "thermostat_mode"
-    if kind in {"shutter", "garage-door"} and _is_moving(prop):
-        return "move"
-    return "lock_action" if kind == "lock" and {"lock", "unlock"} <= options else ""
+    options = _options(prop)
+    match kind:
+        case "fan":
+            return "fan_mode" if tokens & _SPEEDS or is_main else ""
+        case "thermostat" if tokens & {"fan", "fanmode"}:
+            return "fan_mode"
+        case "thermostat":
+            return "thermostat_mode" if prop.id in _MODES and options & _THERMAL else ""
+        case "shutter" | "garage-door":
+            return "move" if _is_moving(prop) else ""
+        case "lock":
+            return "lock_action" if {"lock", "unlock"} <= options else ""
+        case _:
+            return ""
 
 
 def _reported_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    if kind == "thermostat" and prop.is_number and "temperature" in tokens and not is_beside(tokens):
-        return "local_temperature"
-    if kind in {"shutter", "garage-door"} and _is_opening(prop) and _is_moving(prop):
-        return "movement"
-    if kind == "lock" and prop.datatype == "boolean" and not is_beside(tokens):
-        return "lock" if tokens & _LOCKING or prop.id == node.id else ""
-    return "press" if prop.datatype == "boolean" and tokens & {"button", "doorbell"} else ""
+    is_flag, is_main_value = prop.datatype == "boolean", not is_beside(tokens)
+    match kind:
+        case "thermostat" if prop.is_number and is_main_value and "temperature" in tokens:
+            return "local_temperature"
+        case "shutter" | "garage-door" if _is_opening(prop) and _is_moving(prop):
+            return "movement"
+        case "lock" if is_flag and is_main_value:
+            return "lock" if tokens & _LOCKING or prop.id == node.id else ""
+        case _:
+            return "press" if is_flag and tokens & {"button", "doorbell"} else ""
 
 
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
     | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "fan_speed", "local_temperature"}
 )
-"""Roles of what a part is controlled by; every other role is a capability that it only reports."""
+"""Roles of controls; every other role is a capability that is only reported."""
 
 THERMOSTAT_ROLES = frozenset({"heating_setpoint", "cooling_setpoint", "thermostat_mode"})
-"""Those of which a thermostat has at least one."""
+"""Roles of a thermostat, which has at least one of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,9 +185,9 @@ class Role:
     """The role of a property.
 
     Attributes:
-        name: One of :data:`CONTROLS`, or the capability that it reports; empty for a setting.
+        name: One of :data:`CONTROLS`, or the reported capability; empty for a setting.
         prop: The property.
-        is_guess: Whether its shape suggested it.
+        is_guess: Whether it is guessed from the property.
     """
 
     name: str
@@ -185,14 +197,7 @@ class Role:
 
 @dataclass(frozen=True, slots=True)
 class NodeRoles:
-    """The properties of a node by their roles.
-
-    Attributes:
-        node: The node.
-        kind: Its kind; empty where there is no hint.
-        is_guess: Whether the kind was guessed.
-        roles: Of its properties.
-    """
+    """The roles of a node's properties, and its kind, which is empty if unknown and perhaps a guess."""
 
     node: HomieNode
     kind: str
@@ -205,7 +210,7 @@ class NodeRoles:
 
 
 def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
-    """Return what the properties of *node* do; the words of its device are *around* it."""
+    """Return the roles of the properties of *node*; *around* are the words of its device."""
     declared = declared_kind(node.type)
     if declared:
         roles = _singled(node, (_declared_role(node, prop, declared) for prop in node.properties))
@@ -213,7 +218,7 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
     kinds = guessed_kinds(node, around)
     for kind in kinds:
         roles = _singled(node, (_guessed_role(node, prop, kind) for prop in node.properties))
-        if _is_borne_out(kind, {role.name: role.prop for role in roles}):
+        if _is_proven(kind, {role.name: role.prop for role in roles}):
             return NodeRoles(node, kind, is_guess=True, roles=roles)
     roles = _singled(node, (_guessed_role(node, prop, "") for prop in node.properties))
     if kinds:
@@ -222,11 +227,11 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
 
 
 _SHARES = frozenset({"level", "position", "tilt"})
-"""Roles that a number alone does not bear out where words suggest something else: the position of a valve."""
+"""Roles that a number alone does not prove if words suggest another kind: the position of a valve."""
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:
-    """Return *node* so that what was guessed of it controls nothing, and without the given properties."""
+    """Return *node* without guessed controls, and without the given properties."""
     roles = [role for role in node.roles if role.prop not in without]
     if node.is_guess:
         roles = [_read_only_role(node.node, role.prop, "") if role.name in CONTROLS else role for role in roles]
@@ -234,18 +239,18 @@ def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRole
 
 
 def _singled(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
-    """Return the roles; of two properties that would control the same the first one does."""
-    taken: set[str] = set()
+    """Return the roles; of several properties with one control the first has it."""
+    used: set[str] = set()
     roles: list[Role] = []
     for role in suggested:
-        is_taken = role.name in CONTROLS and role.name in taken
-        roles.append(_read_only_role(node, role.prop, "") if is_taken else role)
-        taken.add(role.name)
+        is_used = role.name in CONTROLS and role.name in used
+        roles.append(_read_only_role(node, role.prop, "") if is_used else role)
+        used.add(role.name)
     return tuple(roles)
 
 
-def _is_borne_out(kind: str, props: Mapping[str, HomieProperty]) -> bool:
-    """Return whether the forms of *props*, by role, bear out the *kind* that words suggested."""
+def _is_proven(kind: str, props: Mapping[str, HomieProperty]) -> bool:
+    """Return whether the forms of *props*, by role, prove the *kind* that words suggested."""
     if kind == "fan":
         speed = props.get("fan_mode")
         return not props.keys().isdisjoint({"on_off", "fan_speed"}) or (speed is not None and _is_speed(speed))
@@ -260,62 +265,47 @@ _EVIDENCE: Mapping[str, frozenset[str]] = {
     "valve": frozenset({"valve"}),
     "light": frozenset({"on_off", "level", "color", "color_temperature"}),
 }
-"""Of each kind that words may suggest, besides a fan: the roles of which it has at least one."""
+"""By kind, except fans: the roles that prove it."""
 
-
-_Fit = Callable[[HomieProperty], bool]
-
-
-def _is_number(prop: HomieProperty) -> bool:
-    return prop.is_number
-
-
-def _is_flag(prop: HomieProperty) -> bool:
-    return prop.datatype == "boolean"
-
-
-def _is_command(prop: HomieProperty) -> bool:
-    return prop.datatype == "enum" and prop.is_settable
-
-
-def _is_choice(prop: HomieProperty) -> bool:
-    return prop.datatype == "enum"
-
-
-_FITS: Mapping[str, _Fit] = {
-    **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), _is_flag),
-    **dict.fromkeys(("level", "color_temperature", "position", "tilt", "fan_speed", "battery"), _is_number),
-    **dict.fromkeys(("heating_setpoint", "cooling_setpoint"), _is_number),
-    **dict.fromkeys(("move", "lock_action"), _is_command),
-    **dict.fromkeys(("thermostat_mode", "fan_mode"), _is_choice),
-    "color": lambda prop: prop.datatype == "color",
-    "movement": _is_opening,
-    "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
-    "press": lambda prop: prop.datatype in {"enum", "string"},
+_NUMBER = frozenset({"integer", "float"})
+_DATATYPES: Mapping[str, frozenset[str]] = {
+    **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), frozenset({"boolean"})),
+    **dict.fromkeys(("level", "color_temperature", "position", "tilt", "fan_speed", "battery"), _NUMBER),
+    **dict.fromkeys(("heating_setpoint", "cooling_setpoint", "local_temperature"), _NUMBER),
+    **dict.fromkeys(("move", "lock_action", "thermostat_mode", "fan_mode", "movement"), frozenset({"enum"})),
+    "color": frozenset({"color"}),
+    "press": frozenset({"enum", "string"}),
 }
+"""Datatypes of each declared role."""
+
+
+def _fits(role: str, prop: HomieProperty) -> bool:
+    """Return whether *prop* has the form of its declared *role*."""
+    if prop.datatype not in _DATATYPES[role] or (role == "movement" and not _is_opening(prop)):
+        return False
+    return prop.is_settable if role in {"move", "lock_action"} else role != "local_temperature" or not prop.is_settable
 
 
 def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     name = KINDS[kind].roles.get(prop.id, "")
     if name == "fan_mode" and prop.is_number:
         name = "fan_speed"
-    if name and _FITS[name](prop):
+    if name and _fits(name, prop):
         return Role(name, prop, is_guess=False)
-    if KINDS[kind].condition and prop.datatype == "boolean" and not prop.is_settable:
-        first = next(one for one in node.properties if one.datatype == "boolean" and not one.is_settable)
-        if first is prop:
-            return Role(KINDS[kind].condition, prop, is_guess=False)
+    flags = (flag for flag in node.properties if flag.datatype == "boolean" and not flag.is_settable)
+    if KINDS[kind].condition and next(flags, None) is prop:
+        return Role(KINDS[kind].condition, prop, is_guess=False)
     return _read_only_role(node, prop, kind)
 
 
 def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    tokens = tokens_in(prop.id, prop.name)
-    name = _guess_role(node, prop, kind, tokens)
+    find_role = _settable_role if prop.is_settable else _reported_role
+    name = find_role(node, prop, kind, tokens_in(prop.id, prop.name))
     return Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind)
 
 
 def _read_only_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    """Return the role of a property that controls nothing by itself."""
+    """Return the role of a property that is no control."""
     if prop.is_settable:
         return Role("", prop, is_guess=False)
     tokens = tokens_in(prop.id, prop.name)

@@ -49,7 +49,7 @@ _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float"
 
 
 def build_meters(node: NodeRoles) -> Iterator[BytesPart]:
-    """Describe what a node measures of electricity, as one meter."""
+    """Describe the electrical measurements of a node as one meter."""
     roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
     if not roles:
         return
@@ -62,7 +62,7 @@ def build_meters(node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def build_singles(node: NodeRoles) -> Iterator[BytesPart]:
-    """Describe what is left of a node: sensors and settings, each a part."""
+    """Describe the other properties of a node: sensors and settings, each a part."""
     has_thermostat = any(role.name in THERMOSTAT_ROLES for role in node.roles)
     metered: set[str] = set()
     for role in node.roles:
@@ -78,7 +78,7 @@ def build_singles(node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def _is_relative(prop: HomieProperty) -> bool:
-    """Return whether it only takes commands that depend on what was before: commands are absolute."""
+    """Return whether all its commands are relative; homebot's commands are absolute."""
     return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
 
 

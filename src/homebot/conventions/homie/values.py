@@ -34,7 +34,7 @@ _LIMITS = {"hsv": (360.0, 100.0, 100.0), "rgb": (255.0, 255.0, 255.0), "xyz": (1
 
 
 def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
-    """Return the value that *payload* spells; None where that is none of *prop*. A colour is not plain."""
+    """Return the value of *payload*; None if it is invalid for *prop*. A colour is not plain."""
     text = to_text(payload)
     if text is None:
         return None
@@ -52,16 +52,16 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
 
 
 def is_unknown_number(prop: HomieProperty, payload: bytes) -> bool:
-    """Return whether *payload* says that *prop* is a number which the device does not know."""
+    """Return whether *payload* is the unknown value of a number."""
     text = to_text(payload) if prop.datatype in _NUMBERS else None
     return text is not None and is_unknown(text)
 
 
 def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
-    """Return *value* as a command to *prop* spells it.
+    """Return *value* as the payload of a command to *prop*.
 
     Raises:
-        RefusedError: It does not take that.
+        RefusedError: The value is invalid.
     """
     match prop.datatype:
         case "boolean":
@@ -77,17 +77,19 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
 
 
 def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float | None] | None:
-    """Return hue, saturation and brightness that *payload* spells; None where it spells no colour of *prop*."""
+    """Return hue, saturation and brightness in *payload*; None if it is no colour of *prop*."""
     text = to_text(payload)
     if text is None or len(text) > _LONGEST_TEXT:
         return None
     fields = text.split(",")
     form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
     limits = _LIMITS.get(form)
-    if limits is None or form not in prop.options or len(fields) != len(limits):
+    if limits is None or form not in prop.options:
         return None
     numbers = tuple(number for number in map(to_number, fields) if number is not None)
-    if len(numbers) != len(limits) or not all(0 <= one <= most for one, most in zip(numbers, limits, strict=True)):
+    if not len(fields) == len(numbers) == len(limits):
+        return None
+    if not all(0 <= number <= most for number, most in zip(numbers, limits, strict=True)):
         return None
     if form == "hsv":
         return numbers[0], numbers[1], numbers[2]
@@ -98,7 +100,7 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
 
 
 def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
-    """Return a colour at full brightness as a command to *prop* spells it."""
+    """Return a colour at full brightness as the payload of a command to *prop*."""
     form = next((one for one in COLOR_FORMS if one in prop.options), "rgb")
     if form == "hsv":
         numbers: tuple[float, ...] = (round(hue), round(saturation), 100)

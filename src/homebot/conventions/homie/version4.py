@@ -40,14 +40,10 @@ _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 
 class _AttributeCollector:
-    """The nodes of one device, as its attributes have them.
-
-    Args:
-        topic: What the device's topics begin with.
-        attributes: By topic below that.
+    """Collector of the nodes of one device from its attributes, by topic below its own.
 
     Attributes:
-        ignored: Properties that were illegal.
+        ignored: Number of invalid properties.
     """
 
     def __init__(self, topic: str, attributes: Mapping[str, str]) -> None:
@@ -57,7 +53,7 @@ class _AttributeCollector:
         self._count = 0
 
     def nodes(self) -> tuple[HomieNode, ...] | None:
-        """Return the nodes; None while something announced is missing."""
+        """Return the nodes; None while an announced attribute is missing."""
         found: list[HomieNode] = []
         listed = _listed(self._attributes.get("$nodes"))
         for name in listed or ():
@@ -123,7 +119,7 @@ class _AttributeCollector:
 
 
 def _listed(text: str | None) -> tuple[str, ...] | None:
-    """Return the ids of a list; None where it is missing. What is no id is passed over."""
+    """Return the valid ids of a list; None if it is missing."""
     if text is None:
         return None
     return tuple(dict.fromkeys(one for one in text.split(",") if _LISTED.fullmatch(one)))
@@ -148,13 +144,12 @@ class _Homie4Device:
 
 
 class Version4:
-    """Knows the devices of versions 3 and 4.
+    """Registry of the devices of versions 3 and 4.
 
-    There is room for 2,000, and for 16 million characters of all of them: of more devices, the one that was seen
-    first and never became complete is forgotten; of more characters, the newest are not taken.
+    Of more than 2,000 devices the oldest incomplete one is dropped; of more than 16 million characters the newest.
 
     Attributes:
-        ignored: Properties that were illegal, so far.
+        ignored: Number of invalid properties.
     """
 
     def __init__(self) -> None:
@@ -165,11 +160,13 @@ class Version4:
 
     @property
     def dropped(self) -> int:
-        """Number of devices and attributes that were forgotten or not taken for want of room."""
+        """Number of dropped devices and attributes."""
         return self._devices.dropped + self._refused
 
-    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        """Take the *attribute* of a device, which is its topic below the device's.
+    def read_attribute(
+        self, domain: str, device_id: str, attribute: str, payload: bytes
+    ) -> tuple[AnnouncementEvent, ...]:
+        """Read the *attribute* of a device, its topic below the device's.
 
         Raises:
             WireError: It is illegal.
@@ -188,11 +185,11 @@ class Version4:
             device = _Homie4Device()
             if not self._devices.add(name, device):
                 return ()
-        if not self._keep(device, attribute, text) or not _may_be_complete(device, attribute):
+        if not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
         return self._describe(device, domain, device_id)
 
-    def _keep(self, device: _Homie4Device, attribute: str, text: str) -> bool:
+    def _record(self, device: _Homie4Device, attribute: str, text: str) -> bool:
         known = device.attributes.get(attribute)
         if known == text:
             return attribute == "$state"
@@ -264,7 +261,7 @@ def _check(attribute: str, text: str) -> None:
 
 
 def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
-    """Return whether it is worth looking: not for every attribute of a device that is only beginning."""
+    """Return whether *attribute* can complete the device, to skip the check for most of them."""
     return (
         attribute == "$state"
         or device.is_described

@@ -1,8 +1,7 @@
 """Devices of Homie 5, each of which reports its state and describes itself in one document. Pure.
 
-A device exists once both are known and it is not starting; a new document counts when it is ready again. What the
-convention does not know is passed over; where something it knows is illegal, the property, the node or the whole device
-is, whichever it belongs to.
+A device exists once both are known and it is not starting; a new document becomes effective when it is ready again.
+Unknown fields are ignored; an invalid field invalidates its property, its node or the whole device.
 
 Source: Homie convention 5, Device Lifecycle, Device Attributes ($description), Nodes, Properties.
 """
@@ -45,12 +44,7 @@ _LONGEST_UNIT = 20
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A description.
-
-    Attributes:
-        device: What it describes.
-        ignored: Nodes and properties that were illegal.
-    """
+    """A described device, and the number of its invalid nodes and properties."""
 
     device: HomieDevice
     ignored: int
@@ -62,7 +56,7 @@ def _is_id(text: str) -> bool:
 
 
 def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
-    """Return what a device says in its ``$description``.
+    """Return the parsed ``$description`` of a device.
 
     Raises:
         WireError: It is no document of Homie 5, or a field of the device itself is illegal.
@@ -74,10 +68,7 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
     _optional(fields, "version", int)
     for name in ("children", "extensions"):
         _optional(fields, name, list)
-    root = _optional(fields, "root", str) or ""
-    parent = _optional(fields, "parent", str) or root
-    if not all(_is_id(one) for one in (root, parent) if one):
-        raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
+    root, parent = _relatives(fields, device_id)
     topic = f"{domain}/5/{device_id}"
     reader = _DocumentReader(topic)
     nodes = reader.nodes(_optional(fields, "nodes", dict) or {})
@@ -87,10 +78,19 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
         type=(_optional(fields, "type", str) or "")[:_LONGEST_TYPE],
         topic=topic,
         nodes=nodes,
-        root=f"{domain}/5/{root}" if root and root != device_id else "",
-        facts={"via_device": parent} if parent and parent != device_id else {},
+        root=f"{domain}/5/{root}" if root else "",
+        facts={"via_device": parent} if parent else {},
     )
     return Document(device, reader.ignored)
+
+
+def _relatives(fields: Mapping[str, object], device_id: str) -> tuple[str, str]:
+    """Return the ids of the root and the parent of a device, each empty for none."""
+    root = _optional(fields, "root", str) or ""
+    parent = _optional(fields, "parent", str) or root
+    if not all(_is_id(relative) for relative in (root, parent) if relative):
+        raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
+    return root if root != device_id else "", parent if parent != device_id else ""
 
 
 class _DocumentReader:
@@ -167,10 +167,10 @@ def _options(datatype: str, spelled: str) -> tuple[str, ...]:
 
 
 def _optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | None:
-    """Return a field; None where it is not there.
+    """Return a field; None if it is missing.
 
     Raises:
-        WireError: It is of another kind. A truth is no number.
+        WireError: It is of another type. A boolean is no number.
     """
     if name not in fields:
         return None
@@ -192,14 +192,7 @@ _MAX_WAITING = 16_000_000
 
 @dataclass(slots=True)
 class _Homie5Device:
-    """The documents of one device.
-
-    Attributes:
-        state: Its state; empty while it is unknown.
-        document_hash: Hash of its document; None while there is none.
-        waiting: Its document, as it came, while it counts for nothing because of the state.
-        is_described: Whether the gateway knows of it.
-    """
+    """State and document of one device; *waiting* is a document that the state makes ineffective."""
 
     state: str = ""
     document_hash: int | None = None
@@ -212,13 +205,13 @@ class _Homie5Device:
 
 
 class Version5:
-    """Knows the devices of version 5.
+    """Registry of the devices of version 5.
 
-    There is room for 5,000, and for 16 MB of documents that wait for a state: of more devices, the one that was seen
-    first and never described is forgotten; of more documents, the newest are not taken.
+    Of more than 5,000 devices the oldest undescribed one is dropped; of more than 16 MB of waiting documents the
+    newest.
 
     Attributes:
-        ignored: Nodes and properties that were illegal, so far.
+        ignored: Number of invalid nodes and properties.
     """
 
     def __init__(self) -> None:
@@ -229,11 +222,13 @@ class Version5:
 
     @property
     def dropped(self) -> int:
-        """Number of devices or documents that were forgotten or not taken for want of room."""
+        """Number of dropped devices and documents."""
         return self._devices.dropped + self._refused
 
-    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        """Take an attribute of a device.
+    def read_attribute(
+        self, domain: str, device_id: str, attribute: str, payload: bytes
+    ) -> tuple[AnnouncementEvent, ...]:
+        """Read an attribute of a device.
 
         Raises:
             WireError: It is illegal.
@@ -248,11 +243,11 @@ class Version5:
             device = _Homie5Device()
             if not self._devices.add(name, device):
                 return ()
-        take_attribute = self._take_state if attribute == "$state" else self._take_document
-        document = take_attribute(device, domain, device_id, payload)
+        read = self._on_state if attribute == "$state" else self._on_document
+        document = read(device, domain, device_id, payload)
         return () if document is None else self._describe(device, name, domain, document)
 
-    def _take_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _on_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document that waited for this state."""
         state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
         if state not in STATES:
@@ -264,8 +259,8 @@ class Version5:
         self._release(device)
         return document
 
-    def _take_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
-        """Return the document if it is another one and need not wait; what is illegal in it is reported now anyway."""
+    def _on_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+        """Return a changed document that is effective now; invalid fields are reported in any case."""
         document_hash = hash(payload)
         if device.document_hash == document_hash:
             return None
@@ -274,10 +269,10 @@ class Version5:
         device.document_hash = document_hash
         if device.is_ready:
             return document
-        self._keep(device, payload)
+        self._store(device, payload)
         return None
 
-    def _keep(self, device: _Homie5Device, payload: bytes) -> None:
+    def _store(self, device: _Homie5Device, payload: bytes) -> None:
         if self._waiting + len(payload) > _MAX_WAITING:
             device.document_hash = None
             self._refused += 1

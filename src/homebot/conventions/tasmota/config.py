@@ -20,12 +20,7 @@ RELAY, LIGHT, SHUTTER = 1, 2, 3
 
 @dataclass(frozen=True, slots=True)
 class Tilt:
-    """The tilt of a shutter's slats.
-
-    Attributes:
-        least: The angle that is 0 %.
-        most: The angle that is 100 %.
-    """
+    """The angles of a shutter's slats at 0 % and at 100 %."""
 
     least: int
     most: int
@@ -37,26 +32,25 @@ class TasmotaConfig:
 
     Attributes:
         mac: Its hardware address, 12 upper-case digits.
-        name: What people call it.
-        output_names: What people call its outputs; empty where one has no name of its own.
-        commands: Where it takes commands: a topic's beginning, to which a command is appended.
-        results: Where it answers: likewise.
-        telemetry: Where it reports by itself: likewise.
+        output_names: Names of its outputs; empty for an output without one.
+        commands: The beginning of its command topics.
+        results: The beginning of its topics of answers.
+        telemetry: The beginning of its topics of periodic reports.
         state_texts: Its texts for off, on, toggle and hold.
-        online: Its payload while it can be reached.
+        online: Its payload while it is reachable.
         offline: Its last will.
-        outputs: What each output is; see :data:`RELAY`.
-        switch_modes: How each input works; -1 for none.
-        switch_names: What each input is called in messages.
-        buttons: Which of its buttons are there.
+        outputs: The type of each output; see :data:`RELAY`.
+        switch_modes: The mode of each input; -1 for none.
+        switch_names: The key of each input in messages.
+        buttons: For each button, whether it exists.
         options: Its options by number.
         light_type: 0 none or on and off only, 1 dimmer, 2 whites, 3 colours, 4 colours and white, 5 colours and whites.
         is_linked: Whether colours and whites are one lamp.
         is_tuya: Whether another processor drives it.
         is_fan: Whether it is an iFan.
-        is_sleeper: Whether it sleeps most of the time; its last will says nothing then.
-        shutter_options: Bits for each shutter; 1 turns its positions round.
-        tilts: How the slats of each shutter turn; None where they do not.
+        is_sleeper: Whether it sleeps most of the time, so that its last will has no meaning.
+        shutter_options: Bits for each shutter; 1 inverts its positions.
+        tilts: The tilt of each shutter; None for a shutter without.
         facts: Such as ``model`` and ``sw_version``.
     """
 
@@ -66,7 +60,7 @@ class TasmotaConfig:
     commands: str
     results: str
     telemetry: str
-    state_texts: tuple[str, str, str, str]
+    state_texts: tuple[str, ...]
     online: str
     offline: str
     outputs: tuple[int, ...]
@@ -88,13 +82,13 @@ class TasmotaConfig:
         return bool(self.options.get(number))
 
     def output_name(self, index: int) -> str:
-        """Return what people call an output; empty where that is the device's own name or nothing."""
+        """Return the name of an output; empty for none, or for the device's own name."""
         name = self.output_names[index] if index < len(self.output_names) else ""
         return "" if index == 0 and name == self.name else name
 
 
 def read_config(mac: str, payload: bytes) -> TasmotaConfig:
-    """Return what the message of the device *mac* says. What it leaves out is as the firmware's defaults have it.
+    """Return the configuration of the device *mac*, with the firmware's defaults for missing fields.
 
     Raises:
         WireError: It is not a JSON object, of another version or device, or its topics cannot be topics.
@@ -107,7 +101,6 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     prefixes = _texts(fields, "tp", _MOST_PREFIXES)
     if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
-    texts = _texts(fields, "state", len(_STATE_TEXTS))
     names = _texts(fields, "fn", _MOST_INPUTS)
     return TasmotaConfig(
         mac=mac,
@@ -116,9 +109,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         commands=_topic(fields, mac, prefixes[0]),
         results=_topic(fields, mac, prefixes[1]),
         telemetry=_topic(fields, mac, prefixes[2]),
-        state_texts=(texts[0], texts[1], texts[2], texts[3])
-        if len(texts) == len(_STATE_TEXTS) and all(texts)
-        else _STATE_TEXTS,
+        state_texts=_state_texts(fields),
         online=_text(fields, "onln") or "Online",
         offline=_text(fields, "ofln") or "Offline",
         outputs=_outputs(fields),
@@ -147,6 +138,11 @@ _TILT_NUMBERS = 3
 _FACTS = {"model": "md", "sw_version": "sw", "hostname": "hn", "ip": "ip"}
 
 
+def _state_texts(fields: Mapping[str, object]) -> tuple[str, ...]:
+    texts = _texts(fields, "state", len(_STATE_TEXTS))
+    return texts if len(texts) == len(_STATE_TEXTS) and all(texts) else _STATE_TEXTS
+
+
 def _topic(fields: Mapping[str, object], mac: str, prefix: str) -> str:
     topic = _text(fields, "ft")
     if not topic:
@@ -169,7 +165,7 @@ def _outputs(fields: Mapping[str, object]) -> tuple[int, ...]:
 
 
 def _tilts(value: object) -> tuple[Tilt | None, ...]:
-    """Return of each shutter smallest angle, largest angle and the time to turn, which is 0 where it cannot."""
+    """Return the tilt of each shutter, from its smallest and largest angle and its time to turn."""
     listed = value[:_MOST_OUTPUTS] if isinstance(value, list) else []
     triples = [_numbers(one, _TILT_NUMBERS) for one in listed]
     return tuple(
@@ -196,7 +192,7 @@ def _text(fields: Mapping[str, object], key: str) -> str:
 
 
 def _texts(fields: Mapping[str, object], key: str, most: int) -> tuple[str, ...]:
-    """Return the texts of a list; what is none is empty."""
+    """Return the texts of a list, with empty texts for other values."""
     listed = fields.get(key)
     values = listed[:most] if isinstance(listed, list) else []
     return tuple(value if isinstance(value, str) and len(value) <= _MAX_TEXT else "" for value in values)
@@ -207,7 +203,7 @@ def _numbers(value: object, most: int) -> tuple[int, ...]:
 
 
 def _number(value: object) -> int:
-    """Return a small whole number; what is none is 0."""
+    """Return a small whole number; 0 for any other value."""
     return value if isinstance(value, int) and abs(value) <= _MOST_NUMBER else 0
 
 

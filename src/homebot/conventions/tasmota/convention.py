@@ -21,14 +21,14 @@ class TasmotaSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
-        prefix: Where devices announce themselves; it is built into the firmware.
+        prefix: The topic prefix of announcements; it is built into the firmware.
     """
 
     prefix: TopicPrefix = "tasmota/discovery"
 
 
 class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):
-    """Understands ``config`` and ``sensors`` of each device, in either order; its key is its hardware address."""
+    """Discovery of devices from ``config`` and ``sensors``, in any order; the key is the hardware address."""
 
     Settings: ClassVar[type[BaseModel]] = TasmotaSettings
     name: ClassVar[str] = "tasmota"
@@ -38,7 +38,7 @@ class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):
         return f"{self.settings.prefix}/+/config", f"{self.settings.prefix}/+/sensors"
 
     def reserved(self) -> tuple[str, ...]:
-        """Return what is below the announcements, and the topics on which all new devices take commands."""
+        """Return the announcements, and the command topics of all new devices."""
         return f"{self.settings.prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
 
     def load_reader(self) -> TasmotaReader:

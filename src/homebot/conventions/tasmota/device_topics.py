@@ -1,4 +1,4 @@
-"""The topics of one Tasmota device, and how a command is written there. Pure.
+"""The topics of one Tasmota device, and its commands. Pure.
 
 Source: tasmota.github.io/docs, MQTT and Commands; hatasmota 0.10.2 for the spelling of commands.
 """
@@ -20,11 +20,7 @@ __all__ = ["TasmotaTopics", "sensor_values"]
 
 @dataclass(frozen=True, slots=True)
 class TasmotaTopics:
-    """The topics of one device.
-
-    Attributes:
-        config: Its configuration, as it announced it.
-    """
+    """The topics of one device, by its announced configuration."""
 
     config: TasmotaConfig
 
@@ -40,20 +36,20 @@ class TasmotaTopics:
 
     @property
     def state_requests(self) -> Publications:
-        """Commands that make it report its outputs; none for one that sleeps, because it would never receive them."""
+        """Requests of its outputs; none for a sleeping device, which would never receive them."""
         return self._request("STATE", b"")
 
     @property
     def sensor_requests(self) -> Publications:
-        """Commands that make it report its sensors; likewise."""
+        """Requests of its sensors; none for a sleeping device."""
         return self._request("STATUS", b"10")
 
     def publish(self, command: str, argument: str | int = "") -> Publications:
-        """Return what to publish for one command."""
+        """Return the publication of one command."""
         return (Publication(self.topic(command), str(argument).encode()),)
 
     def publish_all(self, commands: list[tuple[str, str | int]]) -> Publications:
-        """Return what to publish for several commands that are carried out in one go."""
+        """Return the publication of several commands, executed together."""
         backlog = ";".join(f"NoDelay;{command} {argument}" for command, argument in commands)
         return (Publication(self.topic("Backlog"), backlog.encode()),)
 
@@ -61,12 +57,12 @@ class TasmotaTopics:
         """Return the topic of a command."""
         return f"{self.config.commands}{command}"
 
-    def state_text(self, on: bool) -> str:  # noqa: FBT001 - it is what the text says
+    def state_text(self, on: bool) -> str:  # noqa: FBT001 - the only argument
         """Return its text for on or off."""
         return self.config.state_texts[1 if on else 0]
 
     def add_power_switch(self, part: JsonPart, index: int) -> None:
-        """Have *part* be switched as the output *index*, by a command of its own."""
+        """Add ``on_off`` of the output *index*, with a command of its own."""
         for topic in self.states:
             part.read_from(topic, partial(self.read_power, index))
         part.add_capability("on_off", writer=partial(self._switch, index))
@@ -74,14 +70,14 @@ class TasmotaTopics:
         part.add_state_request(*self.state_requests)
 
     def add_power_state(self, part: JsonPart, index: int) -> None:
-        """Have *part* report whether the output *index* is on."""
+        """Add ``state`` of the output *index*, which cannot be set."""
         for topic in self.states:
             part.read_from(topic, partial(self._read_state, index))
         part.add_capability("state")
         part.add_state_request(*self.state_requests)
 
     def read_power(self, index: int, message: JsonMessage) -> Readings:
-        """Return whether the output *index* is on. The first is not numbered where there is one only."""
+        """Read whether the output *index* is on. A single output has no number."""
         state = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
         if not isinstance(state, str) or state not in self.config.state_texts[:2]:
             return NO_READINGS
@@ -99,6 +95,6 @@ class TasmotaTopics:
 
 
 def sensor_values(message: JsonMessage) -> JsonMessage:
-    """Return the object that has the sensors: the message itself, or what is in it where it was asked for."""
+    """Return the sensors in a message: an answer to a request has them in an inner object."""
     inner = message.get("StatusSNS")
     return inner if isinstance(inner, dict) else message

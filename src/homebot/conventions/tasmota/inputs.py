@@ -17,7 +17,7 @@ __all__ = ["describe_inputs"]
 
 
 def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
-    """Describe what the inputs report: whether a contact is on, and how a switch or a button was pressed."""
+    """Describe the contacts, and the presses of switches and buttons."""
     for index, mode in enumerate(topics.config.switch_modes):
         if mode in _FOLLOWED:
             yield _contact(topics, index, mode)
@@ -34,7 +34,7 @@ _TOGGLE, _HOLD = 2, 3
 """Places in a device's texts of states."""
 
 _PULSES = frozenset({13, 14})
-"""Modes of what says that it is on, and never that it is off."""
+"""Modes of inputs that report on and never off."""
 
 _FOLLOWED = frozenset({1, 2, 3, 4, 5, 6, 9, 10, 13, 14, 15, 16})
 """Modes in which the input's state is reported."""
@@ -53,7 +53,7 @@ _PRESSED: Mapping[int, Mapping[int, str]] = {
     11: _SINGLE,
     12: _SINGLE,
 }
-"""Modes in which presses are reported, and the meaning of each text then."""
+"""Modes that report presses, with the meaning of each text."""
 
 _BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
 _BUTTON_ACTIONS: Mapping[str, str] = {
@@ -68,7 +68,7 @@ _PULSE_SECONDS = 1.0
 
 
 def _switch_name(topics: TasmotaTopics, index: int) -> str:
-    """Return what an input is called in messages."""
+    """Return the key of an input in messages."""
     names = topics.config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
 

@@ -1,7 +1,7 @@
-"""Lamps with Tasmota firmware, and the fade speed for which one change takes a given time. Pure.
+"""Lamps with Tasmota firmware, and the fade speed for a transition. Pure.
 
-Tasmota's speed is the time of the whole way from dark to full, in half seconds. A shorter way takes a part of it, so
-that the speed depends on what the lamp shows now.
+Tasmota's speed is the time from dark to full, in half seconds. A smaller change needs a part of it, so the speed
+depends on the current state of the lamp.
 
 Source: tasmota.github.io/docs, Lights, and Commands > Speed2 and SetOption117; hatasmota 0.10.2, ``light.py``; rounding
 as Home Assistant core 2025.4, ``components/tasmota/light.py``.
@@ -10,6 +10,8 @@ as Home Assistant core 2025.4, ``components/tasmota/light.py``.
 from __future__ import annotations
 
 import colorsys
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
@@ -31,9 +33,9 @@ class FadeTarget:
 
     Attributes:
         on: Whether the lamp is on afterwards.
-        level: Its brightness then, 0 to 100; None where it stays.
-        mired: Its white then.
-        color: Its hue and saturation then.
+        level: Brightness, 0 to 100; None if unchanged.
+        mired: White; None if unchanged.
+        color: Hue and saturation; None if unchanged.
     """
 
     on: bool = True
@@ -43,7 +45,7 @@ class FadeTarget:
 
 
 class LampState:
-    """The last reported state of a lamp. It forgets nothing, and holds four values."""
+    """The last reported state of a lamp."""
 
     __slots__ = ("_is_on", "_level", "_mired", "_rgb")
 
@@ -54,7 +56,7 @@ class LampState:
         self._mired = 0.0
 
     def update(self, is_on: object, level: object, color: object, mired: object) -> None:
-        """Take what one message reports; what it leaves out, or spells in another way, stays."""
+        """Record the values of one message; missing and invalid ones stay."""
         if isinstance(is_on, bool):
             self._is_on = is_on
         number = finite_number(level)
@@ -66,32 +68,35 @@ class LampState:
             self._mired = white
 
     def distance(self, target: FadeTarget, kind: int, mireds: tuple[int, int]) -> float:
-        """Return which part of the whole way *target* is away, 0 to 1: that of the channel that changes most.
+        """Return the largest change of a channel, as a fraction of the way from dark to full.
 
         Args:
-            target: What the command changes.
+            target: The state after the command.
             kind: The light type.
             mireds: Coldest and warmest white.
         """
-        now = self._level if self._is_on else 0.0
-        then = float(target.level) if target.level is not None else self._level if target.on else 0.0
-        before: list[float] = []
-        after: list[float] = []
-        if kind >= _COLOR and self._rgb:
-            before += self._rgb
-            after += self._rgb if target.color is None else _rgb_of(*target.color)
-        if kind >= _WHITES and self._mired:
-            coldest, warmest = mireds
-            target_mired = self._mired if target.mired is None else target.mired
-            before.append((self._mired - coldest) / (warmest - coldest))
-            after.append((target_mired - coldest) / (warmest - coldest))
-        if not before:
-            before, after = [1.0], [1.0]
-        return max(abs(one * now - other * then) / _FULL for one, other in zip(before, after, strict=True))
+        level = self._level if self._is_on else 0.0
+        target_level = float(target.level) if target.level is not None else self._level if target.on else 0.0
+        changes = [*self._color_changes(target, kind), *self._white_changes(target, kind, mireds)] or [(1.0, 1.0)]
+        return max(abs(before * level - after * target_level) / _FULL for before, after in changes)
+
+    def _color_changes(self, target: FadeTarget, kind: int) -> Iterable[tuple[float, float]]:
+        """Return the shares of each colour channel before and after."""
+        if kind < _COLOR or not self._rgb:
+            return ()
+        return zip(self._rgb, self._rgb if target.color is None else _rgb_of(*target.color), strict=True)
+
+    def _white_changes(self, target: FadeTarget, kind: int, mireds: tuple[int, int]) -> Iterable[tuple[float, float]]:
+        """Return the share of warm white before and after."""
+        if kind < _WHITES or not self._mired:
+            return ()
+        coldest, warmest = mireds
+        before, after = self._mired, self._mired if target.mired is None else target.mired
+        return (((before - coldest) / (warmest - coldest), (after - coldest) / (warmest - coldest)),)
 
 
 def speed_for(seconds: float, distance: float) -> int:
-    """Return the speed at which a *distance* of the whole way takes *seconds*, as near as Tasmota can: 1 to 40."""
+    """Return the nearest speed, 1 to 40, for a *distance* of the whole way in *seconds*."""
     half_seconds = seconds * 2 / distance if distance else 0.0
     return round(min(max(half_seconds, _LEAST), _MOST))
 
@@ -100,7 +105,8 @@ _FULL = 100.0
 _WHITES, _COLOR = 2, 3
 _LEAST, _MOST = 1, 40
 _CHANNELS = 3
-_HEXADECIMAL = frozenset("0123456789abcdefABCDEF")
+_DECIMAL_COLOR = re.compile("[0-9]+(?:,[0-9]+){2,}")
+_HEXADECIMAL_COLOR = re.compile("(?:[0-9a-fA-F]{2}){3,}")
 _MAX_TEXT = 40
 
 
@@ -108,17 +114,12 @@ def _rgb(color: object) -> tuple[float, ...]:
     """Return the shares of red, green and blue in ``FF8000...`` or ``255,128,0,...``; empty for anything else."""
     if not isinstance(color, str) or len(color) > _MAX_TEXT:
         return ()
-    if "," in color:
-        parts = color.split(",")
-        numbers = [int(one) for one in parts if one.isascii() and one.isdecimal()]
-    elif len(color) % 2 == 0 and _HEXADECIMAL.issuperset(color):
-        parts = [color[place : place + 2] for place in range(0, len(color), 2)]
-        numbers = [int(one, 16) for one in parts]
-    else:
-        return ()
-    if len(numbers) < _CHANNELS or len(numbers) != len(parts):
-        return ()
-    return tuple(min(one, 255) / 255 for one in numbers[:_CHANNELS])
+    channels: list[int] = []
+    if _DECIMAL_COLOR.fullmatch(color):
+        channels = [int(part) for part in color.split(",")]
+    elif _HEXADECIMAL_COLOR.fullmatch(color):
+        channels = [int(color[start : start + 2], 16) for start in range(0, len(color), 2)]
+    return tuple(min(channel, 255) / 255 for channel in channels[:_CHANNELS])
 
 
 def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
@@ -126,19 +127,19 @@ def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
 
 
 def add_light(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
-    """Have *part* be the lamp at the output *index*."""
+    """Add the capabilities of the lamp at the output *index*."""
     lamp = _lamp(topics, index)
     for topic in topics.states:
         part.read_from(topic, lamp.read)
     part.add_command_topics(topics.topic("Backlog"))
     part.add_capability("on_off", writer=lamp.switch)
     if lamp.kind != _ON_OFF:
-        part.add_capability("level", writer=lamp.dim)
+        part.add_capability("level", writer=lamp.set_level)
     if lamp.has_white:
         part.add_capability("color_temperature", writer=lamp.set_white, bounds=lamp.kelvins)
     if lamp.has_color:
         part.add_capability("color", writer=lamp.set_color)
-        part.add_capability("effect", writer=lamp.play, options=_EFFECTS)
+        part.add_capability("effect", writer=lamp.set_effect, options=_EFFECTS)
     part.add_state_request(*topics.state_requests)
 
 
@@ -153,15 +154,15 @@ _PAIR = 2
 
 @dataclass(frozen=True, slots=True)
 class _TasmotaLamp:
-    """The state and the commands of one lamp.
+    """Reader and writers of one lamp.
 
     Attributes:
-        topics: Its topics.
-        index: Which output it is.
+        topics: The topics of its device.
+        index: Its output.
         kind: Its light type.
-        dimmer: The command for its brightness.
-        dimmer_key: What its brightness is called in messages.
-        last_state: What it reported last; a command that shall take time depends on it.
+        dimmer: The command of its brightness.
+        dimmer_key: The key of its brightness in messages.
+        last_state: Its last reported state, on which the fade speed depends.
     """
 
     topics: TasmotaTopics
@@ -208,7 +209,7 @@ class _TasmotaLamp:
         on = require_bool("on_off", value)
         return self._publish([self._power(on)], transition, FadeTarget(on=on))
 
-    def dim(self, value: PlainValue, transition: float) -> Publications:
+    def set_level(self, value: PlainValue, transition: float) -> Publications:
         """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
@@ -227,11 +228,11 @@ class _TasmotaLamp:
         color_commands: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
         return self._publish([self._power(on=True), *color_commands], transition, FadeTarget(color=(hue, saturation)))
 
-    def play(self, value: PlainValue, transition: float) -> Publications:
+    def set_effect(self, value: PlainValue, transition: float) -> Publications:
         scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
         return self._publish([self._power(on=True), ("Scheme", scheme)], transition, FadeTarget())
 
-    def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
+    def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - the only argument
         return f"Power{self.index + 1}", self.topics.state_text(on)
 
     def _publish(self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget) -> Publications:
@@ -245,21 +246,20 @@ class _TasmotaLamp:
     def _read_color(self, message: JsonMessage) -> Readings:
         """Read the colour; a lamp with colours and white shows a colour while its white is at 0."""
         shows_white = self.kind in (_COLOR_WHITE, _COLOR_WHITES) and message.get("White") not in (None, 0)
-        found: dict[str, PlainValue] = {}
-        if self.has_color and not shows_white and (color := _hue_saturation(message.get("HSBColor"))):
-            found["color"] = color
-            if self.has_white:
-                found["color_temperature"] = None
+        if self.has_color and not shows_white:
+            color = _hue_saturation(message.get("HSBColor"))
+            if color is None:
+                return NO_READINGS
+            return {"color": color, **({"color_temperature": None} if self.has_white else {})}
+        found: dict[str, PlainValue] = {"color": None} if self.has_color else {}
         mired = finite_number(message.get("CT"))
-        if self.has_white and mired is not None and mired > 0 and (shows_white or not self.has_color):
+        if self.has_white and mired is not None and mired > 0:
             found["color_temperature"] = float(kelvin_mired(mired))
-        if self.has_color and shows_white:
-            found["color"] = None
-        return found or NO_READINGS
+        return found
 
 
 def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
-    """Return one of the lamps that a device may be: a channel, or colours and then white where they are not linked."""
+    """Return the lamp at an output: a channel, or colours and then white if these are not linked."""
     config = topics.config
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"
@@ -274,7 +274,7 @@ def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
 
 
 def _place(config: TasmotaConfig, index: int) -> int:
-    """Return how many lamps come before the one at *index*."""
+    """Return the number of lamps before the one at *index*."""
     return index - config.outputs.index(LIGHT)
 
 

@@ -26,7 +26,7 @@ __all__ = ["build_parts", "count_shutters"]
 
 
 def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
-    """Have *part* be the fan."""
+    """Add the capabilities of the fan."""
     fan = _Fan(topics)
     for topic in topics.states:
         part.read_from(topic, fan.read)
@@ -38,16 +38,13 @@ def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
 
 _COMMAND = "FanSpeed"
 _PERCENTS = (0.0, 33.0, 66.0, 100.0)
-"""Of each speed: the largest percentage that it stands for."""
+"""The largest percentage of each speed."""
 
 _MIDDLE = 2
 
 
 class _Fan:
-    """The state and the commands of a fan.
-
-    It has no command for the speed from before, so the last one that it reported is remembered.
-    """
+    """Reader and writers of a fan. Switched on, it gets its last reported speed, for which it has no command."""
 
     __slots__ = ("_speed", "_topics")
 
@@ -71,7 +68,7 @@ class _Fan:
 
 
 def count_shutters(outputs: tuple[int, ...]) -> int:
-    """Return how many shutters there are: each has two outputs, one after the other. None where one has no partner."""
+    """Return the number of shutters, each of two adjacent outputs; 0 if one has no partner."""
     pairs, index = 0, 0
     while index < len(outputs):
         if outputs[index] != SHUTTER:
@@ -85,7 +82,7 @@ def count_shutters(outputs: tuple[int, ...]) -> int:
 
 
 def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
-    """Have *part* be the shutter *index*."""
+    """Add the capabilities of the shutter *index*."""
     config = topics.config
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
@@ -108,14 +105,7 @@ _COMMANDS = {"open": "Open", "closed": "Close", "stopped": "Stop"}
 
 @dataclass(frozen=True, slots=True)
 class _Shutter:
-    """The state and the commands of one shutter.
-
-    Attributes:
-        topics: Its topics.
-        number: Which it is, from 1.
-        is_inverted: Whether its positions are turned round.
-        tilt: How its slats turn; None where they do not.
-    """
+    """Reader and writers of one shutter; they are numbered from 1."""
 
     topics: TasmotaTopics
     number: int
@@ -164,10 +154,10 @@ class _Shutter:
 
 
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
-    """Describe the parts of a device, each id once.
+    """Describe the parts of a device, with unique ids.
 
-    The first relay of an iFan is its lamp. The others make the speeds of its fan: they are reported, and nobody
-    switches one of them alone, as Home Assistant would let people do.
+    The first relay of an iFan is its lamp. The others make the speeds of its fan: they are reported and, unlike in Home
+    Assistant, cannot be switched alone.
     """
     topics = TasmotaTopics(config)
     described = chain(_outputs(topics), describe_inputs(topics), describe_sensors(topics, leaves))
@@ -177,7 +167,7 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
 _MOST_PARTS = 500
 
 _LAMPS_OPTION = 30
-"""SetOption30: the user says that lamps hang on the relays."""
+"""SetOption30: the relays switch lamps."""
 
 
 def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:

@@ -27,21 +27,21 @@ MAX_DEVICES = 5_000
 """Most devices; the announcement of one more is refused."""
 
 MAX_WAITING = 1_000
-"""Most devices whose sensors are known while the rest is not; the oldest is forgotten then, and counted."""
+"""Most devices with ``sensors`` and without ``config``; the oldest is dropped and counted."""
 
 
 class TasmotaReader:
-    """Reads both messages of each device, and keeps what they reported.
+    """Reader of both messages of each device.
 
-    A device is :class:`DeviceAnnounced` when its ``config`` comes, and again when its ``sensors`` do; before the
-    ``config`` they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know
-    what the device showed last. It keeps at most :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
+    A device is :class:`DeviceAnnounced` with its ``config``, and again with its ``sensors``, which wait for the
+    ``config``. An unchanged ``config`` gives the same description, with the same codecs and their last values. At most
+    :data:`MAX_DEVICES` are stored, and at most :data:`MAX_WAITING` wait.
 
     Args:
-        prefix: Where devices announce themselves.
+        prefix: The topic prefix of announcements.
 
     Attributes:
-        forgotten: Devices whose sensors waited too long, so far.
+        forgotten: Number of dropped devices without ``config``.
     """
 
     def __init__(self, prefix: str) -> None:
@@ -53,15 +53,15 @@ class TasmotaReader:
         self._waiting: dict[str, tuple[Leaf, ...]] = {}
         self._devices: dict[str, DeviceAnnounced] = {}
 
-    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
-        """Take a message and return what it describes of its device; nothing as long as only its sensors are known."""
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - announcements are retained
+        """Return the description of a device; nothing before its ``config``."""
         match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
         if match is None or not topic.startswith(f"{self._prefix}/"):
             return ()
         mac, kind = match.groups()
-        return self._take_config(mac, payload) if kind == "config" else self._take_sensors(mac, payload)
+        return self._on_config(mac, payload) if kind == "config" else self._on_sensors(mac, payload)
 
-    def _take_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+    def _on_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         if not payload:
             if self._configs.pop(mac, None) is None:
                 return ()
@@ -78,7 +78,7 @@ class TasmotaReader:
             self._leaves[mac] = self._waiting.pop(mac)
         return (self._described(mac),)
 
-    def _take_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+    def _on_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         leaves = read_leaves(parse_object(payload)) if payload else ()
         if mac in self._configs:
             if leaves == self._leaves.get(mac, ()):
@@ -94,7 +94,7 @@ class TasmotaReader:
         return ()
 
     def _described(self, mac: str) -> DeviceAnnounced:
-        """Describe a device anew, with codecs that remember nothing."""
+        """Describe a device again, with new codecs."""
         config = self._configs[mac]
         will = LastWillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
         described = DeviceAnnounced(

@@ -22,11 +22,11 @@ __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
 
 
 def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
-    """Return what the value at *path* is; a plain measurement where its name is not known.
+    """Return the quantity at *path*; a plain measurement if its name is unknown.
 
     Args:
-        path: Sensor, name, and at times an index or an inner name.
-        sensors: The device's message, which also names the units of temperature and pressure.
+        path: Sensor, name, and perhaps an index or an inner name.
+        sensors: The device's message, with the units of temperature and pressure.
     """
     sensor, name = str(path[0]), str(path[1])
     inner = path[2] if len(path) > _SHORTEST else None
@@ -45,7 +45,7 @@ def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> 
 
 _SHORTEST = 2
 _OTHER_ENERGY = frozenset({"AS3935", "LD2410"})
-"""Sensors whose energy is that of lightning or of a radar's echo."""
+"""Sensors of the energy of lightning or of a radar's echo."""
 
 _PLAIN = Quantity("x_sensor", "measurement")
 
@@ -91,7 +91,7 @@ _WITH_UNITS: Mapping[str, tuple[str, Mapping[str, Quantity]]] = {
     "SeaPressure": ("PressureUnit", _PRESSURES),
     "Speed": ("SpeedUnit", _SPEEDS),
 }
-"""Names whose unit stands beside them in the message, under which key, and what they are then."""
+"""By name: the key of its unit in the message, and the quantities by unit."""
 
 
 MOST_SENSORS = 200
@@ -102,13 +102,11 @@ Path: TypeAlias = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """One value that a device measures.
+    """One measured value, by its path in the message.
 
     Attributes:
-        path: Where it is in the message: sensor, quantity, and at times an index or a name.
-        quantity: What it is.
-        is_number: Whether it was announced as a number.
-        is_internal: Whether it is the temperature of the device itself, which says nothing of the room.
+        is_number: Whether it is announced as a number.
+        is_internal: Whether it is the temperature of the device itself, not of the room.
     """
 
     path: Path
@@ -118,10 +116,7 @@ class Leaf:
 
 
 def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
-    """Return the leaves of the ``sensors`` message; empty where it has none, or is of another version.
-
-    Those with names that no sensor has, longer than 100 characters, are left out.
-    """
+    """Return the leaves of the ``sensors`` message; empty for another version. Long names are ignored."""
     sensors = message.get("sn")
     if message.get("ver") != 1 or not isinstance(sensors, dict):
         return ()
@@ -140,28 +135,28 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
 def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
     for leaf in leaves:
-        what = leaf.quantity
-        is_number = leaf.is_number or what.capability != "measurement"
+        quantity = leaf.quantity
+        is_number = leaf.is_number or quantity.capability != "measurement"
         part = JsonPart(
             clean_text("_".join(map(str, leaf.path)), _MAX_ID),
-            what.service_type,
+            quantity.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
             category="diagnostic" if leaf.is_internal else "",
         )
-        capability = what.capability if is_number else "value"
+        capability = quantity.capability if is_number else "value"
         for topic in topics.sensors:
-            part.read_from(topic, partial(_read, leaf.path, capability, what))
-        part.add_capability(capability, unit=what.unit if is_number else "")
+            part.read_from(topic, partial(_read, leaf.path, capability, quantity))
+        part.add_capability(capability, unit=quantity.unit if is_number else "")
         part.add_state_request(*topics.sensor_requests)
         yield part.build()
     yield _signal(topics)
 
 
 def _is_inside(sensor: str, sensors: Mapping[str, object]) -> bool:
-    """Return whether *sensor* is a chip of the device, or the analog one of a device that measures what it switches.
+    """Return whether *sensor* is a chip of the device, or the thermometer that protects a plug or a relay.
 
-    As which plugs and Shelly relays have the thermometer that protects them.
+    The latter is the analog input of a device with an energy meter.
     """
     return sensor.startswith(_CHIPS) or (sensor == "ANALOG" and "ENERGY" in sensors)
 
@@ -170,7 +165,7 @@ _CHIPS = ("AXP", "BL09", "CSE77", "ESP32")
 """Beginnings of the names of processors, and of chips that measure power or charge a battery."""
 
 _IGNORED = frozenset({"Time", "PN532", "RDM6300"})
-"""No sensors, or readers of tags that say nothing between tags."""
+"""No sensors, or readers of tags, which report events."""
 
 _MAX_KEY = 100
 _MAX_ID = 255
@@ -190,7 +185,7 @@ def _leaves(sensors: Mapping[str, object]) -> Iterable[tuple[Path, object]]:
                 yield (name, key), value
 
 
-def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> Readings:
+def _read(path: Path, capability: str, quantity: Quantity, message: JsonMessage) -> Readings:
     found, value = _at(path, sensor_values(message))
     if not found:
         return NO_READINGS
@@ -201,13 +196,13 @@ def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> 
     number = finite_number(value)
     if number is None:
         return {capability: None} if is_unknown(value) else NO_READINGS
-    return {capability: what.value(number)}
+    return {capability: quantity.value(number)}
 
 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
-    """Return whether there is a value at *path*, and which.
+    """Return whether *path* exists, and its value.
 
-    A meter that was announced with several phases may report one only, and then not as a list.
+    A meter announced with several phases may report only one, which is not a list then.
     """
     value: object = message
     for step in path:

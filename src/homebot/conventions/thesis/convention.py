@@ -1,11 +1,11 @@
 """The topic layout of the thesis: ``HOME/SERVICE_TYPE/DEVICE_ID/CHANNEL``, with the channels ``out`` and ``in``. Pure.
 
-homebot began as the prototype of a thesis, whose devices publish and take plain text on such topics. Only what devices
-publish is subscribed to, so that a command of ours never comes back as if a device had sent it, whatever the MQTT
-version. Topics of the home with too few or too many levels are subscribed to as well, so that they can be reported.
+homebot began as the prototype of a thesis, with devices of plain text on such topics. Only state topics are
+subscribed to, so that a command never returns as a state, in any MQTT version. Topics of the home with a wrong number
+of levels are subscribed to as well, so that they can be reported.
 
-Source: ``docs/house.md``, the table of devices. A word with several meanings means what can be commanded, because
-every device of the layout takes commands: ``windows`` are windows with a motor.
+Source: ``docs/house.md``, the table of devices. An ambiguous word means a controllable device, because every device of
+the layout takes commands: ``windows`` are windows with a motor.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = ["Thesis", "ThesisSettings", "thesis_part"]
 
 
 class _ServiceTypeKind(NamedTuple):
-    """The capabilities of devices of one type: those that they report and take, and those that they only report."""
+    """Settable and read-only capabilities of a service type."""
 
     settable: tuple[str, ...] = ()
     readable: tuple[str, ...] = ()
@@ -80,19 +80,19 @@ _CLEARED: Mapping[frozenset[str], tuple[str, str]] = {
     wanted_types("door"): ("closure", "door"),
     wanted_types("climate"): ("thermostat", ""),
 }
-"""Type and tag of what may mean several things."""
+"""Type and tag of ambiguous words."""
 
 
 def thesis_part(service_type: str, address: str, command_address: str) -> Part:
-    """Return what a device is that calls itself *service_type*; without a type for a word that means none of these.
+    """Return the part of a device by its *service_type*, for example ``lights``; an unknown one has no type.
 
     Args:
-        service_type: As it stands in the topic, for example ``lights``.
-        address: The topic on which the device publishes.
-        command_address: The topic on which it takes commands.
+        service_type: The level of the topic.
+        address: The state topic.
+        command_address: The command topic.
     """
-    name, tag, capabilities = _found(service_type)
-    takes_commands = any(one.settable for one in capabilities)
+    name, tag, capabilities = _meaning(service_type)
+    takes_commands = any(capability.settable for capability in capabilities)
     return Part(
         id="",
         service_type=name,
@@ -106,7 +106,7 @@ def thesis_part(service_type: str, address: str, command_address: str) -> Part:
 
 
 @lru_cache(maxsize=1000)
-def _found(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
+def _meaning(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
     meant = wanted_types(service_type)
     name, tag = _CLEARED.get(meant, (next(iter(meant)) if len(meant) == 1 else "", ""))
     if tag == "door" and "garage" in service_type.casefold():
@@ -126,14 +126,14 @@ class ThesisSettings(ConventionSettings):
 
     Attributes:
         root: The home: the first level or levels. Empty for every home; a device's key then begins with its home, and
-            topics of another shape are not looked at, because they may be anybody's.
+            topics of another shape are ignored, because they may be foreign.
     """
 
     root: str = ""
 
 
 class Thesis:
-    """Understands the devices of one home, or of every home on the broker, by their topics alone."""
+    """Discovery of the devices of one home, or of every home on the broker, by their topics alone."""
 
     Settings: ClassVar[type[BaseModel]] = ThesisSettings
     name: ClassVar[str] = "thesis"
@@ -143,18 +143,18 @@ class Thesis:
         self._root = settings.root
 
     def filters(self) -> tuple[str, ...]:
-        """Return the filters for what devices publish, and for topics of the home that break the layout."""
+        """Return the filters of state topics, and of invalid topics of the home."""
         if not self._root:
             return ("+/+/+/out",)
         root = self._root
         return (f"{root}/+/+/out", root, f"{root}/+", f"{root}/+/+", f"{root}/+/+/+/+/#")
 
     def birth_messages(self) -> Publications:
-        """Return nothing: no device of the layout announces itself when asked."""
+        """Return nothing: devices of the layout do not answer requests."""
         return ()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Return the device that publishes on *topic*; an empty payload takes it out of the house.
+        """Return the device that publishes on *topic*; an empty payload withdraws it.
 
         Raises:
             WireError: The topic has too few or too many levels, or an empty one.
@@ -183,9 +183,9 @@ class Thesis:
         if len(levels) != len(LEVELS):
             shape = "/".join((self._root or "HOME", *LEVELS))
             raise WireError(f"topic {topic!r} has {len(levels)} levels below the home, not {len(LEVELS)}: {shape}")
-        for level, what in zip(levels, LEVELS, strict=True):
+        for level, name in zip(levels, LEVELS, strict=True):
             if not level:
-                raise WireError(f"topic {topic!r} has an empty level where {what} belongs")
+                raise WireError(f"topic {topic!r} has an empty level where {name} belongs")
         service_type, device_id, channel = levels
         if channel != "out":
             return None

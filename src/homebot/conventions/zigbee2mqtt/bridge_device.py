@@ -27,16 +27,12 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class StateAvailability:
-    """One topic with ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges publish the plain text.
-
-    Attributes:
-        topic: The topic.
-    """
+    """A topic with ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges publish the plain text."""
 
     topic: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether it can be reached, or None when *payload* means neither."""
+        """Return whether the device is reachable; None for any other payload."""
         if payload in _STATES:
             return _STATES[payload]
         try:
@@ -49,18 +45,16 @@ class StateAvailability:
 
 @dataclass(frozen=True, slots=True)
 class AvailabilityRule:
-    """A rule for which devices of a bridge report their availability. For the others the bridge's alone counts.
+    """Setting of a bridge: whether devices report their availability, with exceptions by address.
 
-    Attributes:
-        is_on: Whether devices do.
-        exceptions: Devices that differ, by address.
+    The availability of other devices is that of the bridge.
     """
 
     is_on: bool = True
     exceptions: Mapping[str, bool] = field(default_factory=dict)
 
     def availability(self, base: str, ieee: str, topic: str) -> Availability:
-        """Return how the device at *topic* reports it."""
+        """Return the availability of the device at *topic*."""
         sources = (StateAvailability(f"{base}/bridge/state"), StateAvailability(f"{topic}/availability"))
         is_on = self.exceptions.get(ieee, self.is_on)
         return Availability(sources if is_on else sources[:1], mode="all")
@@ -91,26 +85,24 @@ _MAX_BYTES = 1_024
 
 
 def _is_on(option: object) -> bool:
-    """Return whether it is on; an object without ``enabled`` is how it was switched on before 2.0."""
+    """Return whether it is on; an object without ``enabled`` means on before 2.0."""
     return option.get("enabled", True) is True if isinstance(option, dict) else option is True
 
 
 @dataclass(frozen=True, slots=True)
 class BridgeDevice:
-    """A device that the bridge knows.
+    """A device in the bridge's list.
 
     Attributes:
-        ieee: Its address, as ``0x`` and 16 lower-case digits.
-        name: Its friendly name, as it is.
-        topic: Where it publishes.
+        ieee: Its address, ``0x`` and 16 lower-case digits.
+        name: Its friendly name.
+        topic: The topic of its state.
         is_coordinator: Whether it is the bridge's own radio.
-        is_disabled: Whether the user put it out of use.
-        is_awake: Whether it receives at any time; one with a battery does not.
-        model: Which model it is.
-        exposes: What it exposes, not yet checked; None where the bridge does not know (yet).
+        is_awake: Whether it receives at any time; a device with a battery does not.
+        exposes: Its exposes, not yet checked; None if the bridge does not know them (yet).
         has_updates: Whether its firmware can be updated over the air.
-        takes_transition: Whether it takes the seconds of a change, as the bridge lists among the model's options.
-        bare_endpoints: Numbers of its endpoints that the bridge has no name for.
+        takes_transition: Whether the bridge lists a transition among the model's options.
+        bare_endpoints: Numbers of its endpoints without a name.
         facts: Such as ``manufacturer`` and ``model``.
     """
 
@@ -129,7 +121,7 @@ class BridgeDevice:
 
 
 def ieee_address(entry: object) -> str:
-    """Return the address of an entry; empty where it has none."""
+    """Return the address of an entry; empty for none."""
     address = as_fields(entry).get("ieee_address")
     return address.lower() if isinstance(address, str) and _ADDRESS.fullmatch(address.lower()) else ""
 
@@ -175,7 +167,7 @@ _MAX_FACT = 255
 
 
 def _takes_transition(options: object) -> bool:
-    """Return whether it takes a transition; a bridge that lists no options, because it is old, is taken to know it."""
+    """Return whether it takes a transition; assumed for an old bridge that lists no options."""
     if not isinstance(options, list):
         return True
     return any(as_fields(one).get("name") == "transition" for one in options[:_MOST_OPTIONS])
@@ -196,7 +188,7 @@ _INTERVIEWED = ("", "SUCCESSFUL")
 
 
 def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dict[str, str]:
-    """Collect the facts of a device; the bridge's database counts before what the device reports."""
+    """Collect the facts of a device; the bridge's database precedes the device's reports."""
     database_facts = {fact: _fact_text(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
     known = {fact: _fact_text(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
     interview = _fact_text(entry.get("interview_state"))

@@ -1,10 +1,10 @@
 """Thermostats and air conditioners that Zigbee2MQTT knows. Pure.
 
-Some thermostats report apart whether they follow their program: one mode out of two properties.
+Some thermostats report their program in a second property; both make up one mode.
 
 Source: zigbee2mqtt.io, Usage > Exposes > climate; temperatures are in °C. zigbee-herdsman-converters 26.105.0, Bosch
-BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them to Home Assistant: paused is off, and what
-``system_mode`` says counts only where the thermostat is in manual operation.
+BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them to Home Assistant: paused is off, and
+``system_mode`` is valid only in manual operation.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ _PAIR = 2
 
 
 def is_program(expose: Expose) -> bool:
-    """Return whether *expose* says if a thermostat follows its program, is set by hand, or paused."""
+    """Return whether *expose* is the program of a thermostat: schedule, manual or pause."""
     is_whole = expose.is_published and expose.is_settable
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
 def _add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
-    """Have *part* offer ``thermostat_mode``, of the enums ``system_mode`` and ``operating_mode``."""
+    """Add ``thermostat_mode``, from the enums ``system_mode`` and ``operating_mode``."""
     by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
     both = _Mode(part.topics, mode, program, by_hand)
     part.read_from(part.topics.state, both.read)
@@ -45,7 +45,7 @@ def _add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Mode:
-    """The state of the mode and its commands; *by_hand* are those of manual operation."""
+    """Reader and writer of the mode; *by_hand* are the modes of manual operation."""
 
     topics: Zigbee2MqttTopics
     mode: Expose
@@ -74,14 +74,14 @@ class _Mode:
 
 
 def climate_type(climate: Expose) -> str:
-    """Return the service type: what cools and can dry or only blow is an air conditioner."""
+    """Return the service type: an air conditioner cools, and dries or only blows."""
     mode = climate.feature("system_mode")
     modes = set(mode.options) if mode is not None else set()
     return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
 
 
 def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None) -> DescribedPart:
-    """Describe a thermostat; *program* is the enum that says whether it follows its program."""
+    """Describe a thermostat; *program* is the enum of its program."""
     for capability, names in _NUMBERS.items():
         part.add_number(climate.feature(*names), capability)
     mode = climate.feature("system_mode")
@@ -97,7 +97,7 @@ def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None
 
 
 def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPart | None:
-    """Describe the thermometer in a thermostat, for who asks how warm it is; None where it has none."""
+    """Describe the thermometer in a thermostat as a sensor; None for none."""
     local = climate.feature("local_temperature")
     if local is None or not local.is_published:
         return None

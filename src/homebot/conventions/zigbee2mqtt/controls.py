@@ -34,7 +34,7 @@ FEATURES_OF_COVER = frozenset({"state", "position", "tilt"})
 
 
 def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> DescribedPart:
-    """Describe a cover; *motor* is the enum that reports how its motor turns."""
+    """Describe a cover; *motor* is the enum of its motor's direction."""
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
     topics = part.topics
     part.add_command_topics(topics.command)
@@ -56,11 +56,11 @@ _PERCENT = (0.0, 100.0)
 
 @dataclass(frozen=True, slots=True)
 class _Movement:
-    """Reads where the cover is or goes.
+    """Reader of the movement of a cover.
 
-    A motor's word is often left standing when the cover has arrived, so an end that state and position agree on counts
-    before it. Where a motor only tells that it runs, the state may be where it goes (Tuya TS0601 covers) or where it is
-    (Aqara curtains): it counts at the end that it names, and before only where it can be nothing but the direction.
+    The direction of a motor often stays in the message after the arrival, so an end on which state and position agree
+    precedes it. If a motor only reports that it runs, the state is the target (Tuya TS0601 covers) or the last end
+    (Aqara curtains): it is used at the end that it names, and elsewhere only if it can only be the direction.
     """
 
     state: str
@@ -74,13 +74,16 @@ class _Movement:
         if state is None:
             return {"movement": None}
         at = _STATES.get(state) if isinstance(state, str) else None
-        turns = message.get(self.motor.key) if self.motor is not None else None
-        direction = _DIRECTIONS.get(turns.lower()) if isinstance(turns, str) else None
+        direction = self._direction(message)
         if direction is None and at is not None and message.get(_RUNNING) is True:
             return self._read_running(at, finite_number(message.get(self.position)))
         if direction is None or (self.position and message.get(self.position) == _ENDS.get(at or "")):
             return NO_READINGS if at is None else {"movement": at}
         return {"movement": direction}
+
+    def _direction(self, message: JsonMessage) -> str | None:
+        word = message.get(self.motor.key) if self.motor is not None else None
+        return _DIRECTIONS.get(word.lower()) if isinstance(word, str) else None
 
     def _read_running(self, at: str, position: float | None) -> Readings:
         if position is None or at not in _ENDS or position == _ENDS[at]:
@@ -98,7 +101,7 @@ _DIRECTIONS: Mapping[str, str] = {
     **dict.fromkeys(("opening", "open", "forward", "up", "rising"), "opening"),
     **dict.fromkeys(("closing", "close", "backward", "back", "reverse", "down", "declining"), "closing"),
 }
-"""Words for a motor that turns; when it stands, the state has the end."""
+"""Words for a running motor; the state has the end of a standing one."""
 
 
 def _percent(value: object) -> float | None:
@@ -114,7 +117,7 @@ FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
 
 
 def build_lock(part: Zigbee2MqttPart, lock: Expose) -> DescribedPart:
-    """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
+    """Describe a lock. A bolt that is not fully out is unlocked, to be safe."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
     part.read_from(part.topics.state, partial(_read, state, bolt))
     writer = None
@@ -161,12 +164,12 @@ def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
 
 
 _SPEEDS = ("low", "medium", "high", "1", "2", "3", "4", "5", "6", "7", "8", "9")
-_MODELS_WHOSE_ON_IS_FASTEST = frozenset({"99432"})
+_MODELS_WITH_FASTEST_ON = frozenset({"99432"})
 
 
 def _speed_steps(mode: Expose, model: str) -> tuple[str, ...]:
     """Return the steps from off to the fastest."""
-    fastest = ("on",) if model in _MODELS_WHOSE_ON_IS_FASTEST else ()
+    fastest = ("on",) if model in _MODELS_WITH_FASTEST_ON else ()
     return "off", *(speed for speed in (*_SPEEDS, *fastest) if speed in mode.options)
 
 
@@ -203,9 +206,9 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
 
 
 def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_pulse: bool) -> DescribedPart:
-    """Describe a garage door by what moves it, and the *contact*, which is on while it is closed.
+    """Describe a garage door by its *trigger* and its *contact*, which is on while it is closed.
 
-    One that only gives a pulse moves the door whichever value it is given, so it is pushed.
+    A trigger that gives a pulse moves the door with any value, so it is a push.
     """
     part.add_command_topics(part.topics.command)
     if is_pulse:

@@ -31,36 +31,33 @@ class Zigbee2MqttSettings(ConventionSettings):
 
 
 class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
-    """Understands ``bridge/devices`` and, for availability alone, ``bridge/info`` of each bridge.
+    """Discovery of Zigbee devices from ``bridge/devices``, and of their availability from ``bridge/info``.
 
-    The list is one message. Each of its devices is one :class:`DeviceAnnounced`, and one that is missing from a later
-    list is :class:`DeviceWithdrawn`. The key is the device's address, with the base before it where that is not
-    ``zigbee2mqtt``; so a device that is renamed keeps its key and gets new topics. The coordinator, which is the
-    bridge's own radio, and devices that the user disabled are not described. Groups are not either: they are no
-    devices, and their lamps are already there, each by itself.
-
-    It keeps the descriptions of the last list per bridge, at most 5,000 devices; a longer list is refused.
+    The list is one message of at most 5,000 devices. Each device is one :class:`DeviceAnnounced`; a device that is
+    missing in a later list is :class:`DeviceWithdrawn`. The key is the device's address, after the base if that is not
+    ``zigbee2mqtt``, so a renamed device keeps its key and gets new topics. The coordinator, disabled devices and groups
+    are not described: the lamps of a group are devices already.
     """
 
     Settings: ClassVar[type[BaseModel]] = Zigbee2MqttSettings
     name: ClassVar[str] = "zigbee2mqtt"
 
     def filters(self) -> tuple[str, ...]:
-        """Return the topics of the lists, after those of what says how to read them."""
+        """Return the topics of the settings, then of the lists, which depend on them."""
         return tuple(f"{base}/bridge/{topic}" for base in self.settings.bases for topic in ("info", "devices"))
 
     def reserved(self) -> tuple[str, ...]:
-        """Return what the bridges themselves take and publish."""
+        """Return the bridges' own topics."""
         return tuple(f"{base}/bridge/#" for base in self.settings.bases)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges do not say which devices they have, or publish states in a form that is not read."""
+        """Return the bridges with a missing list, or with an unsupported form of states."""
         return self.reader.problems() if self.is_loaded else ()
 
     def read_message_in_slices(
         self, topic: str, payload: bytes, *, retained: bool
     ) -> Iterator[AnnouncementEvent | None]:
-        """Do what :meth:`read_message` does, in steps: the list of a house of hundreds takes a second."""
+        """Read a message in steps: a list of hundreds of devices needs a second."""
         try:
             yield from self.reader.read_message_in_slices(topic, payload, retained=retained)
         except WireError:
@@ -68,7 +65,7 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
             raise
 
     def load_reader(self) -> Zigbee2MqttReader:
-        """Return a reader of what bridges publish."""
+        """Return a reader of the bridges' messages."""
         from homebot.conventions.zigbee2mqtt.reader import Zigbee2MqttReader  # noqa: PLC0415 - see LazyConvention
 
         return Zigbee2MqttReader(self.settings.bases)

@@ -19,31 +19,26 @@ from homebot.numbers import finite_number
 __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
 
 Scalar: TypeAlias = str | bool | int | float
-"""A value as the device spells it; its type counts."""
+"""A value in the spelling of the device; values of different types differ."""
 
 SPECIFIC_TYPES = frozenset({"light", "switch", "cover", "lock", "climate", "fan"})
-"""Types that stand for a whole part, with features."""
+"""Types of a whole part, with features."""
 
 
 @dataclass(frozen=True)
 class Expose:
-    """One thing that a device can report or take, or a part that has several of them.
+    """One property of a device, or a part with several of them.
 
     Attributes:
         type: ``binary``, ``numeric``, ``enum``, ``text``, ``composite``, ``list``, or one of :data:`SPECIFIC_TYPES`.
-        name: What it is, for example ``state``; empty for specific types.
+        name: Its name, for example ``state``; empty for specific types.
         key: Its property in messages, for example ``state_l1``; empty for specific types.
-        endpoint: Which of several equal parts; empty where there is one.
-        label: What people call it.
-        category: As declared; empty where nothing was.
-        access: 1 it is published, 2 it can be set, 4 it can be requested; added up.
-        unit: Of a number.
-        value_on: The value of a binary that stands for yes; None where it has none.
-        value_off: And for no.
-        least: Smallest number; None where nothing is declared.
-        most: Largest number.
-        values: What an enum may be.
-        features: What a specific type or a composite consists of.
+        endpoint: Distinguishes equal parts; empty for a single one.
+        access: The sum of 1 (published), 2 (settable) and 4 (can be requested).
+        value_on: The true value of a binary; None for none.
+        least: Smallest number; None if undeclared.
+        values: The values of an enum.
+        features: The members of a specific type or a composite.
     """
 
     type: str
@@ -83,13 +78,13 @@ class Expose:
 
     @property
     def title(self) -> str:
-        """The label, and the endpoint, which tells several of one label apart."""
+        """The label, with the endpoint unless it is part of the label."""
         is_titled = set(words_of(self.endpoint)) <= set(words_of(self.label))
         return self.label if is_titled else clean_text(f"{self.label} {self.endpoint}", _MAX_TEXT)
 
     @cached_property
     def options(self) -> Mapping[str, Scalar]:
-        """Options of an enum: the value as the device spells it, by its text."""
+        """Options of an enum: the value in the spelling of the device, by its text."""
         return MappingProxyType({_option(value): value for value in self.values})
 
     def of_commands(self) -> tuple[object, ...]:
@@ -98,12 +93,12 @@ class Expose:
         return self.key, self.endpoint, self.value_on, self.value_off, self.least, self.most, self.values, features
 
     def feature(self, *names: str) -> Expose | None:
-        """Return the first feature that has one of *names*; None where there is none."""
+        """Return the first feature with one of *names*; None if there is none."""
         return next((one for one in self.features if one.name in names), None)
 
 
 def read_exposes(entries: object) -> tuple[Expose, ...]:
-    """Return the entries that can be used; others are left out, and so are those beyond :data:`_MOST`."""
+    """Return the valid entries, at most :data:`_MOST`."""
     return _read_all(entries, depth=0)
 
 
@@ -130,27 +125,26 @@ def _read(entry: object, depth: int) -> Expose | None:
     if not is_specific and (kind not in _GENERIC_TYPES or not key):
         return None
     access = entry.get("access")
-    values = entry.get("values")
     return Expose(
         type=kind,
         name=clean_text(name or key),
         key="" if is_specific else key,
-        endpoint=clean_text(_text(entry["endpoint"])) if "endpoint" in entry else "",
+        endpoint=clean_text(_text(entry.get("endpoint"))),
         label=clean_text(_text(entry.get("label")) or name or key, _MAX_TEXT),
         category=_category(entry),
         access=access & 7 if isinstance(access, int) else 0,
-        unit=clean_text(_text(entry["unit"]), 20) if "unit" in entry else "",
-        value_on=_scalar(entry["value_on"]) if "value_on" in entry else None,
-        value_off=_scalar(entry["value_off"]) if "value_off" in entry else None,
+        unit=clean_text(_text(entry.get("unit")), 20),
+        value_on=_scalar(entry.get("value_on")),
+        value_off=_scalar(entry.get("value_off")),
         least=finite_number(entry.get("value_min")),
         most=finite_number(entry.get("value_max")),
-        values=_values(values) if isinstance(values, list) else (),
-        features=_read_all(entry["features"], depth + 1) if "features" in entry else (),
+        values=_values(entry.get("values")),
+        features=_read_all(entry.get("features"), depth + 1),
     )
 
 
 def _category(entry: Mapping[str, object]) -> Category:
-    """Return the category; the definition's entry for Home Assistant counts before its general one."""
+    """Return the category; the definition's entry for Home Assistant precedes its general one."""
     override = entry.get("homeassistant")
     if isinstance(override, dict) and isinstance(override.get("entityCategory"), str):
         return _CATEGORIES.get(override["entityCategory"], "")
@@ -158,8 +152,10 @@ def _category(entry: Mapping[str, object]) -> Category:
     return _CATEGORIES.get(declared, "") if isinstance(declared, str) else ""
 
 
-def _values(values: list[object]) -> tuple[Scalar, ...]:
-    return tuple([one for value in values[:_MOST_VALUES] if (one := _scalar(value)) is not None])
+def _values(values: object) -> tuple[Scalar, ...]:
+    if not isinstance(values, list):
+        return ()
+    return tuple([scalar for value in values[:_MOST_VALUES] if (scalar := _scalar(value)) is not None])
 
 
 def _scalar(value: object) -> Scalar | None:

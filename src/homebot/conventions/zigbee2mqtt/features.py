@@ -24,7 +24,7 @@ __all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "same
 
 
 _MOST_SECONDS = 6_553.0
-"""Longest transition that fits into a Zigbee frame: 65,535 tenths of a second, less those that mean "as you like"."""
+"""Longest transition in a Zigbee frame: 65,535 tenths of a second, without the reserved values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +32,12 @@ class Zigbee2MqttTopics:
     """The topics of one device.
 
     Attributes:
-        state: Topic of its state, a JSON object of all that it reports.
-        is_awake: Whether it can be asked: one with a battery sleeps and never answers.
-        takes_transition: Whether it takes the seconds that a change shall take.
-        bare_endpoints: Numbers of its endpoints that the bridge has no name for: it does not find them in the name of a
-            property, only in the topic.
-        endpoint: Which of these is meant; empty for the device.
+        state: The topic of its state, one JSON object.
+        is_awake: Whether it answers requests; a device with a battery sleeps.
+        takes_transition: Whether it takes a transition.
+        bare_endpoints: Numbers of its endpoints without a name, which the bridge only finds in the topic, not in the
+            name of a property.
+        endpoint: One of these; empty for the device.
     """
 
     state: str
@@ -52,7 +52,7 @@ class Zigbee2MqttTopics:
         return f"{self._base}/set"
 
     def of(self, expose: Expose) -> Zigbee2MqttTopics:
-        """Return the topics at which *expose* is set and requested."""
+        """Return the topics of *expose*."""
         if expose.endpoint not in self.bare_endpoints:
             return self
         keys = [one.key for one in expose.features if one.key] if expose.type in SPECIFIC_TYPES else [expose.key]
@@ -63,7 +63,7 @@ class Zigbee2MqttTopics:
 
         Args:
             message: Values by property.
-            transition: Seconds that the change shall take, where the device takes that; 0 leaves it to the device.
+            transition: Seconds, ignored if the device takes none; 0 leaves it to the device.
 
         Raises:
             RefusedError: *transition* is out of bounds, or a text cannot be encoded as UTF-8.
@@ -79,7 +79,7 @@ class Zigbee2MqttTopics:
         return (Publication(self.command, payload),)
 
     def request_state(self, *features: Expose | None) -> Publications:
-        """Return what to publish so that the device reports *features*; nothing for those that cannot be requested."""
+        """Return the request of *features*; empty if none can be requested."""
         keys = self._plain(_gettable(features)) if self.is_awake else {}
         if not keys:
             return ()
@@ -91,12 +91,12 @@ class Zigbee2MqttTopics:
         return f"{self.state}/{self.endpoint}" if self.endpoint else self.state
 
     def _plain(self, message: Mapping[str, object]) -> dict[str, object]:
-        """Return *message* with properties as their endpoint knows them."""
+        """Return *message* without the suffix of the endpoint."""
         return {key.removesuffix(f"_{self.endpoint}"): value for key, value in message.items()}
 
 
 def _whole_or_not(number: float) -> float | int:
-    """Return *number* as people write it: 21 rather than 21.0."""
+    """Return *number* without a fraction of zero: 21, not 21.0."""
     return int(number) if number.is_integer() else number
 
 
@@ -131,7 +131,7 @@ class Zigbee2MqttPart(JsonPart):
         self.topics = topics
 
     def read_feature(self, feature: Expose, capability: str, meaning: Callable[[object], PlainValue]) -> None:
-        """Read the property of *feature*, whose *meaning* is None for no value; null is unknown."""
+        """Read the property of *feature*; *meaning* returns None for no value, and null is unknown."""
         is_number = CAPABILITIES[capability].kind == "number"
         means_unknown = is_unknown if is_number else _is_null
         self.read_from(self.topics.state, partial(_read, feature.key, capability, meaning, means_unknown))
@@ -147,7 +147,7 @@ class Zigbee2MqttPart(JsonPart):
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have *feature* as *capability*: readable where it is published, settable where there is a *writer*."""
+        """Add *capability* from *feature*: readable if it is published, settable with a *writer*."""
         readable = feature.is_published
         if readable:
             self.read_feature(feature, capability, meaning)
@@ -163,7 +163,7 @@ class Zigbee2MqttPart(JsonPart):
             self.add_command_topics(self.topics.command)
 
     def add_flag(self, feature: Expose | None, capability: str) -> None:
-        """Have a binary *feature* as *capability*: true is its ``value_on``."""
+        """Add a boolean *capability* from a binary *feature*: true is its ``value_on``."""
         if feature is None or feature.value_on is None or feature.value_off is None:
             return
         payloads = {True: feature.value_on, False: feature.value_off}
@@ -173,7 +173,7 @@ class Zigbee2MqttPart(JsonPart):
         self.add_feature(feature, capability, partial(flag_of, feature), writer)
 
     def add_number(self, feature: Expose | None, capability: str, *, unit: str = "") -> None:
-        """Have a numeric *feature* as *capability*, in the same unit."""
+        """Add *capability* from a numeric *feature*, in the same unit."""
         if feature is None:
             return
         least = -_NO_BOUND if feature.least is None else feature.least
@@ -190,7 +190,7 @@ class Zigbee2MqttPart(JsonPart):
         self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)
 
     def add_enum(self, feature: Expose | None, capability: str, names: Mapping[str, str] | None = None) -> None:
-        """Have an enum *feature* as *capability*, by the vocabulary's *names* of its values, or as they are."""
+        """Add *capability* from an enum *feature*, with the vocabulary's *names* of its values if given."""
         if feature is None:
             return
         writer = None
@@ -205,24 +205,24 @@ class Zigbee2MqttPart(JsonPart):
         self.add_feature(feature, capability, meaning, writer, options=options)
 
     def request(self, *features: Expose | None) -> None:
-        """Name what makes the device report *features*; see :meth:`Zigbee2MqttTopics.request_state`."""
+        """Add the request of *features*; see :meth:`Zigbee2MqttTopics.request_state`."""
         self.add_state_request(*self.topics.request_state(*features))
 
 
 def flag_of(feature: Expose, value: object) -> bool | None:
-    """Return what *value* of a binary says; None where it means neither yes nor no."""
+    """Return the boolean of a *value* of a binary; None for any other value."""
     if same_scalar(value, feature.value_on):
         return True
     return False if same_scalar(value, feature.value_off) else None
 
 
 def same_scalar(value: object, expected: Scalar | None) -> bool:
-    """Return whether *value* is *expected*; true and 1 are two things."""
+    """Return whether *value* is *expected*; true and 1 differ."""
     return isinstance(value, bool) == isinstance(expected, bool) and value == expected
 
 
 def text_of(value: object) -> str | None:
-    """Return a short text or number as text; None for what is neither."""
+    """Return a short text, boolean or number as text; None for other values."""
     if isinstance(value, str):
         return clean_text(value, MAX_VALUE)
     if isinstance(value, bool):

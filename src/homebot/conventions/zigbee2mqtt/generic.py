@@ -46,17 +46,17 @@ _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
     "plugged_in": ("consumer_connected", "is_plug_connected"),
 }
 _CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
-"""Capability of a binary that is reported and cannot be set; true is its ``value_on``."""
+"""Capability of a read-only binary; true is its ``value_on``."""
 
 _ALARM_OF_ZONE = re.compile(r"(contact|occupancy|smoke|carbon_monoxide|gas|water_leak|vibration|tamper)_alarm_[12]")
-"""A binary of a detector that tells its two alarms apart; either is what a single one is."""
+"""A binary of a detector with two alarms; each means the same as a single one."""
 
 _TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
-"""Binaries whose ``value_on`` is true where it should be false: what they report is whether the contact is closed."""
+"""Binaries with an inverted ``value_on``: they report a closed contact."""
 
 
-def _measure(name: str, unit: str) -> Quantity:
-    """Return what the number *name* in *unit* is; a plain measurement where that is not known for sure."""
+def _quantity_of(name: str, unit: str) -> Quantity:
+    """Return the quantity of the number *name* in *unit*; a plain measurement if it is not certain."""
     capability = _NAMES.get(name) or _capability_of(name, unit)
     conversion = conversion_of(capability, unit) if capability else None
     if conversion is None:
@@ -89,11 +89,11 @@ _BY_NAME = ("temperature", "humidity")
 _NO_READINGS = frozenset(
     {"limit", "setpoint", "target", "calibration", "offset", "max", "min", "threshold", "alarm", "deadzone"}
 )
-"""Words in the names of numbers that are set, not measured."""
+"""Words in the names of settings, which are not measured."""
 
 
 def _capability_of(name: str, unit: str) -> str:
-    """Return the capability: electrical units imply what is measured; degrees and percent do not without the name."""
+    """Return the capability: electrical units identify it, degrees and percent only together with the name."""
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
             return capability
@@ -104,11 +104,10 @@ def _capability_of(name: str, unit: str) -> str:
 
 
 def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
-    """Describe one generic expose, as a part of its own; None for one that neither reports nor takes anything.
+    """Describe one generic expose as a part of its own; None if it is neither published nor settable.
 
-    What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
-    everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch. A code or password
-    may be set, but is never read.
+    Anything settable is a setting, also a child lock, which is no door lock, or an indicator, which stays on when all
+    lamps are turned off. Only a binary named ``state`` is a switch. A code or password may be set, but never read.
     """
     if expose.type == "enum" and expose.name == "action":
         return _buttons(topics, expose)
@@ -119,7 +118,7 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
 
 
 def _is_secret(expose: Expose) -> bool:
-    """Return whether *expose*, or a part of what it reports, is a code or password."""
+    """Return whether *expose*, or one of its features, is a code or password."""
     return names_secret(expose.name) or any(map(_is_secret, expose.features))
 
 
@@ -139,7 +138,7 @@ def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
 
 
 def _read_action(key: str, message: JsonMessage) -> Readings:
-    """Read an action; an empty one is Zigbee2MQTT's way to report that the last one is over."""
+    """Read an action; an empty one only ends the last one."""
     action = message.get(key)
     return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NO_READINGS
 
@@ -155,10 +154,10 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
         part = _part(topics, expose, service_type, category)
         part.add_flag(expose, capability)
     elif expose.type == "numeric":
-        what = _measure(expose.name, expose.unit)
-        part = _part(topics, expose, what.service_type, category)
-        part.read_feature(expose, what.capability, partial(_measured, what))
-        part.add_capability(what.capability, unit=what.unit)
+        quantity = _quantity_of(expose.name, expose.unit)
+        part = _part(topics, expose, quantity.service_type, category)
+        part.read_feature(expose, quantity.capability, partial(_measured, quantity))
+        part.add_capability(quantity.capability, unit=quantity.unit)
     else:
         part = _part(topics, expose, "x_sensor", category)
         part.read_feature(expose, "value", text_of if expose.type == "enum" else _json_text)
@@ -178,9 +177,9 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
             part.add_flag(expose, "on_off")
         case "numeric":
             part.add_number(expose, "number", unit=expose.unit)
-        case "enum" if len(deeds := _deeds(expose)) == 1:
+        case "enum" if len(actions := _actions(expose)) == 1:
             push = "locate" if expose.name == "identify" else "push"
-            writer = push_writer(push, lambda: topics.publish({expose.key: deeds[0]}))
+            writer = push_writer(push, lambda: topics.publish({expose.key: actions[0]}))
             part.add_capability(push, readable=False, writer=writer)
             part.add_command_topics(topics.command)
         case "enum":
@@ -194,18 +193,18 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
     return part
 
 
-def _deeds(expose: Expose) -> list[Scalar]:
-    """Return what an enum can be told to do; of several, what a feeder reports before and after its deed is none."""
+def _actions(expose: Expose) -> list[Scalar]:
+    """Return the actions of an enum, without the empty value that a feeder reports while it is idle."""
     values = list(expose.options.values())
-    return [one for one in values if one != ""] or values
+    return [value for value in values if value != ""] or values
 
 
 _MAX_TEXT = 4_096
 
 
-def _measured(what: Quantity, value: object) -> float | None:
+def _measured(quantity: Quantity, value: object) -> float | None:
     number = finite_number(value)
-    return None if number is None else what.value(number)
+    return None if number is None else quantity.value(number)
 
 
 def _json_text(value: object) -> str:

@@ -1,7 +1,7 @@
 """A lamp that Zigbee2MQTT knows. Pure.
 
-Source: zigbee2mqtt.io, Usage > Exposes > light; brightness and colours are rounded as Home Assistant's JSON lamps are,
-so that both roads to one lamp give the same message.
+Source: zigbee2mqtt.io, Usage > Exposes > light; brightness and colours are rounded as for Home Assistant's JSON lamps,
+so that both conventions send the same message.
 """
 
 from __future__ import annotations
@@ -40,28 +40,22 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
     part.add_command_topics(part.topics.command)
     part.add_capability("on_off", readable=is_readable, writer=lamp.switch)
     if "brightness" in features:
-        part.add_capability("level", readable=is_readable, writer=lamp.dim)
+        part.add_capability("level", readable=is_readable, writer=lamp.set_level)
     if "color_temp" in features:
         part.add_capability("color_temperature", writer=lamp.set_white, bounds=_kelvins(features["color_temp"]))
     if lamp.mode:
         part.add_capability("color", writer=lamp.set_color)
     if effect is not None:
-        part.add_capability("effect", readable=effect.is_published, writer=lamp.play, options=tuple(effect.options))
+        part.add_capability(
+            "effect", readable=effect.is_published, writer=lamp.set_effect, options=tuple(effect.options)
+        )
     part.request(*features.values())
     return part.build()
 
 
 @dataclass(frozen=True, slots=True)
 class _Zigbee2MqttLamp:
-    """The state and the commands of one lamp.
-
-    Attributes:
-        topics: Its topics.
-        features: What it exposes, by name.
-        suffix: What its properties end in.
-        mode: ``xy`` or ``hs``, in which its colours are sent; empty where it has none.
-        effect: The enum of its effects.
-    """
+    """Reader and writers of one lamp; its colour mode is ``xy``, ``hs`` or empty."""
 
     topics: Zigbee2MqttTopics
     features: Mapping[str, Expose]
@@ -71,13 +65,7 @@ class _Zigbee2MqttLamp:
 
     def read(self, message: JsonMessage) -> Readings:
         """Read the brightness; 0 is that of a lamp that is off, and is no report."""
-        found: dict[str, PlainValue] = {}
-        state = self.features.get("state")
-        if state is not None and state.key in message:
-            value = message[state.key]
-            on = flag_of(state, value)
-            if on is not None or value is None:
-                found["on_off"] = on
+        found: dict[str, PlainValue] = dict(self._read_state(message))
         brightness = self.features.get("brightness")
         if brightness is not None:
             level = finite_number(message.get(brightness.key))
@@ -88,10 +76,18 @@ class _Zigbee2MqttLamp:
             found["effect"] = played
         return found
 
+    def _read_state(self, message: JsonMessage) -> Readings:
+        state = self.features.get("state")
+        if state is None or state.key not in message:
+            return NO_READINGS
+        value = message[state.key]
+        on = flag_of(state, value)
+        return {"on_off": on} if on is not None or value is None else NO_READINGS
+
     def switch(self, value: PlainValue, transition: float) -> Publications:
         return self._publish({}, transition, on=require_bool("on_off", value))
 
-    def dim(self, value: PlainValue, transition: float) -> Publications:
+    def set_level(self, value: PlainValue, transition: float) -> Publications:
         """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
@@ -111,7 +107,7 @@ class _Zigbee2MqttLamp:
         color = dict(zip(CHANNELS[self.mode], channels, strict=True))
         return self._publish({self._color_property: color}, transition)
 
-    def play(self, value: PlainValue, transition: float) -> Publications:
+    def set_effect(self, value: PlainValue, transition: float) -> Publications:
         if self.effect is None:
             return ()
         option: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
@@ -127,7 +123,7 @@ class _Zigbee2MqttLamp:
         return self.topics.publish({**state_fields, **message}, transition)
 
     def _only_mode(self, message: JsonMessage) -> str:
-        """Return the one mode in which the message has a value; empty where it has none, or several."""
+        """Return the only mode with a value in the message; empty for none or several."""
         white = self.features.get("color_temp")
         has_white = white is not None and message.get(white.key) is not None
         color = message.get(self._color_property) if self.mode else None
@@ -136,24 +132,26 @@ class _Zigbee2MqttLamp:
         return "" if has_white else next((mode for mode in _COLOR_MODES if _hue_saturation(mode, color)), "")
 
     def _read_color(self, message: JsonMessage) -> Readings:
-        """Read the colour that ``color_mode`` names; the rest of the message is from before.
+        """Read the colour of the reported ``color_mode``, or of the only mode with a value.
 
-        Before its first one it shows what the message has alone.
+        The other values in the message are outdated.
         """
         white = self.features.get("color_temp")
         mode = message.get(f"color_mode{self.suffix}")
         if mode is None:
             mode = self._only_mode(message)
         if mode == "color_temp" and white is not None:
-            mired = finite_number(message.get(white.key))
-            if mired is None or not 0 < mired <= _MOST_MIRED:
-                return NO_READINGS
-            return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
+            return self._read_white(finite_number(message.get(white.key)))
         if mode in _COLOR_MODES and self.mode:
             color = _hue_saturation(str(mode), message.get(self._color_property))
             if color is not None:
                 return {"color": color} | ({"color_temperature": None} if white is not None else {})
         return NO_READINGS
+
+    def _read_white(self, mired: float | None) -> Readings:
+        if mired is None or not 0 < mired <= _MOST_MIRED:
+            return NO_READINGS
+        return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
 
 
 _COLOR_MODES = ("xy", "hs")

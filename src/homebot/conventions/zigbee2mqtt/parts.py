@@ -1,4 +1,4 @@
-"""The parts of a Zigbee device: what it exposes, each with its codec. Pure.
+"""The parts of a Zigbee device, from its exposes. Pure.
 
 Source: zigbee2mqtt.io, Usage > Exposes.
 """
@@ -40,7 +40,7 @@ __all__ = ["build_parts"]
 
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
-    """Describe the parts of a device, each id once. One unknown to the bridge shows its messages as they are."""
+    """Describe the parts of a device with unique ids. A device unknown to the bridge shows its raw messages."""
     topics = Zigbee2MqttTopics(device.topic, device.is_awake, device.takes_transition, device.bare_endpoints)
     exposes = read_exposes(device.exposes)
     return with_own_ids(_described(device, topics, exposes), _MOST_PARTS) or (_unknown(topics),)
@@ -54,16 +54,16 @@ _FEATURES: Mapping[str, frozenset[str]] = {
     "climate": FEATURES_OF_CLIMATE,
     "fan": FEATURES_OF_FAN,
 }
-"""Features of the part itself; others are parts of their own, mostly settings."""
+"""Features of the part itself; other features are parts of their own, mostly settings."""
 
 _MOST_PARTS = 500
 
 
 def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
-    beside = _beside(exposes)
-    around = tuple([one.of_commands() for one in beside.values()])
+    auxiliary = _auxiliary(exposes)
+    around = tuple([expose.of_commands() for expose in auxiliary.values()])
     for expose in map(_key_lock_as_setting, exposes):
-        for part in _parts_of(device, whole, expose, exposes, beside):
+        for part in _parts_of(device, whole, expose, exposes, auxiliary):
             yield _with_payloads(part, (expose.of_commands(), around)) if part.part.writes else part
     if device.has_updates and exposes:
         yield _update(whole)
@@ -79,28 +79,43 @@ def _parts_of(
     whole: Zigbee2MqttTopics,
     expose: Expose,
     exposes: tuple[Expose, ...],
-    beside: Mapping[str, Expose],
+    auxiliary: Mapping[str, Expose],
 ) -> Iterable[DescribedPart]:
     topics = whole.of(expose)
     if expose.type in SPECIFIC_TYPES:
-        yield _specific(device, topics, expose, beside)
-        has_thermometer = any(one.name in _THERMOMETERS and one.is_published for one in exposes)
+        yield _specific(device, topics, expose, auxiliary)
+        has_thermometer = any(other.name in _THERMOMETERS and other.is_published for other in exposes)
         if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(topics, expose)):
             yield thermometer
-        rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
-    elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-        yield build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
-        rest = []
-    elif expose is beside.get("opener"):
-        is_pulse = all(one.name != "run_time" for one in exposes)
-        yield build_opener(_opener_part(topics, expose), expose, beside["door"], is_pulse=is_pulse)
-        rest = []
-    elif expose is beside.get("siren"):
-        yield _switched_siren(topics, expose)
-        rest = []
+        for feature in expose.features:
+            if feature.name not in _FEATURES[expose.type] and (part := build_generic(topics, feature)):
+                yield part
     else:
-        rest = [] if expose is beside.get("effect") else [expose]
-    yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
+        part = _siren_or_opener(topics, expose, exposes, auxiliary)
+        if part is None and expose is not auxiliary.get("effect"):
+            part = build_generic(topics, expose)
+        if part is not None:
+            yield part
+
+
+def _siren_or_opener(
+    topics: Zigbee2MqttTopics, expose: Expose, exposes: tuple[Expose, ...], auxiliary: Mapping[str, Expose]
+) -> DescribedPart | None:
+    if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
+        return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
+    if expose is auxiliary.get("opener"):
+        is_pulse = all(other.name != "run_time" for other in exposes)
+        return build_opener(_part_of(topics, expose, "closure"), expose, auxiliary["door"], is_pulse=is_pulse)
+    if expose is auxiliary.get("siren"):  # a binary, as for Tuya's sirens; their sounds are settings
+        part = _part_of(topics, expose, "siren")
+        part.add_flag(expose, "on_off")
+        part.request(expose)
+        return part.build()
+    return None
+
+
+def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:
+    return Zigbee2MqttPart(topics, clean_text(expose.key), service_type, name=expose.title, advertised=expose.name)
 
 
 _THERMOMETERS = ("temperature", "local_temperature")
@@ -108,7 +123,7 @@ _KEY_LOCKS = ("child_lock", "keypad_lockout")
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:
-    """Return the setting in place of a lock that only locks the keys of a device, as older versions expose it."""
+    """Replace a lock of the keys of a device, as older versions expose it, by the setting."""
     state = expose.feature("state") if expose.type == "lock" else None
     if state is None or not state.key.startswith(_KEY_LOCKS):
         return expose
@@ -116,53 +131,47 @@ def _key_lock_as_setting(expose: Expose) -> Expose:
     return replace(state, name=state.key, label=label, category=expose.category)
 
 
-def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
-    """Return the exposes that stand beside a part and belong to it, or are a part by what stands beside them.
-
-    The effects of the lamp, how the motor of a cover turns, whether a thermostat follows its program, and the alarm of
-    what has a melody or a volume for it, and what moves a garage door.
-    """
-    found: dict[str, Expose] = {}
-    has_lamp = any(one.type == "light" and not one.endpoint for one in exposes)
-    is_loud = any(one.name in _SOUNDS for one in exposes)
-    door = next((one for one in exposes if one.name == "garage_door_contact" and one.type == "binary"), None)
-    for one in exposes:
-        if door is not None and one.type == "binary" and one.name in _TRIGGERS and one.is_settable:
-            found.update(opener=one, door=door)
-        if is_loud and one.type == "binary" and one.name in _ALARMS and one.is_settable:
-            found.setdefault("siren", one)
-        if one.type != "enum":
-            continue
-        if one.name == "effect" and one.is_settable and not one.endpoint and has_lamp:
-            found.setdefault("effect", one)
-        if one.name in ("motor_state", "moving") and one.is_published:
-            found.setdefault(f"motor{one.suffix}", one)
-        if is_program(one):
-            found.setdefault("program", one)
-    return found
-
-
+_DOOR = "garage_door_contact"
 _TRIGGERS = frozenset({"trigger", "state"})
-
-
-def _opener_part(topics: Zigbee2MqttTopics, trigger: Expose) -> Zigbee2MqttPart:
-    return Zigbee2MqttPart(topics, clean_text(trigger.key), "closure", name=trigger.title, advertised=trigger.name)
-
-
 _ALARMS = frozenset({"alarm", "siren_on"})
 _SOUNDS = frozenset({"alarm_duration", "alarm_ring", "melody", "ringtone", "volume"})
+_MOTORS = frozenset({"motor_state", "moving"})
 
 
-def _switched_siren(topics: Zigbee2MqttTopics, alarm: Expose) -> DescribedPart:
-    """Describe a siren that is switched by a binary, as those of Tuya are; how it sounds is set beside it."""
-    part = Zigbee2MqttPart(topics, clean_text(alarm.key), "siren", name=alarm.title, advertised=alarm.name)
-    part.add_flag(alarm, "on_off")
-    part.request(alarm)
-    return part.build()
+def _auxiliary(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
+    """Return the exposes that complete a part, or become one by the exposes beside them.
+
+    These are the effect of a lamp, the motor of a cover, the program of a thermostat, the alarm of a device with
+    sounds, and opener and contact of a garage door.
+    """
+    found: dict[str, Expose] = {}
+    door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
+    has_lamp = any(expose.type == "light" and not expose.endpoint for expose in exposes)
+    has_sounds = any(expose.name in _SOUNDS for expose in exposes)
+    for expose in exposes:
+        role = _auxiliary_role(expose, has_lamp=has_lamp, has_sounds=has_sounds, has_door=door is not None)
+        if role and (role == "opener" or role not in found):
+            found[role] = expose
+    return {**found, "door": door} if door is not None and "opener" in found else found
+
+
+def _auxiliary_role(expose: Expose, *, has_lamp: bool, has_sounds: bool, has_door: bool) -> str:
+    if expose.type == "binary" and expose.is_settable:
+        if has_door and expose.name in _TRIGGERS:
+            return "opener"
+        return "siren" if has_sounds and expose.name in _ALARMS else ""
+    if expose.type != "enum":
+        return ""
+    if expose.name in _MOTORS:
+        return f"motor{expose.suffix}" if expose.is_published else ""
+    if is_program(expose):
+        return "program"
+    is_effect = expose.name == "effect" and expose.is_settable and not expose.endpoint
+    return "effect" if is_effect and has_lamp else ""
 
 
 def _specific(
-    device: BridgeDevice, topics: Zigbee2MqttTopics, expose: Expose, beside: Mapping[str, Expose]
+    device: BridgeDevice, topics: Zigbee2MqttTopics, expose: Expose, auxiliary: Mapping[str, Expose]
 ) -> DescribedPart:
     if expose.type == "switch":
         return _switch(topics, expose)
@@ -177,22 +186,22 @@ def _specific(
     )
     match expose.type:
         case "light":
-            return build_light(part, expose, None if expose.endpoint else beside.get("effect"))
+            return build_light(part, expose, None if expose.endpoint else auxiliary.get("effect"))
         case "cover":
-            return build_cover(part, expose, beside.get(f"motor{expose.suffix}"))
+            return build_cover(part, expose, auxiliary.get(f"motor{expose.suffix}"))
         case "lock":
             return build_lock(part, expose)
         case "fan":
             return build_fan(part, expose, device.model)
         case _:
-            return build_climate(part, expose, beside.get("program"))
+            return build_climate(part, expose, auxiliary.get("program"))
 
 
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 
 
 def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
-    """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
+    """Describe a relay, or a setting if its property is no state, such as ``window_detection``."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
     part = Zigbee2MqttPart(

@@ -25,33 +25,29 @@ from homebot.errors import WireError
 __all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2MqttReader"]
 
 MAX_BRIDGE_BYTES = 32 * 1024 * 1024
-"""Longest list of devices; one device takes about 4 kB, and some remotes and thermostats ten times that."""
+"""Longest list of devices; a device has about 4 kB, some remotes and thermostats have ten times that."""
 
 MAX_DEVICES = 5_000
 """Most devices of one bridge; the largest known networks have some hundreds."""
 
 MAX_PARTS = 50_000
-"""Most parts of all devices of one bridge; a usual device has ten. Devices beyond are left out, and counted."""
+"""Most parts of all devices of one bridge; a usual device has ten. Further devices are rejected."""
 
 _DEFAULT_BASE = "zigbee2mqtt"
 
 
 class Zigbee2MqttReader:
-    """Reads what bridges publish; keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`.
-
-    Args:
-        bases: Base topics of the bridges.
-    """
+    """Reader of the messages of the bridges at *bases*; stores the descriptions of the last list of each."""
 
     def __init__(self, bases: tuple[str, ...]) -> None:
         self.rejected = 0
         self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in bases}
         self._rules = {base: AvailabilityRule() for base in bases}
         self._without_json: set[str] = set()
-        self._listless = dict.fromkeys(bases, False)  # no list came yet; whether what is beside it did
+        self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a list of devices and return what it describes of each. A broken entry costs that device alone."""
+        """Return the descriptions of the devices in a list. A broken entry affects only its device."""
         return tuple(one for one in self.read_message_in_slices(topic, payload, retained=retained) if one is not None)
 
     def read_message_in_slices(
@@ -61,20 +57,19 @@ class Zigbee2MqttReader:
         *,
         retained: bool,  # noqa: ARG002 - the bridge's lists are retained
     ) -> Iterator[AnnouncementEvent | None]:
-        """Do what :meth:`read_message` does, in steps: the list of a house of hundreds takes a second."""
+        """Read a message in steps: a list of hundreds of devices needs a second."""
         base, _, last = topic.rpartition("/bridge/")
         if base not in self._devices:
             return
         if last == "devices":
-            yield from self._take_devices(base, topic, payload)
+            yield from self._read_devices(base, topic, payload)
         elif last == "info" and payload:
-            yield from self._take_info(base, payload)
+            yield from self._read_info(base, payload)
 
     def problems(self) -> tuple[str, ...]:
-        """Return which bridges are set up so that they cannot be used.
+        """Return the bridges that cannot be used.
 
-        They reported how they are set up, but not which devices they have, although both are retained; or they publish
-        states in a form that is not read.
+        They sent their settings without their list, although both are retained, or publish unsupported states.
         """
         listless = tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
@@ -88,7 +83,7 @@ class Zigbee2MqttReader:
             for base in sorted(self._without_json)
         )
 
-    def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+    def _read_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
         before = self._devices[base]
         self._listless.pop(base, None)
         if not payload:
@@ -112,7 +107,7 @@ class Zigbee2MqttReader:
     def _describe_all(
         self, base: str, topic: str, entries: list[object], found: dict[str, _KnownDevice]
     ) -> Iterator[None]:
-        """Describe the entries into *found*. What was known of a device stays where its entry is broken now."""
+        """Describe the entries into *found*. A device with a broken entry retains its last description."""
         topics: set[str] = set()
         problems = []
         room = MAX_PARTS
@@ -153,8 +148,8 @@ class Zigbee2MqttReader:
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
 
-    def _take_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Take how the bridge is set up, and describe anew the devices whose availability is reported otherwise now."""
+    def _read_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        """Read the settings, and describe the devices with a changed availability again."""
         if base in self._listless:
             self._listless[base] = True
         info = parse_object(payload, MAX_BRIDGE_BYTES)
@@ -194,7 +189,7 @@ def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: i
 
 
 def _bridge_name(entries: list[object]) -> str:
-    """Return what the bridge is called as a device, from its coordinator's address."""
+    """Return the device id of the bridge, from its coordinator's address."""
     for entry in entries:
         if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
             return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
