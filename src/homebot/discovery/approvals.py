@@ -1,4 +1,4 @@
-"""Approvals of announced parts, each bound to what the announcement said of its commands. Pure."""
+"""Approvals of announced parts, each bound to the announced description of its commands. Pure."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Approval(NamedTuple):
     """An approval of one announced part.
 
     Attributes:
-        description: What its announcement said of its commands.
+        description: The description of its commands in the announcement.
         said_at: The time of the approval, in seconds since the Unix epoch.
     """
 
@@ -62,7 +62,7 @@ class ApprovalRegistry:
         return bool(places)
 
     def of(self, sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, Approval, str]]:
-        """Yield each approved part of *sources*, its approval, and what changed since as text, empty for nothing."""
+        """Yield each approved part of *sources*, its approval, and the changes since as text, empty for none."""
         for source in sources if self._by_place else ():
             for part in source.sighting.parts:
                 place = (*source.key, part.id)
@@ -75,7 +75,7 @@ class ApprovalRegistry:
         return [[*place, list(approval.description), approval.said_at] for place, approval in self._by_place.items()]
 
     def restore(self, records: Iterable[ApprovalRecord]) -> None:
-        """Take over what :meth:`records` returned."""
+        """Restore the records that :meth:`records` returned."""
         for gateway, key, part, description, said_at in records:
             if len(self._by_place) < MAX_APPROVALS:
                 self._by_place[gateway, key, part] = Approval(CommandDescription(*description), said_at)
@@ -85,7 +85,7 @@ ApprovalRecord = tuple[str, str, str, tuple[str, tuple[str, ...], tuple[str, ...
 
 
 def _descriptions(sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, CommandDescription]]:
-    """Yield what each announcement that may be commanded says of the commands of its parts."""
+    """Yield the command descriptions of the parts of each announcement that may be commanded."""
     for source in sources:
         if source.is_claimed:
             continue

@@ -70,7 +70,7 @@ class ChangeQueue:
 
     Attributes:
         sequence: Number of the last change that was taken.
-        states_lost: Changes of states that were dropped because nobody took them.
+        states_lost: Changes of states that were dropped before they were taken.
         pending: Changes that wait to be taken.
         states: Changes of states that wait to be taken.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
@@ -119,7 +119,7 @@ class ChangeQueue:
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
     def event_number(self) -> str:
-        """Return what tells an event from the last ones: of a state the newest counts, of events each."""
+        """Return the key for coalescing: one per state, none for events."""
         self._events = (self._events + 1) % _EVENTS
         return str(self._events)
 
@@ -131,7 +131,7 @@ class ChangeQueue:
             self.states.append(states)
 
     def take(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
-        """Return the oldest changes, and what they made disputed, and forget them.
+        """Return the oldest changes, and the disputes they caused, and forget them.
 
         Args:
             at_most: How many to take; None for all.
@@ -146,7 +146,7 @@ class ChangeQueue:
         return tuple(found)
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; what is of a part that went is left out.
+        """Return the changes of states, oldest first, and forget them; changes of a removed part are left out.
 
         Args:
             at_most: How many to look at; None for all.
@@ -177,7 +177,7 @@ class ChangeQueue:
         return tuple(found)
 
     def _current(self, entry: Entry, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
-        """Return those of *readings* whose part and capability did not go meanwhile."""
+        """Return those of *readings* with a part and capability that still exist."""
         if self._entries.get(entry.id) is not entry:
             return ()
         if readings[0].capability in EVENTS:
@@ -187,7 +187,7 @@ class ChangeQueue:
         return tuple([reading for reading in readings if (reading.part, reading.capability) in places])
 
     def _changes(self, one: _PendingChange) -> list[DeviceChange]:
-        """Return the change, and what became disputed by it."""
+        """Return the change, and the disputes that it caused."""
         entry = one.entry
         if self._last.get(entry.id) is one:
             del self._last[entry.id]
@@ -225,7 +225,7 @@ class ChangeLog:
         self._changes: deque[tuple[DeviceChange, int]] = deque()
 
     def append(self, change: DeviceChange) -> None:
-        """Keep *change*, and forget what there is no more room for."""
+        """Keep *change*, and forget the oldest ones beyond the limit."""
         size = _size(change)
         self._changes.append((change, size))
         self._size += size
@@ -235,7 +235,7 @@ class ChangeLog:
             self.forgotten = oldest.sequence
 
     def since(self, sequence: int) -> tuple[DeviceChange, ...]:
-        """Return what came after the change with the number *sequence*, as far as it is known."""
+        """Return the changes after the one with the number *sequence*, as far as they are known."""
         return tuple(one for one, _ in self._changes if one.sequence > sequence)
 
     def __len__(self) -> int:

@@ -1,4 +1,4 @@
-"""Description of a device: what follows from its announcements, and from what the owner states of it. Pure."""
+"""Description of a device: the result of its announcements, and of the owner's statements. Pure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MAX_FACTS = 200
 
 @dataclass(slots=True)  # not frozen, which would take a microsecond more for every announcement
 class DeviceDescription:
-    """The part of a device's record that follows from the announcements, and from what the owner states.
+    """The part of a device's record that follows from the announcements and the owner's statements.
 
     Attributes:
         addresses: The addresses of its endpoints.
@@ -118,9 +118,9 @@ _VALUES: Final = ("area", "name", "tag", "taught_area")
 def with_stated_facts(
     described: DeviceDescription, stated: tuple[OwnerFact, ...], plan: HousePlan
 ) -> DeviceDescription:
-    """Return what is announced of a device with what is stated of it.
+    """Return the description of a device from its announcements and statements.
 
-    What the owner states outranks what is announced, and that what a tag taught; the facts are in this order.
+    The owner's statements outrank announcements, and these the teaching of a tag; the facts are in this order.
     """
     values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in _VALUES}
     names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
@@ -143,11 +143,11 @@ def with_stated_facts(
 def with_approvals(
     described: DeviceDescription, approvals: Sequence[tuple[PartPlace, Approval, str]]
 ) -> DeviceDescription:
-    """Return the description with what the owner approved: each approved route, and what changed since elsewhere.
+    """Return the description with the owner's approvals: each approved route, and the changes since elsewhere.
 
     Args:
-        described: What is announced and stated of a device.
-        approvals: Its approved parts, each with what changed since as text.
+        described: The description from announcements and statements.
+        approvals: Its approved parts, each with the changes since as text.
     """
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
     facts = [_owner_fact(CHANGED, change, place, approval) for place, approval, change in approvals if change]

@@ -1,4 +1,4 @@
-"""Devices, the announcements they consist of, and what is to be brought up to date about each. Pure."""
+"""Devices, the announcements they consist of, and the pending updates of each. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MAX_UNSAVED = 200_000
 
 @dataclass(slots=True)
 class IndexCounters:
-    """Numbers of what was not taken in.
+    """Numbers of dropped and refused inputs.
 
     Attributes:
         rejected: Announcements of new devices while the index was full, and those of a device that has too many.
@@ -42,20 +42,20 @@ class DeviceTable:
 
     Args:
         first_sequence: Number of the first change.
-        owner: What the owner states of devices.
+        owner: The owner's statements on devices.
 
     Attributes:
-        owner: What the owner states of devices.
+        owner: The owner's statements on devices.
         sources: Announcements by gateway and key.
         owners: The device of each announcement.
         entries: Devices by id.
         tombstones: Devices that went.
         topics: Which announcement may use which command topic.
         changes: Changes that were not taken yet.
-        postings: What devices can be found by.
-        outdated: Ids of the devices whose postings are out of date.
-        unsaved: Ids of the devices whose record in the index file is out of date.
-        counters: What was not taken in.
+        postings: The search terms of devices.
+        outdated: Ids of the devices with outdated postings.
+        unsaved: Ids of the devices with an outdated record in the index file.
+        counters: Counts of dropped and refused inputs.
         collects_states: Whether changes of states are collected.
         collects_settings: Whether changed settings are collected.
     """
@@ -109,7 +109,7 @@ class DeviceTable:
 class UnsavedDevices:
     """Ids to be written to the index file, those of devices that went as well.
 
-    Should nobody write for so long that 200,000 wait, those that are known now take their place.
+    If nothing is written for so long that 200,000 wait, those that are known now take their place.
 
     Args:
         known: Ids of the devices that are known.

@@ -1,6 +1,6 @@
-"""The node of the discovery layer: hears every gateway, keeps the index, tells what changes, and answers.
+"""The node of the discovery layer: hears every gateway, keeps the index, publishes changes, and answers.
 
-Sightings and reports are taken in as they come; what they changed is published in portions soon after, each device
+Sightings and reports are taken in as they come; the changes are published in portions soon after, each device
 once.
 """
 
@@ -104,19 +104,19 @@ class DirectorySettings(BaseModel):
 class Directory:
     """Listens to the sightings and reports of every gateway, present and to come.
 
-    It takes from a gateway's own node, on that gateway's own topics, what the gateway says in its own name; whatever
-    another program publishes there is nothing to it.
+    It takes only messages of a gateway's own node, on that gateway's own topics; messages that
+    another program publishes there are ignored.
 
     Args:
         node: The node that it is on the graph.
         settings: How long it remembers.
         file: Where it keeps the index over a restart; None for nowhere.
-        owner: What the owner states of devices in the configuration; by default nothing.
+        owner: The owner's statements on devices in the configuration; by default none.
         needs_approval: Whether a device that can hurt waits for the owner's approval.
-        known: What it knows at the start where it has no *file*.
+        known: The devices known at the start if it has no *file*.
 
     Attributes:
-        index: What it knows.
+        index: The index of devices.
     """
 
     def __init__(
@@ -160,8 +160,8 @@ class Directory:
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the index until cancelled.
 
-        It answers as soon as it has taken in its file and what the gateways keep for late joiners, so that nobody who
-        asks a restarted directory hears of an empty house.
+        It answers as soon as it has taken in its file and the messages that gateways keep for late joiners, so that a
+        client of a restarted directory does not see an empty house.
         """
         await self._persistence.load()
         with self._node.graph.watch() as changes:
@@ -183,7 +183,7 @@ class Directory:
                         self._follow(change.entity)
 
     def _follow_all(self) -> None:
-        """Follow all topics, sightings first: a report of a device that nobody announced has no meaning."""
+        """Follow all topics, sightings first: a report of an unannounced device has no meaning."""
         endpoints = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
         for kind in (Sighting, Report):
             for endpoint in endpoints:
@@ -265,7 +265,7 @@ class Directory:
             self._publish_or_wake()
 
     def _publish_or_wake(self) -> None:
-        """Publish the states that a few reports brought, as nearly all do; wake those who have more to do now."""
+        """Publish the states of a few reports, as after nearly all; wake the tasks that have more to do now."""
         if self.index.has_states and not self.index.has_changes:
             self._publish_states(_FEW)
         if self._is_idle and self.index.is_behind:
@@ -287,11 +287,11 @@ class Directory:
     async def _sort_some(self) -> bool:
         """Make a few devices findable, unless more was heard, perhaps of them; return whether some are left.
 
-        Who asks meanwhile has all made findable first; see :meth:`DeviceIndex.find`.
+        A query meanwhile makes all findable first; see :meth:`DeviceIndex.find`.
         """
         if self.index.is_sorted:  # as after most reports: a new value is found where the one before was
             return False
-        await anyio.lowlevel.checkpoint()  # what the gateway is handling now is heard first
+        await anyio.lowlevel.checkpoint()  # messages that the gateway is handling now come first
         return not self._happened.is_set() and self.index.sort(_FEW)
 
     async def _expire(self) -> None:
@@ -320,7 +320,7 @@ class Directory:
             self._publish_or_wake()
 
     async def _publish_settings(self) -> None:
-        """Publish the settings that changed, twice a second: nobody waits for them."""
+        """Publish the settings that changed, twice a second: there is no hurry."""
         while True:
             await self._settings_changed.wait()
             await anyio.sleep(_SETTINGS_PAUSE)
@@ -375,7 +375,7 @@ class Directory:
 
 
 def _heard_at(message: Sighting | Report, now: float) -> float:
-    """Return when *message*, which is taken in *now*, was heard: what a gateway keeps for late joiners may be old."""
+    """Return when *message*, which is taken in *now*, was heard: one kept for late joiners may be old."""
     heard_at = message.heard_at
     return heard_at if heard_at and heard_at < now else now
 

@@ -44,8 +44,8 @@ class Echoes:
 
         Args:
             place: Which part of the device.
-            capability: Of which capability.
-            value: What happened.
+            capability: The capability of the event.
+            value: The event.
             route: The announcement through which it was reported.
             now: When, on a clock that is never set.
         """

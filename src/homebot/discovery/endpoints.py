@@ -1,4 +1,4 @@
-"""Endpoints of a device: one for each gateway that knows it, each as fresh as what is heard there. Pure."""
+"""Endpoints of a device: one for each gateway that knows it, each as fresh as the messages there. Pure."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple
 
     Args:
         sources: The announcements, the preferred ones first.
-        main: The part that the device is there for; None where nobody knows its parts.
+        main: The main part of the device; None if its parts are unknown.
     """
     found: dict[str, Addresses] = {}
     if main is not None:

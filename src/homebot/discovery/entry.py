@@ -61,9 +61,9 @@ class Entry:
         stale_gateways: The gateways at which it was silent for too long, of several that know it.
         trusted: The endpoints that may have its commands, where that was ever a question; those that are gone included.
         claimed: The endpoints that may not; see :mod:`homebot.discovery.merging.trust`.
-        agreement: What the two reported lately; None where all are trusted.
-        echoes: What happened lately, and by how many routes that was reported; None where nothing happens.
-        owner: What the owner states of devices; None before it is in the index.
+        agreement: The last reports of the two; None if all are trusted.
+        echoes: The last events, each with the number of routes that reported it; None without events.
+        owner: The owner's statements on devices; None before it is in the index.
     """
 
     id: str
@@ -114,7 +114,7 @@ class Entry:
         self._device = None
 
     def invalidate_description(self) -> None:
-        """Build the description anew when next asked for: its announcements changed, or what is disputed about it."""
+        """Build the description anew when next asked for: its announcements changed, or the disputes about it."""
         if self._description is not None:
             self.known_ids = self.part_ids()
             self._description = None
@@ -236,7 +236,7 @@ class Entry:
         )
 
     def _believed(self) -> Mapping[SourceKey, SourceRecord]:
-        """Return the announcements by which it is judged what it is, and how: not claimed ones beside others."""
+        """Return the announcements that decide its type and state: not claimed ones beside others."""
         if not self.claimed:
             return self.sources
         return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
@@ -255,11 +255,11 @@ class Entry:
         return self._description
 
     def newest_values(self, topics: TopicOwnership) -> Collection[StoredValue]:
-        """Return what is kept of each of :attr:`Device.states`, in their order."""
+        """Return the stored value of each of :attr:`Device.states`, in their order."""
         return self._newest(self.parts(topics), events=False).values()
 
     def _newest(self, merged: MergedParts, *, events: bool) -> dict[tuple[int, str], StoredValue]:
-        """Return the newest of what all routes to each part reported; what came live before what the broker had kept.
+        """Return the newest report of all routes to each part; live values take precedence over retained ones.
 
         Args:
             merged: The parts.

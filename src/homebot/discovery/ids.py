@@ -127,11 +127,11 @@ class Tombstones:
         return None
 
     def get(self, device_id: str) -> Tombstone | None:
-        """Return what is remembered of the device."""
+        """Return the record of the removed device."""
         return self.by_id.get(device_id)
 
     def take(self, device_id: str) -> Tombstone | None:
-        """Forget the device and return what was remembered of it."""
+        """Forget the removed device, and return its record."""
         tombstone = self.by_id.pop(device_id, None)
         if tombstone is not None:
             for key in tombstone.keys:

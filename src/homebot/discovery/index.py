@@ -1,7 +1,7 @@
-"""The index: which devices there are, what they offer, and how fresh that knowledge is. Pure; it is given the time.
+"""The index: the devices, their services, and the freshness of that knowledge. Pure; it is given the time.
 
-It holds devices, not topics: however many messages, announcements and addresses a device has, it is one entry. What
-happens to devices is collected until :meth:`DeviceIndex.take_changes`, so that a device that is announced in thirty
+It holds devices, not topics: with any number of messages, announcements and addresses, a device is one entry. Changes
+of devices are collected until :meth:`DeviceIndex.take_changes`, so that a device that is announced in thirty
 messages is published once.
 """
 
@@ -44,14 +44,14 @@ class DeviceIndex:
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
         first_sequence: Number of the first change; a new index that follows an old one starts above it.
-        max_devices: How many it takes in.
-        owner: What the owner states of devices; by default nothing.
+        max_devices: The most devices that it takes in.
+        owner: The owner's statements on devices; by default none.
 
     Attributes:
-        counters: What was not taken in.
-        owner: What the owner states of devices.
-        take_changes: Returns what happened, at most so many changes or all, oldest first, and forgets it; what became
-            of one device meanwhile is in its change.
+        counters: Counts of dropped and refused inputs.
+        owner: The owner's statements on devices.
+        take_changes: Returns the changes, at most so many or all, oldest first, and forgets them; several changes
+            of one device are one change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
         is_due_before: Returns whether it has something to do before a time of that clock.
         settings: Settings that changed and were not taken yet.
@@ -86,7 +86,7 @@ class DeviceIndex:
         return len(self._table.entries)
 
     def counts(self) -> dict[str, int]:
-        """Return what was not taken in, and what was dropped, by name."""
+        """Return the numbers of refused and dropped inputs, by name."""
         return {
             **asdict(self.counters),
             "strays": self._pending.count,
@@ -113,7 +113,7 @@ class DeviceIndex:
         """Take *sighting* in.
 
         Args:
-            sighting: What a gateway heard.
+            sighting: The sighting from a gateway.
             now: When, in seconds of the clock that :meth:`expire` is asked with, one that is never set; by default its
                 stamp is the time, as of something recorded.
         """
@@ -129,10 +129,10 @@ class DeviceIndex:
             self._intake.refresh(source, sighting)
 
     def report(self, report: Report, now: float | None = None) -> None:
-        """Take in what a device reported; that of one that nobody announced yet waits a moment, and is counted.
+        """Take in the report of a device; that of an unannounced one waits a moment, and is counted.
 
         Args:
-            report: What it reported.
+            report: The report.
             now: As for :meth:`observe`.
         """
         self._liveness.now = report.received_at.to_seconds() if now is None else now
@@ -158,7 +158,7 @@ class DeviceIndex:
         return self._sources.get(key)
 
     def expire(self, now: float, at_most: int | None = None) -> int:
-        """Let become stale what is silent for too long at *now*, and forget what is stale for too long.
+        """Mark devices as stale that are silent for too long at *now*, and forget those that are stale for too long.
 
         Args:
             now: Seconds of a clock that is never set: a change of the computer's time makes nothing stale.
@@ -292,7 +292,7 @@ class DeviceIndex:
 
     @property
     def places_exchange(self) -> PlacesExchange:
-        """Export and import of what the owner states."""
+        """Export and import of the owner's statements."""
         from homebot.discovery.places_exchange import PlacesExchange  # noqa: PLC0415 - with the first file
 
         return PlacesExchange(self._table, self.places)
@@ -342,7 +342,7 @@ class DeviceIndex:
 
     @property
     def is_saved(self) -> bool:
-        """True if there is an index file, so that it is noted what is not in it."""
+        """True if there is an index file, so that changes since its last writing are recorded."""
         return self._table.unsaved.is_enabled
 
     @is_saved.setter
@@ -351,11 +351,11 @@ class DeviceIndex:
 
     @property
     def unsaved(self) -> dict[str, None]:
-        """Ids whose record is not in the index file as it is; those of devices that went as well."""
+        """Ids with records that are not in the index file as they are; those of devices that went as well."""
         return self._table.unsaved.ids
 
     def entry(self, device_id: str) -> Entry | None:
-        """Return what is kept of the device, for the index file."""
+        """Return the entry of the device, for the index file."""
         entry = self._table.entries.get(device_id)
         if entry is not None:
             entry.parts(self._table.topics)  # so that those that are new have their ids
@@ -370,8 +370,8 @@ class DeviceIndex:
 
         Args:
             entry: The device.
-            now: Seconds of the clock that :meth:`expire` is asked with: it has its whole time from now on, for how long
-                homebot was away nobody knows whose clock was set meanwhile.
+            now: Seconds of the clock that :meth:`expire` is asked with: it has its whole time from now on, as the time
+                for which homebot was away is unknown if a clock was set meanwhile.
             wall: Seconds since the Unix epoch, for its stamp; by default the same.
         """
         self._intake.restore(entry, now, now if wall is None else wall)

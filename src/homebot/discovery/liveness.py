@@ -75,7 +75,7 @@ class ReportInterval:
         return self._expected_silence
 
     def join(self, other: ReportInterval) -> None:
-        """Take over what *other* learnt of the same device, where that is more."""
+        """Take over the interval that *other* learnt of the same device, if it is longer."""
         if len(other._gaps) > len(self._gaps):
             self._learn(other._gaps)
         if other._last is not None:
@@ -95,7 +95,7 @@ class Liveness:
         forget_after: Seconds for which a stale device is kept.
 
     Attributes:
-        now: Time of what was taken in last, in seconds of a clock that is never set.
+        now: Time of the newest input, in seconds of a clock that is never set.
         next_deadline: Returns when :meth:`take_silent` has a device, in seconds of that clock; None for never.
         is_due_before: Returns whether it has one before a time of that clock.
     """

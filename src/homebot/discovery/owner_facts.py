@@ -1,8 +1,8 @@
-"""Facts that the owner states of devices: rooms, aliases and tags, which outrank what they announce. Pure.
+"""Facts that the owner states of devices: rooms, aliases and tags, which outrank the announced ones. Pure.
 
 A statement by a command or an import belongs to the announcements that the device had at the time, so that each keeps
-it when devices are merged and split. It is also kept by device id, for a device whose announcements are new, and by
-hardware address where a places file gives one. The configuration names devices by id or hardware address; which id the
+it when devices are merged and split. It is also kept by device id, for a device with new announcements, and by
+hardware address if a places file gives one. The configuration names devices by id or hardware address; the id that the
 device of an announcement had is remembered, so that it is found after a merge.
 
 An approval is bound to one announced part as it is, in :mod:`homebot.discovery.approvals`, and inherited by nothing.
@@ -62,7 +62,7 @@ class _StatementRecord(BaseModel):
     @field_validator("facts", mode="before")
     @classmethod
     def _without_old_approvals(cls, facts: object) -> object:
-        """Return *facts* without approvals: those of older files do not say what was approved, so the devices wait."""
+        """Return *facts* without approvals: older files do not name the approved commands, so the devices wait."""
         if not isinstance(facts, list):
             return facts
         return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
@@ -158,7 +158,7 @@ class OwnerFacts:
         facts: Iterable[OwnerFact],
         present: Container[SourceKey],
     ) -> None:
-        """Replace what commands and imports stated of a device.
+        """Replace the statements of commands and imports on a device.
 
         Args:
             device_id: Its id.
@@ -205,7 +205,7 @@ class OwnerFacts:
         return found
 
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
-        """Replace what commands and imports stated of a device that is not there yet.
+        """Replace the statements of commands and imports on a device that is not there yet.
 
         Args:
             names: The id, or the hardware addresses, that it will have.
@@ -297,9 +297,9 @@ class OwnerFacts:
             raise RefusedError("a statement", f"there are {MAX_STATEMENTS:,} already; take some back")
 
     def adopt(self, device_id: str, sources: Collection[SourceRecord]) -> None:
-        """Note under which id a device appears, so that what is stated of it stays with its announcements.
+        """Record the id under which a device appears, so that its statements stay with its announcements.
 
-        What is stated of a device that it was split off is from now on stated of each by itself.
+        Statements on the device that it was split off are from now on stated of each by itself.
         """
         keys = [source.key for source in sources]
         for statement in dict.fromkeys(self._by_key[key] for key in keys if key in self._by_key):
@@ -320,7 +320,7 @@ class OwnerFacts:
                 self._add_key(stated, source.key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
-        """Give the announcement *key* what is stated of *sibling*, which is of the same device."""
+        """Give the announcement *key* the statements on *sibling*, which is of the same device."""
         if sibling in self._by_key and key not in self._by_key:
             self._add_key(self._by_key[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
@@ -348,7 +348,7 @@ class OwnerFacts:
         return json.dumps(record)
 
     def restore(self, record: str) -> None:
-        """Take over what :meth:`record` returned.
+        """Restore the records that :meth:`record` returned.
 
         Raises:
             WireError: It is no such text, or some of its rooms do not fit the configuration any more; these stay in the

@@ -20,12 +20,12 @@ _REPORT_WAIT = 60.0
 """Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
 
 _EVENT_WAIT = 5.0
-"""The same for an event: a press that is published a minute late opens a door that nobody stands at any more."""
+"""The same for an event: a press that is published a minute late opens a door after its visitor left."""
 
 
 @final
 class PendingReports:
-    """Keeps the newest reports of devices that nobody announced yet, of the last thousand, and what was forgotten.
+    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten devices.
 
     Attributes:
         count: How many came.

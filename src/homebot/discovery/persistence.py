@@ -1,4 +1,4 @@
-"""Keeps the index file in step with the index: reads it at the start, writes what changed every few seconds.
+"""Keeps the index file in step with the index: reads it at the start, writes the changes every few seconds.
 
 All of SQLite happens in a worker thread. Without a file it does nothing.
 """
@@ -44,7 +44,7 @@ RETRY_AFTER = 5.0
 
 DECISIONS = "merging"
 PLACES = "places"
-"""The records of the owner: which announcements are one device, and what is stated of devices."""
+"""The records of the owner: the announcements that are one device, and the statements on devices."""
 
 _BATCH = 200
 """Devices written in one transaction."""
@@ -53,7 +53,7 @@ _LAST_CHANCE = 5.0
 
 
 class OwnerRecord(Protocol):
-    """A record in the index file of what the owner decided.
+    """A record in the index file of the owner's decisions.
 
     Attributes:
         is_unsaved: Whether it is not in the index file as it is.
@@ -66,7 +66,7 @@ class OwnerRecord(Protocol):
         ...
 
     def restore(self, record: str) -> None:
-        """Take over what :meth:`record` returned.
+        """Restore the records that :meth:`record` returned.
 
         Raises:
             WireError: It is no such text.
@@ -79,13 +79,13 @@ class IndexPersistence:
 
     Args:
         node: For its log and clock.
-        index: What is kept.
-        path: Where; None for nowhere.
-        known: What is known where there is no file, as from a recording.
+        index: The index to be saved.
+        path: The path of the file; None for no file.
+        known: The known devices if there is no file, as from a recording.
 
     Attributes:
         file: Where the file is; empty for nowhere.
-        state: ``off``, ``ok``, or what is wrong with the file, in words.
+        state: ``off``, ``ok``, or the problem with the file, in words.
         failures: How often it could not be written or read.
         damaged: How many damaged files were set aside.
     """
@@ -105,7 +105,7 @@ class IndexPersistence:
         index.is_saved = path is not None
 
     async def load(self) -> None:
-        """Take in what the file holds, as unconfirmed; a file that cannot be used costs no more than its content."""
+        """Take in the content of the file, as unconfirmed; an unusable file costs no more than its content."""
         if self._file is None:
             await self._take_in(_understood(_records_of(self._known)))
             return
@@ -148,7 +148,7 @@ class IndexPersistence:
             )
 
     def _restore_owner(self, records: Mapping[str, str]) -> int:
-        """Take over what the owner decided; return how many records could not be read."""
+        """Restore the owner's decisions; return how many records could not be read."""
         rejected = 0
         for name, owner in self._owner.items():
             try:
@@ -165,7 +165,7 @@ class IndexPersistence:
             owner.is_unsaved = True
 
     async def run(self) -> None:
-        """Write what changes until cancelled, then once more."""
+        """Write the changes until cancelled, then once more."""
         if self._file is None:
             await anyio.sleep_forever()
             return
@@ -220,7 +220,7 @@ class IndexPersistence:
         return bool(self._index.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
 
     async def _begin_anew(self, file: IndexFile) -> None:
-        """Begin a new file, with all that is known now, in place of one that somebody removed."""
+        """Begin a new file, with all that is known now, in place of one that was removed."""
         self._node.log.warning(
             REMOVED,
             message=f"the index file {self.file} was removed or replaced while homebot ran; a new one is written; "
@@ -250,7 +250,7 @@ class IndexPersistence:
         return True
 
     async def _records(self, batch: tuple[str, ...]) -> Records:
-        """Make the records; what changes while others have their turn is unsaved again, and in the next batch."""
+        """Make the records; a device that changes during a pause is unsaved again, and in the next batch."""
         devices: list[tuple[str, str]] = []
         stones: list[tuple[str, str]] = []
         work = TimeSlice(self._clock)

@@ -1,4 +1,4 @@
-"""Editor of what the owner states of devices at run time: a room, aliases, tags and an approval. Pure."""
+"""Editor of the owner's statements on devices at run time: a room, aliases, tags and an approval. Pure."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _WORDS: Mapping[FactName, str] = {
 
 @final
 class PlacesEditor:
-    """Takes what the owner states, and makes the devices what is stated of them.
+    """Takes the owner's statements, and updates the devices with them.
 
     Args:
         table: The devices.
@@ -50,7 +50,7 @@ class PlacesEditor:
             device_id: The device.
             room: The room, or a floor.
             now: Seconds since the Unix epoch.
-            is_new: Whether it may be a room whose name is one typo away from that of another.
+            is_new: Whether it may be a room with a name one typo away from that of another.
 
         Raises:
             RefusedError: There is no such device, or there are too many statements.
@@ -120,7 +120,7 @@ class PlacesEditor:
             The room that it is in now; empty for none.
 
         Raises:
-            RefusedError: There is no such device, or nobody stated or taught a room.
+            RefusedError: There is no such device, or no room was stated or taught.
         """
         entry = self._entry(device_id)
         stated = self.stated(entry)
@@ -139,7 +139,7 @@ class PlacesEditor:
             device_id: The device.
             gateway: The gateway of the tag.
             tag: The key of the tag.
-            room: What the tag says; the room that it is in itself, as far as that is known, counts more.
+            room: The room on the tag; the room that it is in itself, as far as that is known, counts more.
             now: Seconds since the Unix epoch.
 
         Returns:
@@ -147,7 +147,7 @@ class PlacesEditor:
 
         Raises:
             RefusedError: There is no such device, or there are too many statements.
-            UsageError: Nobody says where the tag is, its room cannot be one, or is probably a typo.
+            UsageError: The tag's room is unknown, its room cannot be one, or is probably a typo.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
         at = self._table.owners.get((gateway, tag))
@@ -198,7 +198,7 @@ class PlacesEditor:
         """Approve the announcements of a device as they are, so that it may be driven; again is fine.
 
         Returns:
-            What is different from the approvals before, one line for each part of an announcement.
+            Differences from the approvals before, one line for each part of an announcement.
 
         Raises:
             RefusedError: There is no such device, or there are too many approvals.
@@ -219,7 +219,7 @@ class PlacesEditor:
             self.restate((entry,), "the owner took back the approval")
 
     def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:
-        """Return a line for each part of a device that takes commands, by announcement: what it takes, and where."""
+        """Return a line for each part of a device that takes commands, by announcement: the commands and addresses."""
         entry = self._table.entries.get(device_id)
         return {} if entry is None else {key: _announced_commands(one) for key, one in entry.sources.items()}
 
@@ -228,7 +228,7 @@ class PlacesEditor:
         return self._table.owner.stated(entry.id, entry.sources.values())
 
     def state(self, entry: Entry, facts: Iterable[OwnerFact], why: str) -> None:
-        """Make *facts* what commands and imports state of a device, and *why* the reason of the change.
+        """Store *facts* as the statements of commands and imports on a device, and *why* as the reason of the change.
 
         Raises:
             RefusedError: There are too many statements.
@@ -237,7 +237,7 @@ class PlacesEditor:
         self.restate((entry,), why)
 
     def restate(self, entries: Iterable[Entry], why: str) -> None:
-        """Describe *entries* anew, because of what the owner states: *why*."""
+        """Describe *entries* anew, because of statements of the owner: *why*."""
         for entry in entries:
             entry.invalidate_description()
             self._table.note("changed", entry, why)

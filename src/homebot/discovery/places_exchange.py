@@ -1,4 +1,4 @@
-"""Export and import of what the owner states, as the text of a places file. Pure."""
+"""Export and import of the owner's statements, as the text of a places file. Pure."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class PlacesExchange:
 
     Args:
         table: The devices.
-        editor: States what a file states.
+        editor: Stores the statements of a file.
     """
 
     __slots__ = ("_editor", "_table")
@@ -51,7 +51,7 @@ class PlacesExchange:
     def export_text(self) -> Generator[None, None, str]:
         """Return all rooms, and all that the owner states of devices, as the text of a places file.
 
-        Approvals are not in it: who takes over a file of others would approve devices unseen. Nor is what tags taught.
+        Approvals are not in it: they would approve devices unseen in another house. Nor are rooms taught by tags.
 
         Others may have their turn at each step.
         """
@@ -217,11 +217,11 @@ def _merge(
     *,
     replaces: bool,
 ) -> tuple[OwnerFact, ...]:
-    """Return what commands and imports state of a device after an import.
+    """Return the statements of commands and imports on a device after an import.
 
     Args:
         device: The device, for messages.
-        stated: What they stated before.
+        stated: The statements before.
         new: The facts of the file.
         in_use: All that is stated of it, in the configuration too.
         kept: Is given the room that was kept, as text.

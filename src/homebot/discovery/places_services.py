@@ -1,4 +1,4 @@
-"""Services by which the owner states where devices are, what they are called, and which may be driven."""
+"""Services by which the owner states the rooms and names of devices, and approves their commands."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ _SHORT = 4000
 
 
 class PlacesServices:
-    """The services of the directory on what the owner states.
+    """The services of the directory for the owner's statements.
 
     Args:
         clock: Gives the time of each statement.
-        index: What the directory knows.
-        publish_all: Publishes the changes that wait, so that who gets an answer finds what was stated.
+        index: The index of devices.
+        publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
     """
 
     def __init__(self, clock: Clock, index: DeviceIndex, publish_all: Callable[[], None]) -> None:
@@ -89,7 +89,7 @@ class PlacesServices:
         self._publish_all = publish_all
 
     def register(self, node: Node, owner: OwnerRequests) -> None:
-        """Begin to answer, as *node*; what the owner asks passes *owner*."""
+        """Begin to answer, as *node*; requests of the owner pass *owner*."""
         owner.serve(PlaceDevice, PLACE_DEVICE, self._place)
         owner.serve(AliasDevice, ALIAS_DEVICE, self._add_alias)
         owner.serve(TagDevice, TAG_DEVICE, self._add_tag)
@@ -149,7 +149,7 @@ class PlacesServices:
         return ApproveDeviceResponse(success=True, commands=commands, changes=changes)
 
     async def _commands(self, node: Node, device: str) -> tuple[str, ...]:
-        """Return what the gateways of *device* send for commands, or what it announced if one does not say."""
+        """Return the payloads that the gateways of *device* send for commands, or those announced if one is silent."""
         lines: list[str] = []
         for (gateway, key), announced in self._index.places.commands(device).items():
             with closing(node.create_client(DescribeCommands, GatewayNames(gateway).describe_commands)) as client:
@@ -221,7 +221,7 @@ class PlacesServices:
                 raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
-        """Add a word to what is stated of a device, or take it back; return all of them.
+        """Add a word to the statements on a device, or take it back; return all of them.
 
         Raises:
             RefusedError, UsageError: It cannot be stated; the message says why.
@@ -232,7 +232,7 @@ class PlacesServices:
         return words
 
     async def _in_turns(self, work: Generator[None, None, T]) -> T:
-        """Return the result of *work*, between whose steps others have their turn every few milliseconds."""
+        """Return the result of *work*; between its steps others have their turn every few milliseconds."""
         turns = TimeSlice(self._clock)
         while True:
             try:

@@ -18,7 +18,7 @@ NOT_REPORTED = Reachability()
 
 
 def reachability(sources: Iterable[SourceRecord]) -> Reachability:
-    """Return whether a device can be reached: what its parts are together.
+    """Return whether a device can be reached: the combined reachability of its parts.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
     reported since, it is unknown.

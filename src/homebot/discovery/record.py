@@ -32,7 +32,7 @@ class Records(NamedTuple):
     Attributes:
         devices: Of devices that are known.
         tombstones: Of those that went.
-        owner: What the owner decided, by the name of what it is about.
+        owner: The owner's decisions, by the name of their subject.
     """
 
     devices: tuple[tuple[str, str], ...] = ()
@@ -165,7 +165,7 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
 
 
 def _as_last_seen(source: SourceRecord) -> Sighting:
-    """Return the sighting as last seen: as the clock may have been set since, the silence allowed is what is kept."""
+    """Return the sighting as last seen: as the clock may have been set since, the silence allowed is the stored one."""
     expires_at = Time.from_seconds(source.seen_at.to_seconds() + source.lasts)
     return source.sighting.model_copy(update={"seen_at": source.seen_at, "expires_at": expires_at, "confirmed": False})
 
@@ -186,7 +186,7 @@ def _read(kind: type[_RecordT], text: str) -> _RecordT:
 
 
 def _without_unknown_fields(text: str) -> str:
-    """Return the record of a device without what only a newer homebot has in its sightings."""
+    """Return the record of a device without fields that only a newer homebot has in its sightings."""
     record = json.loads(text)
     for claim in record["claims"]:
         if isinstance(claim, dict) and isinstance(sighting := claim.get("sighting"), dict):

@@ -69,7 +69,7 @@ class DirectoryServices:
 
     Args:
         node: The directory's node.
-        index: What it knows.
+        index: The index of devices.
         persistence: The index file.
         publish: Publishes so many of the changes that wait, so that an answer holds nothing that is published after
             it; says whether there may be more.
@@ -100,7 +100,7 @@ class DirectoryServices:
         PlacesServices(self._clock, self._index, self._publish_all).register(node, owner)
 
     def remember(self, change: DeviceChange) -> None:
-        """Keep a change that was published, for those who ask later."""
+        """Keep a change that was published, for later requests."""
         self._changes.append(change)
 
     async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
@@ -128,12 +128,12 @@ class DirectoryServices:
         devices = []
         for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request):
             device = self._index.get(device_id)
-            if device is not None:  # else it is named, and nobody knows it
+            if device is not None:  # else it is named, but unknown
                 devices.append(device)
         return _found_of(devices=tuple(devices), sequence=self._index.sequence)
 
     def _matching(self, request: FindDevicesRequest) -> list[str]:
-        """Return the ids of the devices that fit what *request* asks for, sorted."""
+        """Return the ids of the devices that match *request*, sorted."""
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
@@ -141,7 +141,7 @@ class DirectoryServices:
         return sorted(found.intersection(request.ids) if request.ids else found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
-        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for people who search
+        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
         from homebot.discovery.search.unknown_words import unknown_word  # noqa: PLC0415 - as above
 
         await self._catch_up()

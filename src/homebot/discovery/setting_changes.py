@@ -1,4 +1,4 @@
-"""Changes of what people and programs set, gathered for those who need not know at once. Pure."""
+"""Changes of the settings of people and programs, gathered for subscribers without hurry. Pure."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class SettingChanges:
                 self._table.changes.states_lost += 1
 
     def take(self) -> Iterator[ChangedSetting]:
-        """Yield what changed since the last time, as in `ChangedSettings`, and forget it."""
+        """Yield the changes since the last time, as in `ChangedSettings`, and forget them."""
         table, waiting = self._table, self._waiting
         self._waiting = {}
         for entry, source, first, since, stored in waiting.values():

@@ -1,4 +1,4 @@
-"""One announcement of a device, and what came of it. A device is what one or more of them are about."""
+"""One announcement of a device, and its reports. A device has one or more of them."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ __all__ = [
 ]
 
 SourceKey: TypeAlias = tuple[str, str]
-"""Gateway, and what that calls the announcement."""
+"""Gateway, and its key for the announcement."""
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
-"""Most announcements have nothing of what few have; a dict of their own would be 64 bytes of each device."""
+"""The shared empty mapping: a dict of its own would be 64 bytes of each device, and most announcements need none."""
 
 
 @dataclass(slots=True)
@@ -42,7 +42,7 @@ class StoredValue:
         value: The same in plain Python, by which it is found.
         since: Since when it is that.
         told_at: When it was last reported.
-        heard_at: The same on the clock that is never set, which says what is newer.
+        heard_at: The same on the clock that is never set, which decides on the newer one.
         live: Whether the device reported it, rather than a retained message.
         column: Where it is searched, which holds ``value`` again; None where it cannot be found.
         row: Its place there.
@@ -83,16 +83,16 @@ class SourceRecord:
 
     Attributes:
         sighting: The newest sighting; the description counts.
-        number: Grows with each new source: who came first.
+        number: Grows with each new source: the order of arrival.
         first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
         heard_at: The same on the clock that is never set; minus infinity where that was before the start.
-        key: What it goes by in the index.
+        key: Its key in the index.
         confirmed: Whether the device itself was heard through it since the start.
         facts: Each fact with its value, and when it was first announced.
         values: The values of its parts, by part and capability.
-        events: What happened last, by part and capability.
-        reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
+        events: The last events, by part and capability.
+        reach: Whether it can be reached, as it reports, by part; the whole is ``""``. See :meth:`set_reach`.
         is_online: Whether it sent a message that it is online, so that its last will watches over it.
         is_claimed: Whether its endpoint is not trusted with commands; see :mod:`homebot.discovery.merging.trust`.
     """
@@ -116,7 +116,7 @@ class SourceRecord:
         self.facts = self.events = self.reach = _NOTHING
 
     def set_reach(self, reach: Mapping[str, Reach]) -> None:
-        """Make *reach* what it says of whether it can be reached."""
+        """Store *reach* as the reported reachability."""
         self.reach = reach or _NOTHING
         self.is_online = any(one.value and one.live for one in reach.values())
 
@@ -141,7 +141,7 @@ class SourceRecord:
 
 
 def preference(source: SourceRecord) -> tuple[bool, bool, int]:
-    """Return what sorts sources on one device: claimed ones last, own conventions and older ones first."""
+    """Return the sort key of sources on one device: claimed ones last, own conventions and older ones first."""
     return source.is_claimed, not source.sighting.native, source.number
 
 
@@ -168,7 +168,7 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
 
 
 def note_description(source: SourceRecord, before: Sighting) -> None:
-    """Note since when *source* says what it did not say *before*; what it can tell no longer is forgotten."""
+    """Record when *source* first reported each capability; drop capabilities that it no longer has."""
     now = source.sighting
     known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
     described = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}

@@ -77,7 +77,7 @@ class StateRecorder:
                     new.append((place, reading, stored))
                 else:
                     self._table.counters.unknown_parts += 1
-            elif live or not stored.live:  # what the broker had kept never overwrites what came live
+            elif live or not stored.live:  # retained values never overwrite live ones
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 value = reading.value
                 if value is stored.reported:

@@ -29,14 +29,14 @@ _MIGRATIONS: dict[int, Sequence[str]] = {
     1: (_SCHEMA[1],),  # version 1 knew no tombstones
     2: (_SCHEMA[2],),  # version 2 knew nothing that the owner decides
 }
-"""What makes the next version out of each."""
+"""The migration from each version to the next."""
 
 
 def index_path(home: str, network: str) -> Path:
     """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data.
 
     Args:
-        home: What the home is called.
+        home: The name of the home.
         network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
             those of the first would be ghosts there.
     """
@@ -106,7 +106,7 @@ class IndexFile(SqliteFile):
     def write(self, records: Records, ids: Sequence[str]) -> None:
         """Write the records of *ids* in one transaction; nothing is kept of those that have none.
 
-        What the owner decided is on the disk when it returns, even if the power fails then.
+        The owner's decisions are on the disk when it returns, even if the power fails then.
 
         Raises:
             LinkError: It cannot be written now; nothing of it was.

@@ -1,6 +1,6 @@
 """Agreement of endpoints: one that reports the same changes as a trusted one is the same device. Pure.
 
-Who only claims to be a device does not know when it changes. One equal change may be a coincidence, and an endpoint
+An impostor does not know when the device changes. One equal change may be a coincidence, and an endpoint
 that changes all the time is right now and then. So three changes have to be reported by both, each some time after the
 one before, and every change that only one of them reports begins the count anew. Numbers do not count, because two
 conventions round them differently. Nothing of this counts for a device of a type that can hurt: its state may be seen
@@ -35,7 +35,7 @@ Change: TypeAlias = tuple[int, str, PlainValue]
 
 @dataclass(slots=True)
 class _Reported:
-    """A change, and who reported it."""
+    """A change, and the endpoint that reported it."""
 
     at: float
     claimed: frozenset[EndpointKey]

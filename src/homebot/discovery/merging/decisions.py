@@ -14,7 +14,7 @@ from homebot.errors import RefusedError, WireError
 __all__ = ["MAX_DECISIONS", "OWNER", "MergeDecisions"]
 
 OWNER = "owner:"
-"""What an identifier begins with that the owner gave."""
+"""Prefix of an identifier that the owner gave."""
 
 MAX_DECISIONS = 10_000
 """Identifiers that are no evidence, and announcements that were merged by hand; further ones are refused."""
@@ -86,7 +86,7 @@ class MergeDecisions:
         return json.dumps({"ignored": sorted(self.ignored), "merged": merged})
 
     def restore(self, record: str) -> None:
-        """Take over what :meth:`record` returned.
+        """Restore the records that :meth:`record` returned.
 
         Raises:
             WireError: It is no such text.

@@ -1,8 +1,8 @@
 """Grouping of announcements into devices: those that share an identifier which is specific enough. Pure.
 
 A radio address (``eui64:``) always is. A hardware address (``mac:``) is, unless it belongs to a host that speaks for
-several devices: announcements that are each of a whole device, or whose other identifiers have nothing in common. Any
-other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
+several devices: announcements that are each of a whole device, or with other identifiers that have nothing in common.
+Any other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
 
 A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
 topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistant and ``valetudo/BigSlowDog`` to Homie.
@@ -10,10 +10,10 @@ topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistan
 A host of a local network is (``id:host nas.local``), among the services that one gateway found there, unless several of
 them offer parts: a computer may run the programs of many devices. So is a hardware address that its services name.
 
-What the owner decided outranks all of this: an identifier may be no evidence, and announcements may have one that the
+The owner's decisions outrank all of this: an identifier may be no evidence, and announcements may have one that the
 owner gave them.
 
-Where it does not matter who came first, it does not: the same announcements in any order are the same devices.
+The order of arrival matters as little as possible: the same announcements in any order are the same devices.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from homebot.discovery.source_record import SourceKey
 __all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "REPEATED", "IdentityGraph", "is_generic"]
 
 REPEATED = "repeated:"
-"""Prefix of the identifiers of announcements that are of one part, whatever they call their device."""
+"""Prefix of the identifiers of announcements that are of one part, under any name of their device."""
 
 MAX_IDENTIFIERS = 16
 """Identifiers of one announcement that count; the first ones, hardware addresses before others."""
 
 MAX_HOLDERS = 64
-"""Different identities that may share an identifier; one that more have is nobody's."""
+"""Different identities that may share an identifier; one that more have identifies none."""
 
 _SHORTEST = 4
 _WORDS = """
@@ -63,9 +63,9 @@ class Identity:
 
     Attributes:
         gateway: Where it is heard.
-        convention: How it speaks.
-        identifiers: Who the device is to it.
-        key: The announcement, where each is a device of its own.
+        convention: Its convention.
+        identifiers: The identifiers of the device in it.
+        key: The announcement, if each is a device of its own.
         offers_parts: Whether it is a service of a host that offers parts; None if it names no host.
     """
 
@@ -93,13 +93,13 @@ class Identity:
 
 @final
 class IdentityGraph:
-    """Keeps who shares which identifiers.
+    """The graph of shared identifiers.
 
     Args:
-        decisions: What the owner decided.
+        decisions: The owner's decisions.
 
     Attributes:
-        cut: Announcements of whose identifiers some were left out.
+        cut: Announcements with identifiers that were partly left out.
     """
 
     def __init__(self, decisions: MergeDecisions) -> None:
@@ -113,11 +113,11 @@ class IdentityGraph:
         self._repeated: dict[SourceKey, str] = {}
 
     def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
-        """Note who *key* says the device is.
+        """Record the identity that *key* gives for its device.
 
         Returns:
-            Of each device whose bonds may be others now at least one announcement; all of those that *key* may bind
-            together, where nobody spoke in this way before. Empty where nothing is new.
+            At least one announcement of each device with bonds that may have changed; all of those that *key* may bind
+            together, if its identity is new. Empty if nothing changed.
         """
         identity = self._identity_of(key, sighting)
         before = self._identities.get(key)
@@ -141,12 +141,12 @@ class IdentityGraph:
         return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
-        """Return an older announcement that says the same of who the device is; None where there is none."""
+        """Return an older announcement with the same identity of the device; None if there is none."""
         first = next(iter(self._sources[self._identities[key]]))
         return None if first == key else first
 
     def discard(self, key: SourceKey) -> frozenset[SourceKey]:
-        """Forget *key*; return the announcements whose bonds may be others now."""
+        """Forget *key*; return the announcements with bonds that may have changed."""
         identity = self._identities.pop(key, None)
         if identity is None:
             return frozenset()

@@ -2,13 +2,13 @@
 
 Two parts are one where they can do the same and one of these says so, the surest first, and says it of no other pair:
 
-1. the id of the one is the id of the other but for what all ids of its source begin and end with;
+1. the id of the one is the id of the other but for the common beginning and end of all ids of its source;
 2. a command topic that nothing else in both sources has (or, of sensors, a state topic that nothing else has);
 3. one name;
-4. they are the only ones of their type, and that is no setting. This is no evidence of what one program calls by
+4. they are the only ones of their type, and that is no setting. This is no evidence for parts that one program calls by
    different ids, sensors with one state topic and loads with different command topics: each source may know only one.
 
-Whatever fits two others equally well fits none: two parts too many are a nuisance, two commands crossed move a motor.
+A part that fits two others equally well fits none: two parts too many are a nuisance, two crossed commands move motors.
 Nothing depends on the order in which parts or sources came.
 """
 
@@ -28,7 +28,7 @@ MAX_WORDS = 24
 """Words of an id that count, the first ones."""
 
 SETTING = "x_setting"
-"""Device type of what somebody sets and nobody switches."""
+"""Device type of a setting that is adjusted rather than switched."""
 
 
 class Candidate(NamedTuple):
@@ -57,8 +57,8 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     """Return the *parts* of one source, each beside the others.
 
     Args:
-        parts: All that the source tells of.
-        identifiers: Who the device is to the source: ids of parts are often made of that.
+        parts: All parts of the source.
+        identifiers: The identifiers of the device in the source: ids of parts are often made of them.
     """
     ids = [tuple(fold(part.id).split()[:MAX_WORDS]) for part in parts]
     known = frozenset(chain.from_iterable(fold(one.partition(":")[2]).split() for one in identifiers))
@@ -140,7 +140,7 @@ def _by_words(numbered: Iterable[tuple[int, Candidate]]) -> _Members:
 
 
 def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator[tuple[int, Candidate, int]]:
-    """Yield those whose id stands in *words*, and where."""
+    """Yield those with an id in *words*, and its position."""
     for length in {len(one) for one in members if len(one) <= at_most}:
         for start in range(len(words) - length + 1):
             for number, one in members.get(words[start : start + length], ()):
@@ -157,7 +157,7 @@ def _id_level(short: Candidate, long: Candidate, start: int) -> _Level | None:
 
 
 def _named_by_type(long: Candidate, start: int) -> int:
-    """Count the words before *start* that only say what kind of part it is, as in ``0x17_switch_child_lock``."""
+    """Count the words before *start* that only name the kind of part, as in ``0x17_switch_child_lock``."""
     for kind in (long.part.advertised, long.part.service_type):
         words = tuple(fold(kind).split())
         if words and long.words[max(0, start - len(words)) : start] == words:
@@ -231,7 +231,7 @@ def _is_plain(one: Candidate) -> bool:
 
 
 def _can_be_one(one: Part, other: Part) -> bool:
-    """Return whether nothing contradicts in what the two can do, and what they are for."""
+    """Return whether nothing contradicts in the capabilities and functions of the two."""
     mine, theirs = _abilities(one), _abilities(other)
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):

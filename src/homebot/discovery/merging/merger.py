@@ -38,8 +38,8 @@ class DeviceMerger:
         pending: Where the announcements of devices that were forgotten are kept.
 
     Attributes:
-        decisions: What the owner decided on that.
-        identities: Which announcements are about one device.
+        decisions: The owner's decisions on that.
+        identities: The announcements about each device.
     """
 
     __slots__ = ("_liveness", "_pending", "_table", "decisions", "identities")
@@ -86,7 +86,7 @@ class DeviceMerger:
         return entry
 
     def join(self, entry: Entry, source: SourceRecord, sibling: SourceKey) -> None:
-        """Add *source*, which says the same of who the device is as *sibling*, another of its announcements.
+        """Add *source*, which has the same identity as *sibling*, another announcement of the device.
 
         It is the usual case of a device that is announced in many messages, and needs no look at all others.
         """
@@ -188,11 +188,11 @@ class DeviceMerger:
 
         Args:
             entry: The device.
-            key: The announcement that is not about it, with those that say the same of who the device is; None for each
+            key: The announcement that is not about it, with those of the same identity; None for each
                 of them to be a device of its own.
 
         Raises:
-            RefusedError: Its announcements all say the same of who the device is, or there are too many decisions.
+            RefusedError: Its announcements all have the same identity, or there are too many decisions.
         """
         keys = tuple(entry.sources)
         shared = [identifier for identifier, _ in self.identities.shared(keys)]
@@ -232,7 +232,7 @@ class DeviceMerger:
         self._table.note("changed", entry, why)
 
     def _judge(self, entry: Entry, new: SourceRecord | None) -> bool:
-        """Decide which endpoints of *entry* are trusted; return whether that changes what others are."""
+        """Decide which endpoints of *entry* are trusted; return whether that changes the status of others."""
         sources = entry.sources.values()
         if not (entry.trusted or entry.claimed):
             first = next(iter(sources))
@@ -257,7 +257,7 @@ class DeviceMerger:
         self.regroup(affected, why)
 
     def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
-        """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
+        """Update the results of the announcements of *entry*: all changed, or *new* was added."""
         table = self._table
         entry.invalidate_description()
         if self._judge(entry, new):

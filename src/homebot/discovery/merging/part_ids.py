@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 __all__ = ["MAX_LOST", "NO_IDS", "Named", "PartIds", "PartPlace", "lost_ids", "part_ids"]
 
 PartPlace: TypeAlias = tuple[str, str, str]
-"""Gateway, key, and what the part is called there."""
+"""Gateway, key, and id of the part there."""
 
 PartIds: TypeAlias = Mapping[PartPlace, str]
 """The id that the part announced at each place had."""
@@ -17,15 +17,15 @@ PartIds: TypeAlias = Mapping[PartPlace, str]
 NO_IDS: PartIds = MappingProxyType({})
 
 MAX_LOST = 1000
-"""Places of a device that tell nothing now and whose ids are remembered; the oldest are forgotten."""
+"""Places of a device without a part now, and with ids that are remembered; the oldest are forgotten."""
 
 
 class Named(NamedTuple):
     """A part that needs an id.
 
     Attributes:
-        name: What its best announcement calls it.
-        label: What people know that announcement by.
+        name: Its name in its best announcement.
+        label: The name of that announcement for people.
         places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
     """
 
@@ -37,8 +37,8 @@ class Named(NamedTuple):
 def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
     """Return the ids of *parts*, each another one.
 
-    A part has the id that it had, by its oldest announcement; a new one what its best announcement calls it. Of two
-    that were one, the one that is called so has the id.
+    A part has the id that it had, by its oldest announcement; a new one gets its name in its best announcement. Of two
+    that were one, the one of that name has the id.
     """
     held = _claimed_ids(parts, known) if known else {}
     taken = set(held.values())
@@ -57,7 +57,7 @@ def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
 
 
 def lost_ids(known: PartIds, places: Iterable[PartPlace]) -> PartIds:
-    """Return what is worth remembering of *known* beside *places*: ids that are not what the part is called there."""
+    """Return the entries of *known* to remember beside *places*: ids that differ from the part's name there."""
     there = frozenset(places)
     lost = [(place, part_id) for place, part_id in known.items() if place not in there and part_id != place[2]]
     return dict(lost[-MAX_LOST:]) if lost else NO_IDS

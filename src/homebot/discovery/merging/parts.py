@@ -35,7 +35,7 @@ MAX_PARTS = 1000
 CONFIRM = "confirm it with `homebot merge` and the name of the device, or undo it with `homebot split`"
 
 _Origin: TypeAlias = tuple[bool, bool, str, str]
-"""True for what is only claimed, true for what is not native, gateway, convention. Claimed ones sort last, so that they
+"""True for a claimed one, true for one that is not native, gateway, convention. Claimed ones sort last, so that they
 do not decide which parts of others are one."""
 
 _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
@@ -57,9 +57,9 @@ _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 @dataclass(slots=True)
 class _Merged:
-    """A part in the making; *number* is its index, and *ways* are those that nobody disputes, the preferred ones first.
+    """A part in the making; *number* is its index, and *ways* are the undisputed ones, the preferred ones first.
 
-    What the part is does not depend on which came first, so the ways decide on that in the order of their origins.
+    The order of arrival does not change the part, so the ways decide on it in the order of their origins.
     """
 
     part: Part
@@ -74,8 +74,8 @@ class MergedParts(NamedTuple):
 
     Attributes:
         parts: The parts, in the order of the preferred announcements.
-        conflicts: What was left out, and why, in words.
-        places: Which part of the device each part of a source is, by gateway, key and part.
+        conflicts: The parts that were left out, and why, in words.
+        places: The part of the device for each part of a source, by gateway, key and part.
         claimed: The numbers of those that only claimed announcements describe, beside others.
         has_own_ids: Whether it has all parts of all announcements, by the ids that they have there.
     """
@@ -88,7 +88,7 @@ class MergedParts(NamedTuple):
 
     @property
     def believed(self) -> tuple[DevicePart, ...]:
-        """The parts by which it is judged what the device is."""
+        """The parts that decide the type of the device."""
         if not self.claimed:
             return self.parts
         return tuple(part for number, part in enumerate(self.parts) if number not in self.claimed)
@@ -99,7 +99,7 @@ class MergedParts(NamedTuple):
         return None if number is None else self.parts[number]
 
     def shown_part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
-        """Return the part whose values those of *part* of *source* are; None where they are not shown."""
+        """Return the part that shows the values of *part* of *source*; None if they are not shown."""
         found = self.part_of(source, part)
         return None if found is None or (source.is_claimed and found.routes) else found
 
@@ -171,7 +171,7 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
 
 
 def _merge_capabilities(parts: Sequence[Part]) -> Part:
-    """Return the first of *parts* with the capabilities of all of them: it is what they all describe, best first."""
+    """Return the first of *parts* with the capabilities of all of them: they all describe it, best first."""
     best = parts[0]
     if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
         return best
@@ -187,8 +187,8 @@ def _merge_capabilities(parts: Sequence[Part]) -> Part:
 def _decided(parts: Sequence[Part]) -> Part:
     """Return :func:`_merge_capabilities` of *parts*, best first; it is a setting where one of them says so.
 
-    Who knows the category decides for all, and of a setting for the type as well: Home Assistant knows no setting that
-    is on or off, it calls that a switch.
+    A source that knows the category decides for all, and of a setting for the type as well: Home Assistant has none
+    that is on or off, it calls that a switch.
     """
     whole = _merge_capabilities(parts)
     knows = next((one for one in parts if one.category), whole)
@@ -201,7 +201,7 @@ def _decided(parts: Sequence[Part]) -> Part:
 
 
 def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
-    """Return what can be set by the way that is described as *part*, where all ways together are *whole*."""
+    """Return the capabilities that can be set by the way described as *part*, if all ways together are *whole*."""
     if part is whole:
         return EVERYTHING
     names = _settable(part)

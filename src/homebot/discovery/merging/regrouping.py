@@ -36,7 +36,7 @@ def regroup(
 
     Args:
         groups: The announcements of each device.
-        owners: What they were thought to be about; new ones have none.
+        owners: Their devices before; new ones have none.
         sources: The announcements; the one with the smaller number is older.
     """
 

@@ -1,20 +1,20 @@
 """Trust in the endpoints of a device: which of them may be given its commands. Pure.
 
-A hardware address, a host name or a serial number in an announcement is a claim that anybody on a network can make. It
+A hardware address, a host name or a serial number in an announcement is a claim that any host on a network can make. It
 is enough to list an endpoint with the device, but not to give it the device's commands: a stranger would get them as
 soon as the true endpoint is unreachable. So of several endpoints that take commands, these get them:
 
 - the one that was known first,
-- those that proved to their gateway who they are (:attr:`homebot.devices.Sighting.authenticated`),
+- those that proved their identity to their gateway (:attr:`homebot.devices.Sighting.authenticated`),
 - those that reported the same changes as a trusted one (:mod:`homebot.discovery.merging.agreement`),
 - those that the owner confirmed.
 
-Any other is *claimed*. It gets no commands, and what it reports of a part that a trusted endpoint has is not used. When
+Any other is *claimed*. It gets no commands, and its reports of a part that a trusted endpoint has are not used. When
 no trusted endpoint is left, the oldest claimed one gets the commands, unless the device is of a type that can hurt
 (:data:`homebot.devices.device_types.CAN_HURT`).
 
-An endpoint is a gateway, where the gateway's addresses belong to devices (see :mod:`homebot.discovery.topics`), and
-else one key of a gateway: with the same key it is the same endpoint, whatever its address in the network is now.
+An endpoint is a gateway, if the gateway's addresses belong to devices (see :mod:`homebot.discovery.topics`), and
+else one key of a gateway: with the same key it is the same endpoint, at any address in the network.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ class Column:
     """Values, and the devices that have them; a value is in one column, in one row.
 
     Attributes:
-        values: The values; who changes `StoredValue.value` changes the one in its row as well.
+        values: The values; code that changes `StoredValue.value` changes the one in its row as well.
     """
 
     __slots__ = ("_devices", "_stored", "values")

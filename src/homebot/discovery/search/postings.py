@@ -38,7 +38,7 @@ __all__ = ["Found", "PostedValue", "Postings"]
 
 Found: TypeAlias = frozenset[str] | set[str]
 PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
-"""Part, type of the part, capability, and what is kept of the value, in which later values are seen."""
+"""Part, type of the part, capability, and the stored value, which is updated by later ones."""
 
 _Key: TypeAlias = tuple[object, ...]
 _Simple: TypeAlias = (
@@ -133,7 +133,7 @@ class Postings:
             self._discard_values(device_id, posted)
 
     def facets(self, device_id: str) -> Facets:
-        """Return what the device can be found by; its values may be older ones."""
+        """Return the search facets of the device; its values may be older ones."""
         return self._posted[device_id].facets
 
     def value(self, device_id: str, term: StateIs) -> PlainValue:
@@ -201,7 +201,7 @@ class Postings:
         return self._begins(f"fact {name}", value)
 
     def _all(self, terms: tuple[Query, ...]) -> Found:
-        """Find what fits all terms: the cheap ones first, those that look at values last, when few devices are left."""
+        """Find the matches of all terms: cheap ones first, those that look at values last, when few devices remain."""
         found: Found | None = None
         cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
         for one in sorted(cheap, key=len):

@@ -62,7 +62,7 @@ def _terms(query: Query) -> Iterator[Query]:
 
 
 def _scorer(term: Query) -> Callable[[Facets], float] | None:
-    """Return what gives the score of :func:`_weigh` for *term*, fast in the usual case; None where that is always 0."""
+    """Return the function for the score of :func:`_weigh` for *term*, fast in the usual case; None if always 0."""
     match term:
         case TypeIs():
             return lambda facets: _BEST if facets.main_type in term.types else _weigh_type(term, facets)[0]

@@ -21,7 +21,7 @@ _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CO
 
 
 def unknown_word(query: Query, postings: Postings) -> str:
-    """Return which word of *query* is misspelt, and what was meant; empty where none is.
+    """Return the misspelt word of *query*, and its probable meaning; empty if there is none.
 
     That is a type that is none and that no device calls itself; and a room or a word that no device has, where
     another is one typo away.

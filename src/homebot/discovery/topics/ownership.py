@@ -1,13 +1,13 @@
 """Ownership of command topics: a topic that belongs to one device is not another one's to use. Pure.
 
-Anybody may announce anything, also a lamp whose command topic is a lock's. So it never counts who came first:
+Any client may announce anything, also a lamp with the command topic of a lock. So the first one never counts more:
 
-- What is below a topic that is a device's own, by its bridge, is that device's alone. Another
-  announcement may name such a topic where it is about the same device and was made at a place that names it.
-- Any other topic belongs to who was announced at the place that names it best; see
-  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device publishes on, and for what is below its
+- A topic below one that is a device's own, by its bridge, is that device's alone. Another
+  announcement may name such a topic if it is about the same device and was made at a place that names it.
+- Any other topic belongs to the device that was announced at the place that names it best; see
+  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device publishes on, and for those below its
   command topics.
-- Where that is a tie, the topic is nobody's, unless it is evidently there for several: they are behind one bridge, or
+- In a tie, the topic belongs to none, unless it is evidently there for several: they are behind one bridge, or
   do not identify themselves, and they are three or more, or their places have a name in common.
 """
 
@@ -55,7 +55,7 @@ _NO_DEVICES: frozenset[str] = frozenset()
 class TopicOwnership:
     """Ownership of command topics.
 
-    What it answers follows from the announcements that are known, whatever the order in which they came.
+    Its answers follow from the announcements that are known, in any order of arrival.
 
     Attributes:
         denied: Announcements that name topics which others have, each with the number of those.
@@ -68,7 +68,7 @@ class TopicOwnership:
         self._over_limit: set[SourceKey] = set()
 
     def put(self, use: TopicUse) -> frozenset[str]:
-        """Note what an announcement does with topics, in place of what it did; return whom that concerns."""
+        """Update the topics of an announcement. Return the devices with changed ownership."""
         before = self._uses.get(use.key)
         if before == use:
             return frozenset()
@@ -81,7 +81,7 @@ class TopicOwnership:
         return self._judge(touched, use.device)
 
     def discard(self, key: SourceKey) -> frozenset[str]:
-        """Forget an announcement; return whom that concerns."""
+        """Forget an announcement; return the devices concerned."""
         use = self._uses.get(key)
         if use is None:
             return frozenset()
@@ -90,9 +90,9 @@ class TopicOwnership:
         return self._judge(touched, use.device)
 
     def owner(self, key: SourceKey, topic: str) -> str:
-        """Return who has *topic*, where that is not for the announcement *key* to use; else empty.
+        """Return the owner of *topic*, if that is not for the announcement *key* to use; else empty.
 
-        It is the announcement's own device where another announcement of it has the topic, and :data:`NOBODY` where
+        It is the announcement's own device if another announcement of it has the topic, and :data:`NOBODY` if
         too many want it.
         """
         use = self._uses.get(key)
@@ -116,7 +116,7 @@ class TopicOwnership:
         return tuple([one.key for one in node.users.values() if one.key != key and use.repeats(one)])
 
     def conflict(self, source: SourceRecord, part: Part) -> str:
-        """Return in words which other announcement has what *part* of *source* would use; empty for none."""
+        """Return in words the other announcement that has a topic that *part* of *source* would use; empty for none."""
         key = source.key
         if key not in self.denied and key not in self._over_limit and key in self._uses:
             return ""

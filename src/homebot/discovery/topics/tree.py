@@ -29,10 +29,10 @@ Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
 
 @dataclass(slots=True, eq=False)
 class TopicNode:
-    """One topic: what is below, which announcements take commands or publish states there, and whose own it is.
+    """One topic: the topics below, the announcements with commands or states there, and the device that owns it.
 
     Attributes:
-        verdicts: Of those who may not use it: who has it.
+        verdicts: The owner, for each announcement that may not use it.
     """
 
     parent: TopicNode | None = None
@@ -103,7 +103,7 @@ def used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
 
 
 def is_undisputed(node: TopicNode) -> bool:
-    """Return whether nobody but one device names the topic or one above it; most topics are such."""
+    """Return whether one device alone names the topic or one above it; most topics are such."""
     use, speakers = node.users, node.speakers
     if use is None:
         return True

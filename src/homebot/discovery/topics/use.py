@@ -1,6 +1,6 @@
 """Use of topics by an announcement, and the names in the place where it was made. Pure.
 
-Who may publish where is the broker's to decide, and the place of an announcement is the one thing in it that its sender
+The broker decides on the right to publish, and the place of an announcement is the one thing in it that its sender
 cannot choose freely: ``…/kitchen_lamp/config`` stands for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
 """
 
@@ -34,7 +34,7 @@ class Place(NamedTuple):
     """The place of an announcement, which hints at its sender.
 
     Attributes:
-        levels: Whole levels of the topic that name somebody.
+        levels: Whole levels of the topic that name a device.
         words: All words in it that do.
         leads: For each level the first of them, which devices name their announcements by.
         numbers: Those of the words that are a number of the device, such as a hardware address.
@@ -88,7 +88,7 @@ def is_called(place: Place, aliases: frozenset[str]) -> bool:
 
 
 def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:
-    """Return what a device with all topics below *owns* is called: their last levels, and its hardware addresses."""
+    """Return the names of a device with all topics below *owns*: their last levels, and its hardware addresses."""
     found = {prefix.rpartition("/")[2].casefold() for prefix in owns}
     for identifier in identifiers:
         kind, _, address = identifier.partition(":")
@@ -99,7 +99,7 @@ def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset
 
 @lru_cache(maxsize=4096)
 def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the words and whole levels of a topic that name somebody."""
+    """Return the words and whole levels of a topic that name a device."""
     folded = topic.casefold()
     found: set[str] = set()
     for word in _WORD.findall(folded):
@@ -109,7 +109,7 @@ def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
 
 
 def _is_name(level: str) -> bool:
-    """Return whether a whole level names somebody: ``ems-esp`` does, ``light_1`` does not."""
+    """Return whether a whole level names a device: ``ems-esp`` does, ``light_1`` does not."""
     return any(not word.isdigit() and word not in _COMMON and not is_generic(word) for word in _WORD.findall(level))
 
 
@@ -132,12 +132,12 @@ class TopicUse(NamedTuple):
 
     Attributes:
         key: The announcement.
-        device: Whose it is.
-        announced_on: Where it was made.
+        device: The id of its device.
+        announced_on: The topic of the announcement.
         writes: Its command topics.
         reads: Its state topics.
         owns: Topics that the device has for itself, with all that is below them.
-        identifiers: Who the device is, where it has such topics.
+        identifiers: The identifiers of the device, if it has such topics.
         bridge: The bridge that the device is behind.
         is_anonymous: Whether it does not identify the device.
         is_native: Whether it is in a convention of devices themselves.
@@ -178,7 +178,7 @@ class TopicUse(NamedTuple):
 
 
 def topic_use(source: SourceRecord, device: str) -> TopicUse:
-    """Return what the announcement *source* of *device* does with topics."""
+    """Return the topics that the announcement *source* of *device* uses."""
     sighting = source.sighting
     parts = sighting.parts
     if len(parts) == 1:
