@@ -172,7 +172,7 @@ def door_address(text: str) -> tuple[str, int]:
 
 
 def door_of_environment() -> tuple[str, int] | None:
-    """Return the address in the variable ``HOMEBOT_DOOR``; None where it is not set.
+    """Return the address in the variable ``HOMEBOT_DOOR``; None if it is not set.
 
     Raises:
         ConfigError: It is no address.

@@ -50,7 +50,7 @@ class Chain:
 
     Attributes:
         entries: Its entries, oldest first; of a change the one alone.
-        before: The chain of the report that led to it; None where that has no explanation in the journal.
+        before: The chain of the report that led to it; None if that has no explanation in the journal.
         late: The values that the device took on although the command failed; none in other chains.
     """
 
@@ -75,7 +75,7 @@ class Chain:
 
     @property
     def trigger(self) -> TriggerRecord:
-        """The report, message or timer that led to the command; its kind is empty where that is not known."""
+        """The report, message or timer that led to the command; its kind is empty if that is not known."""
         return self.first["trigger"]
 
 
@@ -92,7 +92,7 @@ class DeviceHistory:
         self.begins: TimeRecord = {"sec": 0, "nanosec": 0}
 
     def last_change(self, device: DeviceRecord) -> Chain | None:
-        """Return the chain of the last change of *device*; None where the journal has none, or an older one.
+        """Return the chain of the last change of *device*; None if the journal has none, or an older one.
 
         A later report of the same value, as after a restart, is no change.
         """
@@ -109,7 +109,7 @@ class DeviceHistory:
         return self._chain(last, _DEEPEST)
 
     def newest_command(self, device: DeviceRecord) -> Chain | None:
-        """Return the newest command to *device* that was sent; None where the journal has none."""
+        """Return the newest command to *device* that was sent; None if the journal has none."""
         entries = self._client.read(device=device["id"])["entries"]
         sent = next((one for one in reversed(entries) if one["kind"] == "sent"), None)
         return self._chain(sent, 1) if sent is not None else None
@@ -142,7 +142,7 @@ class DeviceHistory:
         return Chain(entries, self._chain(before, deepest - 1) if before is not None else None)
 
     def _before(self, command: JournalEntryRecord) -> JournalEntryRecord | None:
-        """Return the entry that tells of the report that was the trigger of *command*; None where none does."""
+        """Return the entry that tells of the report that was the trigger of *command*; None if none does."""
         trigger = command["trigger"]
         at = to_seconds(trigger["at"])
         if not trigger["device"] or trigger["kind"] not in {"report", "message"} or not at:

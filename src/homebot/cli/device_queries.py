@@ -88,7 +88,7 @@ def device_or_similar(door: DoorClient, name: str) -> DeviceRecord | list[str]:
 
 
 def _find_named(door: DoorClient, name: str) -> DeviceRecord | list[str]:
-    """Return the one device that is called *name*; where there is none, the ids and names of all."""
+    """Return the one device that is called *name*; if there is none, the ids and names of all."""
     if not name.strip():
         raise UsageError("give the id or the name of a device; `homebot devices` lists all")
     named = _called(name, _near(door, name))
@@ -166,7 +166,7 @@ def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Calla
 
 
 def _near(door: DoorClient, name: str) -> list[DeviceRecord]:
-    """Return the devices that a search for *name* finds, without carrying a whole house; none where they are many."""
+    """Return the devices that a search for *name* finds, without carrying a whole house; none if they are many."""
     answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
     page = cast("QueryResponseRecord", answer)
     return [one["device"] for one in page["results"]] if page["total"] <= _NEAR else []

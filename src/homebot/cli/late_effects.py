@@ -24,7 +24,7 @@ _ROUNDING = 1.5
 
 
 def failed_command_of(state: StateRecord, entries: Sequence[JournalEntryRecord]) -> JournalEntryRecord | None:
-    """Return the request of the command, which failed, that explains since when *state* is so; None where none does.
+    """Return the request of the command, which failed, that explains since when *state* is so; None if none does.
 
     It is the last one that was sent to the part before. Either it asked for that, or the device answered it so. The
     first report of a device may be about an earlier state.

@@ -1,4 +1,4 @@
-"""Output of the commands: fitted to the terminal by rich where there is one, plain text elsewhere, always the same.
+"""Output of the commands: fitted to the terminal by rich if there is one, plain text elsewhere, always the same.
 
 rich is loaded for a terminal alone: it costs a command that is piped nothing. No text from outside is read as markup.
 """
@@ -79,7 +79,7 @@ def print_table(
 
 
 def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:
-    """Print *rows*, which may be of different lengths, in columns below the *title*; nothing where there are none."""
+    """Print *rows*, which may be of different lengths, in columns below the *title*; nothing if there are none."""
     if not rows:
         return
     if not is_terminal():

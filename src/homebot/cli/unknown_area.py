@@ -17,7 +17,7 @@ _SOME = 12
 
 
 def unknown_area(door: DoorClient, query: str) -> str:
-    """Return which area of *query*, which found nothing, no device is in; empty where there is none."""
+    """Return which area of *query*, which found nothing, no device is in; empty if there is none."""
     for area in _areas(parse_query(query)):
         if not find_devices(door, f"in {quoted(area)}", 1)["total"]:
             areas = all_devices(door, lambda device: (device["area"], *device["outer_areas"]))

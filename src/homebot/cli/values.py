@@ -34,7 +34,7 @@ _MOST = 4
 
 
 def state_text(device: DeviceRecord) -> str:
-    """Return in short the last known state; ``unknown`` where there is none, empty where the device never reports."""
+    """Return in short the last known state; ``unknown`` if there is none, empty if the device never reports."""
     values = {(one["part"], one["capability"]): plain_value(one["value"]) for one in device["states"]}
     shown, reports_nothing = [], True
     for part in main_parts(device):
@@ -86,7 +86,7 @@ def value_text(capability: CapabilityRecord, value: PlainValue) -> str:
 
 
 def span(capability: CapabilityRecord) -> str:
-    """Return which values it may have, in words; empty where nothing is known of that."""
+    """Return which values it may have, in words; empty if nothing is known of that."""
     known = CAPABILITIES.get(capability["name"])
     if capability["options"]:
         return ", ".join(capability["options"])
@@ -97,7 +97,7 @@ def span(capability: CapabilityRecord) -> str:
 
 
 def plain_value(value: ValueRecord) -> PlainValue:
-    """Return *value* as JSON has it; None where it is unknown."""
+    """Return *value* as JSON has it; None if it is unknown."""
     match value["type"]:
         case 1:
             return value["flag"]

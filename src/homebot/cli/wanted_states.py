@@ -32,7 +32,7 @@ def is_so(device: DeviceRecord, wanted: str) -> bool:
 
 
 def unknown_state(device: DeviceRecord, wanted: str) -> str:
-    """Return in a sentence why no command can have *device* be *wanted*; empty where one may."""
+    """Return in a sentence why no command can have *device* be *wanted*; empty if one may."""
     settable = [one for one in _capabilities(device) if one["settable"]]
     if not device["parts"]:
         return ""
@@ -45,7 +45,7 @@ def unknown_state(device: DeviceRecord, wanted: str) -> str:
 
 
 def command_for(device: DeviceRecord, wanted: str) -> str:
-    """Return the word with which `homebot do` asks *device* for *wanted*; empty where it takes more than a word."""
+    """Return the word with which `homebot do` asks *device* for *wanted*; empty if it takes more than a word."""
     folded = as_state(wanted)
     if folded in _WORDS:
         return _WORDS[folded]

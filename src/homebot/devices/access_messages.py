@@ -19,8 +19,8 @@ class AccessRefused(Message):
         refused_at: The time of the refusal.
         held_back: Refusals of this client before this one of which there was no message.
         subject: The device or the address that a command was for, as the client wrote it; at most 247 characters of it,
-            empty where it wrote none.
-        wanted: The command, where it was a plain word such as ``unlock``; else empty, as it may hold a code.
+            empty if it wrote none.
+        wanted: The command, if it was a plain word such as ``unlock``; else empty, as it may hold a code.
     """
 
     issuer: str

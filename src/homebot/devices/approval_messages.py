@@ -66,7 +66,7 @@ class UnapprovedRequest(Message):
 
 
 class UnapprovedResponse(Message):
-    """The devices that wait; none where no device needs an approval, as in a simulated house.
+    """The devices that wait; none if no device needs an approval, as in a simulated house.
 
     Attributes:
         devices: Their ids, sorted.

@@ -27,8 +27,8 @@ class CapabilityType(NamedTuple):
         kind: The kind of its values.
         meaning: The meaning of a value, as text.
         cluster: Number of the Matter cluster; None where Matter has none.
-        unit: Of a number; empty where it has none, or each device names its own.
-        bounds: Smallest and largest number; empty where there is none.
+        unit: Of a number; empty if it has none, or each device names its own.
+        bounds: Smallest and largest number; empty if there is none.
         options: The texts that it may be; empty where each device names its own.
         is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
             is reported once, also where it equals the one before, and none is ever reported again.

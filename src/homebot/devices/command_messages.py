@@ -186,8 +186,8 @@ class CommandDevicesResponse(Message):
 
     Attributes:
         success: Whether at least one part was commanded, and all are as they were told to be.
-        message: Why nothing was commanded, or name and text of the worst outcome; empty where all succeeded.
-        outcome: The worst of all; empty where nothing was commanded.
+        message: Why nothing was commanded, or name and text of the worst outcome; empty if all succeeded.
+        outcome: The worst of all; empty if nothing was commanded.
         results: Each commanded part, sorted by device.
     """
 

@@ -1,4 +1,4 @@
-"""Commands of a node: through the control layer, which proves them; where there is none, straight to the gateway."""
+"""Commands of a node: through the control layer, which proves them; if there is none, straight to the gateway."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Commander:
             tracked: The device; it has the reported values as soon as they are known.
             part_id: The id of the part.
             values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
-            transition: Seconds that the change takes, where the device supports that.
+            transition: Seconds that the change takes, if the device supports that.
             code: The code that an alarm or a lock requires.
 
         Raises:

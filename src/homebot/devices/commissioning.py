@@ -17,8 +17,8 @@ class CommissionRequest(Message):
     Attributes:
         code: The setup code, as the QR code or the digits on the device say it; a secret, which is passed on and
             forgotten: no text shows it.
-        network_only: Whether the device is looked for on the local network alone, where it has an address already;
-            false looks for it over Bluetooth as well, where the gateway can do that.
+        network_only: Whether the device is looked for on the local network alone, if it has an address already;
+            false looks for it over Bluetooth as well, if the gateway can do that.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)

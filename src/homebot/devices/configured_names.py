@@ -35,7 +35,7 @@ UNKNOWN: Final = "config.unknown_name"
 
 @final
 class ConfiguredNames:
-    """Looks for rooms and devices that a configuration names; where there is none, it is logged once.
+    """Looks for rooms and devices that a configuration names; if there is none, it is logged once.
 
     Args:
         node: The node that asks the directory.

@@ -176,7 +176,7 @@ class Device(Message):
         freshness: ``fresh``: the device itself reported; ``unconfirmed``: it is known only from a retained message or
             from the index file; ``stale``: it has not reported for too long.
         service_types: The types of all its parts: device types of the vocabulary, then the types that it advertised.
-        area: The room that it is in: the one that the owner states, else the one that it announces; empty where none is
+        area: The room that it is in: the one that the owner states, else the one that it announces; empty if none is
             known.
         outer_areas: The areas that the room is in: its floor, where one is stated, and the home.
         tags: The words that the owner tagged it with.
@@ -220,7 +220,7 @@ class Device(Message):
     tags: tuple[str, ...] = ()
 
     def part(self, part_id: str) -> DevicePart | None:
-        """Return the part, or None where the device has none of that id."""
+        """Return the part, or None if the device has none of that id."""
         for part in self.parts:
             if part.id == part_id:
                 return part

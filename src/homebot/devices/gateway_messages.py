@@ -54,7 +54,7 @@ class Sighting(Message):
             :func:`homebot.devices.names.text_address`.
         command_address: The address to which it is subscribed; empty when it takes no commands.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
-        convention: The convention of the announcement; empty where there is one only.
+        convention: The convention of the announcement; empty if there is one only.
         native: Whether the device, or the bridge that connects it, announced itself in a convention of its own: that is
             preferred to an announcement of another program.
         whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
@@ -63,15 +63,15 @@ class Sighting(Message):
         authenticated: Whether the device proved to the gateway that it is one of the owner's, by a secret that it
             shares with the owner alone, such as an encryption key. All else that it says of itself is a claim.
         area: The advertised room.
-        parts: Its parts; empty where only its service type is known.
+        parts: Its parts; empty if only its service type is known.
         owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
             rather than by its announcement; no other device may send commands there.
-        announced_on: The address of the announcement (MQTT: the topic); empty where it only published.
+        announced_on: The address of the announcement (MQTT: the topic); empty if it only published.
         seen_at: The time of the message.
         expires_at: The time at which it becomes stale unless it is seen again; the gateway alone knows its protocol's
             habits.
         confirmed: Whether the device itself published, rather than a retained message.
-        heard_at: The time in seconds of the monotonic clock, which is never set; 0 where the gateway does not give it.
+        heard_at: The time in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
     """
 
     key_field: ClassVar[str | None] = "key"
@@ -118,7 +118,7 @@ class Report(Message):
             kept: they happened once.
         retained: Whether it was a retained message, of the past.
         received_at: The time at which it was received.
-        heard_at: The same in seconds of the monotonic clock, which is never set; 0 where the gateway does not give it.
+        heard_at: The same in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
     """
 
     key_field: ClassVar[str | None] = "stream"
@@ -141,7 +141,7 @@ class Command(Message):
         part: The id of the part.
         capability: The name of the capability.
         value: The value, in the unit of the vocabulary.
-        transition: Seconds that the change takes, where the device supports that.
+        transition: Seconds that the change takes, if the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         expires_after: Seconds after which the network is not to deliver it any more, if it supports that; 0 for never.
         id: The id of the command; empty if no caller waits for the device's answer.
@@ -252,7 +252,7 @@ class RawCommand(Message):
         retain: Whether the broker retains it.
         issuer: The name of the node that publishes it; empty if that is not known.
         trigger: Its cause, as far as the issuer knows.
-        command_id: The id that the control layer gave it, which has noted it in the journal; empty where it did not
+        command_id: The id that the control layer gave it, which has noted it in the journal; empty if it did not
             pass there.
     """
 

@@ -51,7 +51,7 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
 
 
 def _address(text: str) -> str:
-    """Return the hardware address that *text* is or ends with; empty where there is none.
+    """Return the hardware address that *text* is or ends with; empty if there is none.
 
     Twelve decimal digits without separators are more likely a serial number or a time.
     """

@@ -54,7 +54,7 @@ class JournalFact(Message):
     Attributes:
         name: The name, for example ``occupancy of motion/hall``.
         value: The value.
-        since: Since when it has been so; 0 where that is not known.
+        since: Since when it has been so; 0 if that is not known.
     """
 
     name: str
@@ -150,7 +150,7 @@ class ReadJournalResponse(Message):
         message: Why not.
         entries: The newest that fit.
         complete: Whether these are all that fit; otherwise older ones were left out.
-        begins: The time of the oldest entry in the journal; 0 where it is empty.
+        begins: The time of the oldest entry in the journal; 0 if it is empty.
         names: The names of the devices in the entries, by id, as far as the directory knows them now; where several
             parts of a device take commands, those of the parts too, by ``ID#PART``.
     """

@@ -68,7 +68,7 @@ class Confirmed(Outcome):
     Attributes:
         latency: Seconds from sending to the evidence.
         evidence: How well it is known.
-        witness: The name of the device that saw it; empty where none did.
+        witness: The name of the device that saw it; empty if none did.
     """
 
     succeeded: ClassVar[bool] = True
@@ -131,7 +131,7 @@ class NoAnswer(Outcome):
 
     Attributes:
         waited: Seconds.
-        reason: Why it could not be sent, as text; empty where it was sent.
+        reason: Why it could not be sent, as text; empty if it was sent.
     """
 
     waited: float

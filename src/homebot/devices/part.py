@@ -21,7 +21,7 @@ class Capability(Message):
         name: From the vocabulary, for example ``on_off``; see :data:`homebot.devices.capabilities.CAPABILITIES`.
         readable: Whether the part reports it; if not, its state is never known (*optimistic*).
         settable: Whether it can be set.
-        unit: The unit of its values, for example ``°C``; empty where there is none, or it is that of the vocabulary.
+        unit: The unit of its values, for example ``°C``; empty if there is none, or it is that of the vocabulary.
         bounds: The smallest and the largest value; empty where unknown.
         options: The texts that it accepts or reports; empty for any.
         echoed: Whether it is declared that a report of it may only repeat a command, before the device obeyed: such a
@@ -42,7 +42,7 @@ class Part(Message):
 
     Attributes:
         id: Unique in its device, and lasting; empty for the only part of a simple device.
-        name: The name for people, where the part has one of its own.
+        name: The name for people, if the part has one of its own.
         service_type: A device type of the vocabulary, for example ``light``; see
             :data:`homebot.devices.device_types.DEVICE_TYPES`.
         advertised: The type in the words of its announcement, for example ``lights`` or ``cover``.

@@ -122,7 +122,7 @@ class RoomInfo(Message):
 
     Attributes:
         name: Its name.
-        floor: The floor that it is on; empty where none is stated.
+        floor: The floor that it is on; empty if none is stated.
         doors: The rooms that a door joins it to.
     """
 

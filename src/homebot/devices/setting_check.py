@@ -38,7 +38,7 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
 
 
 def accepted_values(part: Part, capability: str) -> str:
-    """Return the values that *part* accepts for *capability*, in words; empty where it cannot be set."""
+    """Return the values that *part* accepts for *capability*, in words; empty if it cannot be set."""
     for one in part.capabilities:
         if one.name == capability and one.settable:
             return _accepted(one)

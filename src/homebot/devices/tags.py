@@ -25,7 +25,7 @@ TagProblem: TypeAlias = Literal[
     "too_small",
     "unreadable",
 ]
-"""The reason why a tag was not read or written; empty where it was."""
+"""The reason why a tag was not read or written; empty if it was."""
 
 _Wait: TypeAlias = Annotated[float, Field(ge=0, le=600)]
 _MAX_CODE = 8192
@@ -38,7 +38,7 @@ class TagTap(Message):
         tag: Its number in hexadecimal digits, which is its key in the gateway.
         reader: The reader.
         points_to: The pointer on the tag, in words.
-        device: The id of the device that it points to; empty where there is none, or are several.
+        device: The id of the device that it points to; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that the tag is in, by the settings or the tag itself; empty for unknown.
         tapped_at: The time.
@@ -74,7 +74,7 @@ class ScanCodeResponse(Message):
         success: Whether the code was understood, known device or not.
         message: The result in words, or the reason why the code was not understood.
         kind: The kind of code: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
-        device: The id of the device; empty where there is none, or are several.
+        device: The id of the device; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that it names; empty for none.
         facts: Further facts in the code, without secrets.
@@ -112,7 +112,7 @@ class ReadTagResponse(Message):
         reader: The reader.
         tag_type: Its type, as text.
         ndef: The NDEF message on it.
-        device: The id of the device that it points to; empty where there is none, or are several.
+        device: The id of the device that it points to; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that it is in; empty for unknown.
     """

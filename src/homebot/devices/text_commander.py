@@ -1,4 +1,4 @@
-"""Raw texts of a node: through the control layer, which judges them; where there is none, straight to the gateway."""
+"""Raw texts of a node: through the control layer, which judges them; if there is none, straight to the gateway."""
 
 from __future__ import annotations
 

@@ -122,7 +122,7 @@ class _GatewayClient:
         self.unavailable = ""
 
     def refusal(self) -> str:
-        """Return why it sends no commands, by its last state; empty where it does, or reported none yet."""
+        """Return why it sends no commands, by its last state; empty if it does, or reported none yet."""
         if self._states.mailbox.waiting and (state := self._states.take()) is not None:
             self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""

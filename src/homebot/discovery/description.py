@@ -63,7 +63,7 @@ def describe_device(
         sources: Its announcements, at least one.
         topics: Says which of them may use which command topic.
         known_ids: Ids that its parts had.
-        owner: Where rooms are, as the owner states; None where nothing is stated.
+        owner: Where rooms are, as the owner states; None if nothing is stated.
     """
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     first = ordered[0].sighting

@@ -186,7 +186,7 @@ class Entry:
         return self.reachability().state
 
     def endpoint_reach(self) -> tuple[str, ...]:
-        """Return whether it can be reached at each of its gateways; nothing where there is only one."""
+        """Return whether it can be reached at each of its gateways; nothing if there is only one."""
         return endpoint_reach(self.sources) if self.is_shared else ()
 
     def gateways(self) -> frozenset[str]:

@@ -269,7 +269,7 @@ class DeviceIndex:
             now: Seconds since the Unix epoch, for the tombstone.
 
         Returns:
-            Gateway and place of its announcements; None where there is no such device.
+            Gateway and place of its announcements; None if there is no such device.
         """
         entry = self._table.entries.get(device_id)
         if entry is None:

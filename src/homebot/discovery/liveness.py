@@ -71,7 +71,7 @@ class ReportInterval:
         return self._expected_silence
 
     def expected_silence(self) -> float:
-        """Return for how many seconds after its last report silence is usual; 0 where nothing is known yet."""
+        """Return for how many seconds after its last report silence is usual; 0 if nothing is known yet."""
         return self._expected_silence
 
     def join(self, other: ReportInterval) -> None:
@@ -196,7 +196,7 @@ class Liveness:
         self._deadlines.discard(entry.id)
 
     def take_silent(self, now: float) -> Entry | None:
-        """Return a device that has been silent for too long at *now*; None where there is none.
+        """Return a device that has been silent for too long at *now*; None if there is none.
 
         One that is stale is to be removed, any other to be marked as stale.
         """

@@ -209,7 +209,7 @@ class PlacesEditor:
         return changes
 
     def disapprove(self, device_id: str) -> None:
-        """Take back the approval of a device; where it has none, nothing happens.
+        """Take back the approval of a device; if it has none, nothing happens.
 
         Raises:
             RefusedError: There is no such device.
@@ -247,7 +247,7 @@ class PlacesEditor:
         return tuple(fact.value for fact in facts if fact.name == name)
 
     def _where_configured(self, name: FactName, entry: Entry, value: str = "") -> str:
-        """Return that the configuration states such a fact, in words; empty where it does not."""
+        """Return that the configuration states such a fact, in words; empty if it does not."""
         for fact in self._table.owner.of(entry.id, entry.sources.values()):
             if fact.name == name and fact.source == "configuration" and fold(value) in {"", fold(fact.value)}:
                 return f"{fact.value!r} is stated in the configuration; change [places] there"

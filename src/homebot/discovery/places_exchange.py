@@ -71,7 +71,7 @@ class PlacesExchange:
         return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
 
     def take(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
-        """Take over the content of a places file: all of it or, where it does not fit, nothing.
+        """Take over the content of a places file: all of it or, if it does not fit, nothing.
 
         It adds rooms, aliases and tags. The room of a device that was stated here before stays. Others may have their
         turn at each step.

@@ -44,7 +44,7 @@ class StoredValue:
         told_at: When it was last reported.
         heard_at: The same on the clock that is never set, which decides on the newer one.
         live: Whether the device reported it, rather than a retained message.
-        column: Where it is searched, which holds ``value`` again; None where it cannot be found.
+        column: Where it is searched, which holds ``value`` again; None if it cannot be found.
         row: Its place there.
         is_first: Whether no report of another value came before it.
     """
@@ -121,7 +121,7 @@ class SourceRecord:
         self.is_online = any(one.value and one.live for one in reach.values())
 
     def reach_of(self, part: str) -> Reach | None:
-        """Return the last reachability of *part*, by itself or with the whole; None where there was none."""
+        """Return the last reachability of *part*, by itself or with the whole; None if there was none."""
         return self.reach.get(part) or self.reach.get("")
 
     @property

@@ -218,7 +218,7 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
 
 
 def _shown(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:
-    """Return *reading* as one of the part of the device that it is of; None where that is not shown."""
+    """Return *reading* as one of the part of the device that it is of; None if that is not shown."""
     part = merged.shown_part_of(source, reading.part)
     return None if part is None else _of_part(part.id, reading)
 

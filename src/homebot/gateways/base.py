@@ -142,7 +142,7 @@ class Gateway(ABC):
             settings: An instance of :attr:`Settings`.
 
         Raises:
-            UsageError: The gateway could not work with them; names the key where there is one.
+            UsageError: The gateway could not work with them; names the key if there is one.
         """
 
     @classmethod
@@ -191,7 +191,7 @@ class Gateway(ABC):
 
         Args:
             state: ``unavailable`` where it does not; its devices stay.
-            reason: The reason, as text for people; empty where all is well.
+            reason: The reason, as text for people; empty if all is well.
         """
         if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
             reason = self.observes_because

@@ -50,6 +50,6 @@ class GatewayContext:
         return cls(random, {type(service): service for service in services}, is_dry_run)
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
-        """Return the running host service of the class *kind*; None where there is none."""
+        """Return the running host service of the class *kind*; None if there is none."""
         found = self.services.get(kind)
         return found if isinstance(found, kind) else None

@@ -39,7 +39,7 @@ class EventStreamParser:
 
     Attributes:
         last_id: The id of the last event that had one.
-        retry: Seconds after which the server wants to be asked again when the stream has ended; None where it does not
+        retry: Seconds after which the server wants to be asked again when the stream has ended; None if it does not
             say.
     """
 

@@ -58,7 +58,7 @@ class HttpAnswer:
 
     Attributes:
         status: The status; 304 where the content is still that of the ETag which was sent.
-        content_type: The media type in lower case, without parameters; empty where there is none.
+        content_type: The media type in lower case, without parameters; empty if there is none.
         body: All of it.
         headers: All header fields, names in lower case; those that occur several times are joined by commas.
     """
@@ -152,7 +152,7 @@ class HttpClient:
         """Send *value* as JSON, by PUT or POST, and return the answer, parsed as JSON.
 
         Returns:
-            The value; None where the answer has no body.
+            The value; None if the answer has no body.
         """
         body = compact_json(value).encode()
         answer = await self.request(

@@ -36,7 +36,7 @@ class EventStream:
 
     @property
     def retry(self) -> float | None:
-        """Seconds after which the server wants to be asked again; None where it does not say."""
+        """Seconds after which the server wants to be asked again; None if it does not say."""
         return self._parser.retry
 
     async def __aiter__(self) -> AsyncIterator[ServerEvent]:

@@ -36,7 +36,7 @@ class ClassifiedAffordance:
     Attributes:
         capability: The capability that it is.
         affordance: The affordance.
-        observed: The form by which its values become known; None where the protocol has none, or it is never read.
+        observed: The form by which its values become known; None if the protocol has none, or it is never read.
         written: The form by which it is written or invoked; likewise.
     """
 
@@ -347,6 +347,6 @@ def _capability(one: _One) -> Capability:
 
 
 def _bounds(one: _One) -> tuple[float, ...]:
-    """Return the bounds in the vocabulary's unit; none where the vocabulary's own are as narrow."""
+    """Return the bounds in the vocabulary's unit; none if the vocabulary's own are as narrow."""
     bounds = bounds_of(one.capability, one.affordance)
     return () if bounds == CAPABILITIES[one.capability].bounds else bounds

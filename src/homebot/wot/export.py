@@ -27,7 +27,7 @@ class FormWriter(Protocol):
     """A way to reach devices, which says where their properties are read and written."""
 
     def of_property(self, name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
-        """Return the forms of the property *name*; none where it cannot be reached."""
+        """Return the forms of the property *name*; none if it cannot be reached."""
         ...
 
     def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:

@@ -48,7 +48,7 @@ class Fields:
         """Return a text, without control characters.
 
         Raises:
-            WireError: It is none, or is missing or empty where it is *required*.
+            WireError: It is none, or is missing or empty if it is *required*.
         """
         value = self._value.get(name)
         if value is None and not required:
@@ -58,14 +58,14 @@ class Fields:
         return "".join(one if one.isprintable() else " " for one in value[:MAX_TEXT]).strip()
 
     def flag(self, name: str) -> bool:
-        """Return a boolean; False where it is missing."""
+        """Return a boolean; False if it is missing."""
         value = self._value.get(name, False)
         if not isinstance(value, bool):
             raise self._wrong(name, "true or false", value)
         return value
 
     def number(self, name: str) -> float | None:
-        """Return a number; None where it is missing."""
+        """Return a number; None if it is missing."""
         value = self._value.get(name)
         if value is None:
             return None
@@ -91,7 +91,7 @@ class Fields:
         return tuple(str(one)[:MAX_TEXT] for one in listed)
 
     def plain(self, name: str) -> object:
-        """Return a field as it is; None where it is missing."""
+        """Return a field as it is; None if it is missing."""
         return self._value.get(name)
 
     def listed(self, name: str) -> tuple[object, ...]:

@@ -60,7 +60,7 @@ class PayloadFormat(Protocol):
 
 
 PayloadFormats: TypeAlias = Callable[[str], PayloadFormat | None]
-"""Returns the format that a content type names; None where it is not understood."""
+"""Returns the format that a content type names; None if it is not understood."""
 
 
 class _JsonOrWords:
@@ -106,7 +106,7 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
     """Return the value of *capability* that *document* is, in the vocabulary's unit.
 
     Returns:
-        The value, in a tuple because it may be None, unknown; None where it means nothing.
+        The value, in a tuple because it may be None, unknown; None if it means nothing.
     """
     if affordance.kind == "event" and document in (None, ""):
         return (affordance.name,)  # that it came is all there is to say

@@ -31,7 +31,7 @@ _NO_RANGE = 1e15
 
 
 def canonical(capability: str, affordance: Affordance, number: float) -> float | None:
-    """Return *number*, as the thing spells it, in the vocabulary's unit; None where it means nothing."""
+    """Return *number*, as the thing spells it, in the vocabulary's unit; None if it means nothing."""
     if "capability" in affordance.extension:  # homebot's own words are canonical already
         return number
     if (ends := _ends(capability, affordance)) is not None:
@@ -45,7 +45,7 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
 
 
 def in_told_unit(capability: str, affordance: Affordance, document: object) -> Affordance | None:
-    """Return *affordance* in the unit that *document* names beside the value; None where that is no unit of it.
+    """Return *affordance* in the unit that *document* names beside the value; None if that is no unit of it.
 
     It is the affordance itself where none is named.
     """

@@ -43,8 +43,8 @@ class Form:
         subprotocol: How values are pushed, for example ``longpoll``; empty for the protocol's own way.
         method: Of the request, for example ``PUT``; empty for the protocol's own choice.
         security: The names of the security schemes that it requires, all of them.
-        topic: To publish on; empty where there is none.
-        filter: To subscribe to; empty where there is none.
+        topic: To publish on; empty if there is none.
+        filter: To subscribe to; empty if there is none.
         qos: 0 to 2.
         retain: Whether the broker is to retain, or retains, messages.
         content_type: Encoding of payloads; ``application/json`` if none is declared.
@@ -77,7 +77,7 @@ class SecurityScheme:
     Attributes:
         scheme: For example ``nosec``, ``basic``, ``bearer`` or ``psk``.
         location: Where credentials go, for example ``header``; empty for the scheme's own place.
-        name: The name of the header, query parameter or cookie; empty where there is none.
+        name: The name of the header, query parameter or cookie; empty if there is none.
     """
 
     scheme: str
@@ -90,16 +90,16 @@ class DataSchema:
     """The constraints on a value.
 
     Attributes:
-        type: Of the values; empty where nothing is declared.
-        unit: As it was spelt; empty where there is none.
+        type: Of the values; empty if nothing is declared.
+        unit: As it was spelt; empty if there is none.
         minimum: The smallest number, if any.
         maximum: The largest number, if any.
         enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
-        member: The name of the member of an object that has the value; empty where the value is no object, or is itself
+        member: The name of the member of an object that has the value; empty if the value is no object, or is itself
             one. The other fields are those of the member.
         words: Texts that come in place of a number, such as ``unmeasurable``; the number is unknown then.
         members: Of an object with several members, those that hold one value each and are always there, by name.
-        unit_member: The name of the member beside :attr:`member` that names the unit of a value, where it is not
+        unit_member: The name of the member beside :attr:`member` that names the unit of a value, if it is not
             :attr:`unit`.
     """
 

@@ -123,7 +123,7 @@ def _row(device: DeviceRecord, now: float, waiting: Container[str]) -> tuple[str
 
 
 def _unknown_type(door: DoorClient, name: str) -> str:
-    """Return why there cannot be devices of the type *name*; empty where there only happen to be none."""
+    """Return why there cannot be devices of the type *name*; empty if there only happen to be none."""
     # Of an error that is rare the reasons may take their time.
     from homebot.devices.device_types import DEVICE_TYPES, wanted_types  # noqa: PLC0415
     from homebot.devices.query import type_is  # noqa: PLC0415
@@ -139,7 +139,7 @@ def _unknown_type(door: DoorClient, name: str) -> str:
 
 
 def _command_topic(device: DeviceRecord) -> str:
-    """Return the topic on which a device takes commands; empty where it takes none."""
+    """Return the topic on which a device takes commands; empty if it takes none."""
     for one in device["endpoints"]:
         if is_topic(one["command_address"]):
             return one["command_address"]

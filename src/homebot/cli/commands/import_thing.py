@@ -116,7 +116,7 @@ def _check_is_json(file: str, payload: bytes) -> None:
 
 
 def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -> str:
-    """Return the id of the device that *gateway* calls *key*; empty where none appears in time."""
+    """Return the id of the device that *gateway* calls *key*; empty if none appears in time."""
     known = all_devices(door, lambda device: device["id"] if _is_of(device, gateway, key) else "")
     if any(known):
         return next(filter(None, known))

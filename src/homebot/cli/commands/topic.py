@@ -246,7 +246,7 @@ def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> No
 
 
 def _gateway_of(topic: str) -> str:
-    """Return the gateway that takes commands on *topic*; empty where it is no such topic."""
+    """Return the gateway that takes commands on *topic*; empty if it is no such topic."""
     found = _OUT.fullmatch(topic)
     return found[1] if found else ""
 

@@ -87,10 +87,10 @@ class BTHomePacket:
     """The inside of a packet.
 
     Attributes:
-        packet_id: The number of the packet, 0 to 255; None where it has none.
+        packet_id: The number of the packet, 0 to 255; None if it has none.
         values: Its values, in their order.
-        firmware: The version of the firmware; empty where it says none.
-        device_type: The number of the model, a manufacturer's own; None where it says none.
+        firmware: The version of the firmware; empty if it says none.
+        device_type: The number of the model, a manufacturer's own; None if it says none.
         unread: Bytes at the end that begin with an object id which is not known.
     """
 

@@ -42,7 +42,7 @@ class WebLink:
     attributes: tuple[tuple[str, str], ...] = ()
 
     def get(self, name: str) -> str:
-        """Return the first value of an attribute; empty where there is none."""
+        """Return the first value of an attribute; empty if there is none."""
         return next((value for key, value in self.attributes if key == name), "")
 
     def has(self, name: str) -> bool:

@@ -21,7 +21,7 @@ from homebot.errors import RefusedError, WireError
 __all__ = ["FORBIDDEN", "DirectoryRegistry", "EndpointRegistration"]
 
 FORBIDDEN = 0x83
-"""The code of the error where a registration is another host's: that of the response 4.03."""
+"""The code of the error if a registration is another host's: that of the response 4.03."""
 
 MAX_REGISTRATIONS = 1000
 MAX_PER_HOST = 64

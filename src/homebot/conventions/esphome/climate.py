@@ -140,7 +140,7 @@ class _Thermometer:
     """The temperature unit of a device, with its lowest and highest target.
 
     Attributes:
-        bounds: The two in °C; empty where it names none.
+        bounds: The two in °C; empty if it names none.
     """
 
     def __init__(self, info: Fields, low: str = "", high: str = "") -> None:

@@ -66,12 +66,12 @@ class EsphomeDevice:
 
     @property
     def name(self) -> str:
-        """Its name for people; empty where it does not say."""
+        """Its name for people; empty if it does not say."""
         return text_of(self._info, "friendly_name") or text_of(self._info, "name")
 
     @property
     def area(self) -> str:
-        """The room that it is in; empty where it does not say."""
+        """The room that it is in; empty if it does not say."""
         area = self._info.get("area")
         return (text_of(area, "name") if isinstance(area, dict) else "") or text_of(self._info, "suggested_area")
 

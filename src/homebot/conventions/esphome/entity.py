@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 Fields: TypeAlias = Mapping[str, object]
-"""The fields of a message by name; an enum is its number, or None where that is not known."""
+"""The fields of a message by name; an enum is its number, or None if that is not known."""
 
 FieldReader: TypeAlias = Callable[[Fields], PlainValue]
 """Returns the value of one capability from a complete state; None for unknown. Never raises."""

@@ -83,7 +83,7 @@ class _Whites:
     """The range of white of a light, which ESPHome gives in mired.
 
     Attributes:
-        bounds: Warmest and coldest in kelvin; empty where it says none.
+        bounds: Warmest and coldest in kelvin; empty if it says none.
         kelvins: The same, or the usual ones.
     """
 

@@ -55,7 +55,7 @@ class MatterEndpoint:
         return known is not None and (attribute is None or attribute in known)
 
     def value(self, cluster: int, attribute: int) -> object:
-        """Return a value; None where it is null or missing."""
+        """Return a value; None if it is null or missing."""
         return self.clusters.get(cluster, _NOTHING).get(attribute)
 
     def number(self, cluster: int, attribute: int) -> float | None:
@@ -73,7 +73,7 @@ class MatterEndpoint:
         return value if isinstance(value, bool) else None
 
     def text(self, cluster: int, attribute: int) -> str:
-        """Return a value that is a text, on one line; empty where it is not a text."""
+        """Return a value that is a text, on one line; empty if it is not a text."""
         return text_of(self.value(cluster, attribute))
 
     def structs(self, cluster: int, attribute: int) -> Iterator[Mapping[object, object]]:
@@ -84,7 +84,7 @@ class MatterEndpoint:
                 yield one
 
     def features(self, cluster: int) -> int:
-        """Return the feature map of a cluster; 0 where it has none."""
+        """Return the feature map of a cluster; 0 if it has none."""
         return self.whole(cluster, _FEATURE_MAP) or 0
 
     def accepts(self, cluster: int, command: int) -> bool:
@@ -182,8 +182,8 @@ class MatterAbility:
     Attributes:
         cluster: The cluster that it belongs to.
         capability: The capability.
-        read: Returns its value from the known attributes; None where it is never reported.
-        write: Returns the orders that set it; None where it cannot be set.
+        read: Returns its value from the known attributes; None if it is never reported.
+        write: Returns the orders that set it; None if it cannot be set.
         also_read: A further cluster that it is read from; None if there is none.
         beside: The part of the endpoint that has it, such as ``battery``; empty for the main part.
     """

@@ -35,7 +35,7 @@ _LONGEST: Final = 40
 
 
 def name_of(endpoint: MatterEndpoint) -> str:
-    """Return a name such as ``2``, ``top`` or ``column 1 up``; empty where it has none of its own."""
+    """Return a name such as ``2``, ``top`` or ``column 1 up``; empty if it has none of its own."""
     for cluster in (USER_LABEL, FIXED_LABEL):
         for one in endpoint.structs(cluster, 0):
             label, value = one.get("0", one.get("label")), one.get("1", one.get("value"))

@@ -171,7 +171,7 @@ def _write_color(endpoint: MatterEndpoint, value: PlainValue, transition: float,
 
 
 def _lit(endpoint: MatterEndpoint) -> tuple[MatterOrder, ...]:
-    """Return the order that turns a lamp on, which a colour does not; none where it has no switch."""
+    """Return the order that turns a lamp on, which a colour does not; none if it has no switch."""
     return (ClusterInvocation(ON_OFF, "On"),) if endpoint.has(ON_OFF, _ON_OFF_VALUE) else ()
 
 

@@ -35,7 +35,7 @@ def other_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
 
 
 def press_of(endpoint: MatterEndpoint, event: int, data: object) -> str | None:
-    """Return the press that an event of the cluster Switch is; None where it is none, or a part of one.
+    """Return the press that an event of the cluster Switch is; None if it is none, or a part of one.
 
     A switch that counts presses says so once all are over, others when it is released, or has no release.
     """

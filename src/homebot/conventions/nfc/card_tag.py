@@ -179,7 +179,7 @@ class _Type2Memory:
         return area[: self._size]
 
     def _find(self, area: bytes) -> _Found:
-        """Return the NDEF message TLV; an empty one at its place where there is none."""
+        """Return the NDEF message TLV; an empty one at its place if there is none."""
         at = 0
         while at < len(area):
             kind = area[at]

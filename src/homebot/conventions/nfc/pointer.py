@@ -40,7 +40,7 @@ class Pointer:
 
     Attributes:
         kind: The kind of code; see :class:`homebot.devices.tags.ScanCodeResponse`.
-        text: The reference in words; empty where there is none.
+        text: The reference in words; empty if there is none.
         id: The id of the device in the directory.
         words: Texts that may be its id, its name, or an identifier.
         address: The topic on which it publishes, or a level above that topic.

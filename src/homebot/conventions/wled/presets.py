@@ -32,7 +32,7 @@ def preset_names(document: object) -> dict[int, str]:
 
 
 def shown_preset(state: Mapping[str, object], names: Mapping[int, str]) -> str | None:
-    """Return the name of the playlist that runs, or else of the preset that was chosen last; None where none was."""
+    """Return the name of the playlist that runs, or else of the preset that was chosen last; None if none was."""
     for field in ("pl", "ps"):
         number = state.get(field)
         if isinstance(number, int) and number in names:

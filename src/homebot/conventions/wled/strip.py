@@ -110,7 +110,7 @@ class WledStrip:
 
     @property
     def name(self) -> str:
-        """Its name for people; empty where it does not say."""
+        """Its name for people; empty if it does not say."""
         return text_of(self._info.get("name"))
 
     @property

@@ -85,7 +85,7 @@ class Handle:
 
     @property
     def area(self) -> str:
-        """The room that the device is in; empty where none is known."""
+        """The room that the device is in; empty if none is known."""
         return self._tracked.device.area
 
     @property
@@ -138,7 +138,7 @@ class Handle:
         Args:
             capability: For example ``level``.
             value: The value, in the unit of the vocabulary.
-            transition: Seconds that the change takes, where the device supports that; 0 or more.
+            transition: Seconds that the change takes, if the device supports that; 0 or more.
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
@@ -152,7 +152,7 @@ class Handle:
 
         Args:
             settings: The values by capability, at least one.
-            transition: Seconds that the change takes, where the device supports that; 0 or more.
+            transition: Seconds that the change takes, if the device supports that; 0 or more.
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:

@@ -261,6 +261,6 @@ class Fan(Handle):
         return await self.command("fan_speed", speed)
 
     def _mode_off(self) -> str | None:
-        """Return the one of its own speeds that is off; None where there is none."""
+        """Return the one of its own speeds that is off; None if there is none."""
         options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
         return next((word for word in options if word.casefold() == _OFF), None)

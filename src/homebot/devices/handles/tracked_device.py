@@ -67,17 +67,17 @@ class TrackedDevice:
         )
 
     def value(self, part_id: str, capability: str) -> PlainValue:
-        """Return the latest value of the part; None where it reported none, or that it does not know."""
+        """Return the latest value of the part; None if it reported none, or that it does not know."""
         told = self._values.get((part_id, capability))
         return None if told is None else told[1].value.plain()
 
     def state(self, part_id: str, capability: str) -> State | None:
-        """Return the latest value of the part with its times; None where it reported none."""
+        """Return the latest value of the part with its times; None if it reported none."""
         told = self._values.get((part_id, capability))
         return None if told is None else _state_of(*told[1:])
 
     def only_value(self, capability: str) -> PlainValue:
-        """Return the latest value of the only part with *capability*; None where there is none, or are several."""
+        """Return the latest value of the only part with *capability*; None if there is none, or are several."""
         parts = [part.id for part in self.device.parts if any(one.name == capability for one in part.part.capabilities)]
         return self.value(parts[0], capability) if len(parts) == 1 else None
 

@@ -30,7 +30,7 @@ def parse_exact_query(text: str) -> Query:
 
 
 def _free_text(query: Query) -> str:
-    """Return a word of *query* that is searched for in all texts of devices; empty where there is none."""
+    """Return a word of *query* that is searched for in all texts of devices; empty if there is none."""
     match query:
         case HasText(word):
             return word

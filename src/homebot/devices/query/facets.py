@@ -41,7 +41,7 @@ class Facets:
         reachable: See :class:`Device`.
         gateways: Its gateways.
         conventions: The conventions of its announcements.
-        categories: ``config`` and ``diagnostic``, where it has parts of these.
+        categories: ``config`` and ``diagnostic``, if it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
         main_type: The type that it has in the first place; without parts its word.

@@ -99,7 +99,7 @@ class PartFacets:
 
     @property
     def areas(self) -> tuple[str, ...]:
-        """The room of its device and the areas that this is in, folded; empty where no room is known."""
+        """The room of its device and the areas that this is in, folded; empty if no room is known."""
         device = self._device
         return tuple(map(fold, (device.area, *device.outer_areas))) if device.area else ()
 
@@ -135,7 +135,7 @@ class PartFacets:
 
     @property
     def categories(self) -> frozenset[str]:
-        """Its category, where it has one."""
+        """Its category, if it has one."""
         return frozenset((self.part.part.category,)) if self.part.part.category else frozenset()
 
     @property

@@ -69,7 +69,7 @@ def _by_routes(part: DevicePart, routes: list[Route]) -> DevicePart:
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:
-    """Return the part of *device* that sent *message*; None where that is not known."""
+    """Return the part of *device* that sent *message*; None if that is not known."""
     place = read_text_address(message.address)
     for part in device.parts:
         for route in part.routes:

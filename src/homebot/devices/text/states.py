@@ -63,7 +63,7 @@ _LONGEST = 255
 
 
 def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
-    """Return the text for the values of one message of a part; None where none of them has one.
+    """Return the text for the values of one message of a part; None if none of them has one.
 
     Args:
         readings: Values by capability.
@@ -80,7 +80,7 @@ def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
 
 
 def encode_value(name: str, value: PlainValue) -> str | None:
-    """Return the text for one value of the capability *name*; None where it has none."""
+    """Return the text for one value of the capability *name*; None if it has none."""
     match value:
         case None | tuple():
             return None
@@ -119,7 +119,7 @@ class TextDecoder:
             self._learn(name, readable[name])
 
     def decode(self, text: bytes) -> Decoded:
-        """Return the values in *text*; none where it is no text of the part."""
+        """Return the values in *text*; none if it is no text of the part."""
         found = self._texts.get(text)
         if found is not None:
             return found

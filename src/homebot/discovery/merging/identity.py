@@ -304,7 +304,7 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
 
 
 def _own_topic(sighting: Sighting) -> str:
-    """Return the topic below which all is the device's; empty where none is known."""
+    """Return the topic below which all is the device's; empty if none is known."""
     if sighting.whole_device:
         return sighting.owns[0] if sighting.owns else ""
     topics: list[str] = []

@@ -265,7 +265,7 @@ def _agree(one: Capability, other: Capability) -> bool:
 
 
 def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
-    """Count the words that all *ids* begin with, and end with; none where there is one id only."""
+    """Count the words that all *ids* begin with, and end with; none if there is one id only."""
     return (_common(ids), _common({one[::-1] for one in ids})) if len(ids) > 1 else (0, 0)
 
 

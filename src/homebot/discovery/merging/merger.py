@@ -372,7 +372,7 @@ class DeviceMerger:
                 table.note("changed", entry, "its disputes changed")
 
     def _topic_owner(self, entry: Entry, source: SourceRecord) -> str:
-        """Return the device that keeps a topic from *source*; empty where none does."""
+        """Return the device that keeps a topic from *source*; empty if none does."""
         table = self._table
         for part in source.sighting.parts:
             for topic in part.writes:

@@ -94,7 +94,7 @@ class MergedParts(NamedTuple):
         return tuple(part for number, part in enumerate(self.parts) if number not in self.claimed)
 
     def part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
-        """Return which part of the device *part* of *source* is; None where it was left out."""
+        """Return which part of the device *part* of *source* is; None if it was left out."""
         number = self.places.get((*source.key, part))
         return None if number is None else self.parts[number]
 

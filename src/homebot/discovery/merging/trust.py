@@ -38,7 +38,7 @@ __all__ = [
 ]
 
 EndpointKey: TypeAlias = tuple[str, str]
-"""Gateway and key; the key is empty where the endpoint is the gateway as a whole."""
+"""Gateway and key; the key is empty if the endpoint is the gateway as a whole."""
 
 MAX_TRUSTED = 64
 """Trusted endpoints of a device that are remembered; further ones are not."""

@@ -137,7 +137,7 @@ class Postings:
         return self._posted[device_id].facets
 
     def value(self, device_id: str, term: StateIs) -> PlainValue:
-        """Return the value by which the device fits *term*; None where it does not."""
+        """Return the value by which the device fits *term*; None if it does not."""
         for (_, capability), (service_type, stored) in self._posted[device_id].values.items():
             is_meant = capability == term.capability and (not term.types or service_type in term.types)
             if is_meant and compares(term, stored.value):

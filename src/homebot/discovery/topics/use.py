@@ -51,7 +51,7 @@ _NOWHERE = Place()
 
 @lru_cache(maxsize=4096)
 def place_of(topic: str) -> Place:
-    """Return the names in the place *topic*; none where it names no device."""
+    """Return the names in the place *topic*; none if it names no device."""
     if not topic:
         return _NOWHERE
     levels: set[str] = set()

@@ -45,7 +45,7 @@ class AnnouncedPart(PartTexts):
         stored: The announcement of the part.
         described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
-        known: The last value of each capability with its reading; None where it reported none.
+        known: The last value of each capability with its reading; None if it reported none.
         names: The capabilities of its last short state, one object for all its states that have the same.
         is_plain: Whether all that it ever reported were numbers and flags, and no events.
     """

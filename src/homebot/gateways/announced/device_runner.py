@@ -50,7 +50,7 @@ class DeviceRunner(PublishedDevice, ABC):
 
     Attributes:
         name: The name of the device, for errors.
-        problem: The reason why it is not connected, as text; empty where it is, or has not tried yet.
+        problem: The reason why it is not connected, as text; empty if it is, or has not tried yet.
         needs_help: Whether a person has to do something about that, rather than wait.
         sleeps: Whether a lost connection says nothing: it leaves the network to save its battery.
     """

@@ -126,7 +126,7 @@ class PeerQuarantine(Generic[MessageT]):
         """Read the waiting messages, as far as the budgets reach, each time they are refilled, until cancelled.
 
         Args:
-            read_next: Takes the next message out, reads it, and returns True; False where none is to be had.
+            read_next: Takes the next message out, reads it, and returns True; False if none is to be had.
         """
         while True:
             await self._work_available.wait()

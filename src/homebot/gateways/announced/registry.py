@@ -134,7 +134,7 @@ class DeviceRegistry:
 
         Args:
             described: The description.
-            length: Of the message that it alone was made of; 0 where that is unknown.
+            length: Of the message that it alone was made of; 0 if that is unknown.
 
         Raises:
             WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more

@@ -91,7 +91,7 @@ class DeviceReporter:
             device: The device.
             readings: The reported values.
             source: Tells its streams apart: the address or the part.
-            address: Where it was said; empty where the protocol has no addresses.
+            address: Where it was said; empty if the protocol has no addresses.
             retained: Whether it was kept from before.
         """
         states = tuple([one for one in readings if one.capability not in EVENTS])

@@ -63,7 +63,7 @@ class BleDeviceSettings(BaseModel):
         return self
 
     def bind_key(self) -> bytes | None:
-        """Return the key, read from where it is kept; None where it has none.
+        """Return the key, read from where it is kept; None if it has none.
 
         Raises:
             UsageError: It cannot be read, or is no key; the message never shows it.

@@ -60,7 +60,7 @@ class CoapAnswer:
 
     Attributes:
         payload: Its body, all blocks together.
-        content_format: The number of its content format; None where it names none.
+        content_format: The number of its content format; None if it names none.
     """
 
     payload: bytes
@@ -244,7 +244,7 @@ class CoapClient:
     async def _next(
         self, notifications: AsyncIterator[aiocoap.Message], last: aiocoap.Message
     ) -> aiocoap.Message | None:
-        """Return the next notification; None where it is time to register again."""
+        """Return the next notification; None if it is time to register again."""
         age = _MAX_AGE if last.opt.max_age is None else float(last.opt.max_age)
         with anyio.move_on_after(max(age, 1.0) + _MARGIN):
             return await anext(notifications, None)

@@ -220,7 +220,7 @@ class MatterGateway(Gateway):
             self.devices.reject(source, payload, str(exc))
 
     def _source_of(self, event: MatterEvent) -> str:
-        """Return the source of an event: the key of the node, where it is known."""
+        """Return the source of an event: the key of the node, if it is known."""
         data = event.data
         node_id: object = data
         if isinstance(data, list):

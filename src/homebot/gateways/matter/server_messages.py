@@ -78,7 +78,7 @@ class ServerAnswer:
 
     Attributes:
         message_id: The ID of the command.
-        result: The result; None where the command has none.
+        result: The result; None if the command has none.
         error_code: The error; None for success.
         details: The error as text.
     """

@@ -53,7 +53,7 @@ class OwnService:
         service_type: Its type, such as ``_homebot._tcp``, perhaps with a subtype.
         name: The name for people.
         host: The label of its host name.
-        port: Its port; 0 where there is nothing to connect to.
+        port: Its port; 0 if there is nothing to connect to.
         addresses: The addresses that it listens on; empty for all of this computer.
         properties: Its TXT record.
     """

@@ -159,7 +159,7 @@ class MdnsNetwork(ServiceNetwork):
             within: Seconds in which it may answer.
 
         Returns:
-            The service; None where it does not answer. One that answers without a TXT record, which RFC 6763 demands,
+            The service; None if it does not answer. One that answers without a TXT record, which RFC 6763 demands,
             is one all the same.
         """
         try:
@@ -209,7 +209,7 @@ class MdnsNetwork(ServiceNetwork):
             await (await self._zeroconf.async_unregister_service(announced.info))
 
     async def _update(self, service: OwnService, name: str) -> None:
-        """Announce other records of a service under the name that it has; does nothing where they are the same."""
+        """Announce other records of a service under the name that it has; does nothing if they are the same."""
         info = self._info(service, name)
         before = self._own[service.service_type].info
         self._own[service.service_type] = _Announced(service, info)

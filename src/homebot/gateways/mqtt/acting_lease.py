@@ -84,7 +84,7 @@ class ActingLease:
 
     @property
     def trouble(self) -> str:
-        """Problem as text; empty where there is none."""
+        """Problem as text; empty if there is none."""
         if not self.rival:
             return ""
         where = f"home {self._home}" if self._home else "this broker"

@@ -63,7 +63,7 @@ class AnnouncedDevices:
         connection: Its connection.
         lease: Lets the gateway act while no other homebot does.
         settings: Its table.
-        responses: Asks devices for responses to commands; None where they are not to be asked.
+        responses: Asks devices for responses to commands; None if they are not to be asked.
 
     Attributes:
         counters: The counters of the gateway.

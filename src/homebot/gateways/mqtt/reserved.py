@@ -1,6 +1,6 @@
 """Topics without commands to devices, in any announcement: those of brokers, bridges and homebot. Pure.
 
-An app may publish there by itself, where it has reason to; a command to a device never ends there.
+An app may publish there by itself, if it has reason to; a command to a device never ends there.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class ReservedTopics:
                     self._rules.add(topic_filter, _Rule(f"it belongs to {one.name}"))
 
     def why(self, topic: str, convention: str = "") -> str:
-        """Return why no device of *convention* may take commands on *topic*; empty where that is not reserved."""
+        """Return why no device of *convention* may take commands on *topic*; empty if that is not reserved."""
         if topic.startswith("$"):
             return "it belongs to the broker"
         if topic == OWN or topic.startswith(f"{OWN}/"):

@@ -37,12 +37,12 @@ class PointedAt:
 
     @property
     def device(self) -> Device | None:
-        """The only device; None where there are none or several."""
+        """The only device; None if there are none or several."""
         return self.devices[0] if len(self.devices) == 1 else None
 
     @property
     def id(self) -> str:
-        """The id of the only device; empty where there are none or several."""
+        """The id of the only device; empty if there are none or several."""
         return self.device.id if self.device is not None else ""
 
     @property

@@ -30,7 +30,7 @@ class PlaceTeacher:
         self._limit = LogLimit(node.graph.clock)
 
     async def teach(self, tag: str, device: str, room: str) -> None:
-        """Report that the tag *tag* points to *device*, and is in *room*, which is empty where the tag says none."""
+        """Report that the tag *tag* points to *device*, and is in *room*, which is empty if the tag says none."""
         request = TeachPlaceRequest(device=device, gateway=self._node.name, tag=tag, room=room)
         try:
             answer = await self._client.call(request)

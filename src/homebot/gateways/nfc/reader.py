@@ -36,7 +36,7 @@ class WriteOrder:
         done: Set after the attempt to write.
         tag: The number of the tag.
         used_reader: The reader at which the tag was.
-        error: The error; None where it was written.
+        error: The error; None if it was written.
     """
 
     message: bytes

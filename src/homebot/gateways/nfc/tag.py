@@ -53,9 +53,9 @@ class TagSeen:
 
     Attributes:
         reader: The reader.
-        uid: Its number; empty where that could not be read.
+        uid: Its number; empty if that could not be read.
         tag_type: Its type, as text.
-        content: Its content; None where that could not be read.
+        content: Its content; None if that could not be read.
         problem: The reason why it could not be read.
     """
 

@@ -172,7 +172,7 @@ class TagServices:
         )
 
     async def _carry_out(self, message: bytes, request: WriteTagRequest) -> WriteOrder | None:
-        """Have the next tag written, at any reader; None where none came in time."""
+        """Have the next tag written, at any reader; None if none came in time."""
         order = WriteOrder(message, request.reader)
         desks = tuple(self._desks)
         for desk in desks:

@@ -97,7 +97,7 @@ class DirectoryReader:
             del self._read[gone]
 
     async def retrieve(self, thing_id: str) -> bytes | None:
-        """Return the description of one thing; None where the directory has it no longer.
+        """Return the description of one thing; None if the directory has it no longer.
 
         Raises:
             LinkError, RefusedError, WireError: As :meth:`pages`.

@@ -79,7 +79,7 @@ class DirectoryPage:
     """A page of the list.
 
     Attributes:
-        members: The descriptions on it; none where it has not changed.
+        members: The descriptions on it; none if it has not changed.
         keys: The keys of the things on it; the reader of a page that has members adds them.
     """
 
@@ -100,7 +100,7 @@ def members_of(page: object) -> list[object]:
 
 
 def next_page(page: object, headers: Mapping[str, str]) -> str:
-    """Return the address of the next page, as it is written; empty where there is none."""
+    """Return the address of the next page, as it is written; empty if there is none."""
     for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
         if _NEXT.search(link[2]):
             return link[1]
@@ -140,7 +140,7 @@ def text_of(document: object) -> bytes:
 
 
 def lifetime_of(document: object, now: float) -> float:
-    """Return the seconds for which a registration holds, from 60 to 30 days; 0 where it has no end.
+    """Return the seconds for which a registration holds, from 60 to 30 days; 0 if it has no end.
 
     Args:
         document: The description.
@@ -156,7 +156,7 @@ def lifetime_of(document: object, now: float) -> float:
 
 
 def etag_of(headers: Mapping[str, str]) -> str:
-    """Return the entity tag in header fields, names in lower case; empty where there is none that can be sent back."""
+    """Return the entity tag in header fields, names in lower case; empty if there is none that can be sent back."""
     etag = headers.get("etag", "")
     return etag if _ETAG.fullmatch(etag) else ""
 

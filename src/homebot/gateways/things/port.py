@@ -17,7 +17,7 @@ class ThingPayload:
 
     Attributes:
         data: Its bytes.
-        content_type: Its type as the answer names it; empty where it names none.
+        content_type: Its type as the answer names it; empty if it names none.
     """
 
     data: bytes

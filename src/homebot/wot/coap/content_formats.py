@@ -47,7 +47,7 @@ def content_type_of(number: int | None) -> str:
 
 
 def content_format_of(content_type: str) -> int | None:
-    """Return the number of a content type; None where it is not known."""
+    """Return the number of a content type; None if it is not known."""
     kind = media_type(content_type)
     if kind.startswith(_UNKNOWN) and kind.removeprefix(_UNKNOWN).isdecimal():
         return int(kind.removeprefix(_UNKNOWN)[:5])
@@ -55,7 +55,7 @@ def content_format_of(content_type: str) -> int | None:
 
 
 def coap_formats(content_type: str) -> PayloadFormat | None:
-    """Return the format that *content_type* names; None where it is not understood."""
+    """Return the format that *content_type* names; None if it is not understood."""
     kind = media_type(content_type)
     if found := _SENML.get(kind):
         return found

@@ -241,7 +241,7 @@ def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[
 
 
 def _content_type(link: WebLink, default: str) -> str | None:
-    """Return the first type of the resource that is understood; None where none of those that it names is."""
+    """Return the first type of the resource that is understood; None if none of those that it names is."""
     named = [content_type_of(int(one)) for one in link.words("ct") if one.isdecimal() and len(one) <= 5]
     if not named:
         return default

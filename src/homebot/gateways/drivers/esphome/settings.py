@@ -63,7 +63,7 @@ class EsphomeSecrets(PasswordSettings):
         return self
 
     def read_key(self, table: str) -> SecretStr | None:
-        """Return the encryption key; None where none is named.
+        """Return the encryption key; None if none is named.
 
         Args:
             table: The prefix of its keys, for errors: ``devices.hall.``

@@ -32,7 +32,7 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
             self.password_of(device_id)
 
     def password_of(self, device_id: str) -> SecretStr | None:
-        """Return the password of a device; None where it has none.
+        """Return the password of a device; None if it has none.
 
         Raises:
             UsageError: It cannot be read; names the key.

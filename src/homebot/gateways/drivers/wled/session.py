@@ -144,7 +144,7 @@ class WledSession:
         await self._publish(WledStrip(document, self._effects, self._presets))
 
     async def _ask_presets(self) -> Mapping[int, str]:
-        """Return the presets, of which there are none where there is no such file; it is read anew when it changes."""
+        """Return the presets, of which there are none if there is no such file; it is read anew when it changes."""
         try:
             return preset_names(await self._ask("/presets.json"))
         except RefusedError:
