@@ -1,4 +1,4 @@
-"""A certificate and its key for one's own side of TLS, and what can be wrong with the files."""
+"""A certificate and key for this side of TLS, and their errors."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def load_certificate(
         context: Either side's.
         cert_file: In PEM form, with the chain if there is one.
         key_file: Its key in PEM form, without a passphrase; None where *cert_file* holds it too.
-        what: What the certificate is called in an error, such as ``client certificate``.
-        key_option: What the caller's setting for *key_file* is called.
+        what: Name of the certificate in errors, such as ``client certificate``.
+        key_option: Name of the caller's setting for *key_file*.
 
     Raises:
-        UsageError: A file cannot be read or does not hold what it should; names the file.
+        UsageError: A file cannot be read or has invalid content; names the file.
     """
     certificate = _read(what, cert_file)
     key = certificate if key_file is None else _read(f"key of the {what}", key_file)

@@ -57,7 +57,7 @@ class LinkPhase(enum.StrEnum):
 
 
 class ConnectionState(NamedTuple):
-    """A phase and what led to it.
+    """A phase and its cause.
 
     Attributes:
         phase: WAITING waits for the next try after a failure of the link; REFUSED likewise, but the broker said no
@@ -209,11 +209,11 @@ class MqttConnection:
         try:
             return await self._client.publish(topic, payload, qos=qos, retain=retain, properties=properties)
         except LinkError:
-            await checkpoint()  # or who tries again in a loop would keep the supervisor from its work
+            await checkpoint()  # a caller that retries in a loop would starve the supervisor
             raise
 
     async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
-        """Check that what a peer on the broker answers would be heard, and that the peer may be there.
+        """Check that an answer of a peer on the broker would be received, and that the peer may exist.
 
         Args:
             heard_at: When the peer was last heard, on the monotonic clock.
@@ -239,7 +239,7 @@ class MqttConnection:
         again on every later link, until `unsubscribe`.
 
         Args:
-            subscriptions: To what, and how.
+            subscriptions: The topic filters with their options.
             every_link: Ask for them on every later link also where the broker still has them in a resumed session, for
                 the messages that it keeps. Those of QoS 0 that came while the link was down are lost otherwise.
 
@@ -266,7 +266,7 @@ class MqttConnection:
             return
 
     async def receive(self) -> list[MqttMessage]:
-        """Return all messages that are there, in order, from whatever link; wait for the first.
+        """Return all received messages in order, from any link; wait for the first.
 
         Raises:
             ClosedError: The connection is closed and all messages are read.

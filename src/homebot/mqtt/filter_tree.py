@@ -32,7 +32,7 @@ class FilterTree(Generic[Key, Value]):
         self.nodes = 0
 
     def add(self, levels: Sequence[str], key: Key, value: Value) -> bool:
-        """Put *value* in the place of what the filter has under *key*; whether it is new."""
+        """Replace the value of the filter under *key* by *value*; return whether it is new."""
         node = self._root
         for level in levels:
             if node.children is None:
@@ -59,7 +59,7 @@ class FilterTree(Generic[Key, Value]):
         return None if node.values is None else node.values.get(key)
 
     def remove(self, levels: Sequence[str], key: Key) -> None:
-        """Remove a value that was added; what was not is passed over."""
+        """Remove a value if it was added."""
         path = [self._root]
         for level in levels:
             child = (path[-1].children or {}).get(level)
@@ -139,7 +139,7 @@ class FilterIndex(Generic[Key]):
             del self._exact[topic_filter]
 
     def remove(self, topic_filter: str, item: Key) -> None:
-        """Take back what was added; what was not is passed over."""
+        """Remove an addition, if it was made."""
         if has_wildcard(topic_filter):
             self._wild.remove(topic_filter.split("/"), item)
         elif items := self._shared.get(topic_filter):

@@ -38,8 +38,8 @@ class MemoryBroker(EmbeddedBroker):
         limits: All bounds.
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
-        refuse_filters: Filters whose subscription is answered with 0x80.
-        policy: Who may publish and subscribe what.
+        refuse_filters: Filters with subscriptions answered by 0x80.
+        policy: Rights to publish and subscribe.
         random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
             run the same.
 

@@ -11,9 +11,9 @@ class MessageProperties(NamedTuple):
     """The properties an application may put on a message; MQTT 3.1.1 carries none of them.
 
     Attributes:
-        payload_is_text: The sender declares the payload to be UTF-8 text; nobody has checked it.
+        payload_is_text: The sender declares the payload to be UTF-8 text; unchecked.
         expiry: Remaining life time of the message in whole seconds, 0 to 4294967295; None is without end.
-        content_type: What the payload is, usually a MIME type; None if not given.
+        content_type: Type of the payload, usually a MIME type; None if not given.
         response_topic: Topic that an answer is wanted on; None if none is wanted.
         correlation_data: Token that the answer has to repeat; None if none was sent.
         user: Name and value pairs in the order of the sender; names may repeat.
@@ -43,7 +43,7 @@ class MqttMessage(NamedTuple):
         retain: True if the broker sent it from its store, False if it is live
             (or as published, where the subscription asked for that).
         properties: MQTT 5 properties.
-        receipt: What the client that delivered the message acknowledges it by; 0 where nothing is owed.
+        receipt: Receipt for the acknowledgement by the delivering client; 0 for none.
             No part of the message: two messages with different receipts are equal.
     """
 
@@ -55,7 +55,7 @@ class MqttMessage(NamedTuple):
     receipt: int = 0
 
     def __eq__(self, other: object) -> bool:
-        """Return whether *other* says the same, whatever it is acknowledged by."""
+        """Return whether *other* has the same content, ignoring receipts."""
         return self[:5] == other[:5] if isinstance(other, MqttMessage) else NotImplemented
 
     def __ne__(self, other: object) -> bool:

@@ -25,9 +25,9 @@ class MqttWill(NamedTuple):
 
     Attributes:
         topic: Where to.
-        payload: What.
+        payload: The payload.
         qos: 0, 1 or 2.
-        retain: Whether the broker keeps it for those who subscribe later.
+        retain: Whether the broker retains it.
         properties: MQTT 5 only.
     """
 
@@ -147,7 +147,7 @@ class MqttOptions:
 
 def _is_host(value: str) -> bool:
     try:
-        return bool(value.encode("idna"))  # what the resolver does later, where the error would be a surprise
+        return bool(value.encode("idna"))  # as the resolver does later, with a less clear error
     except UnicodeError:
         return False
 

@@ -71,11 +71,11 @@ class SubscriptionSet:
             self._unwanted[name] = None
 
     def link_ended(self) -> None:
-        """Forget what was refused: nothing is where there is no link."""
+        """Forget refusals after the link is lost."""
         self._refused.clear()
 
     async def begin_link(self, *, resumed: bool) -> dict[str, RefusedError]:
-        """Make on a new link what is missing there, and take back what is too many; return what was refused."""
+        """Subscribe missing filters on a new link and unsubscribe surplus ones; return the refused ones."""
         self._bursts_end = True
         if resumed:
             self._made -= self._renewed
@@ -87,7 +87,7 @@ class SubscriptionSet:
         return refused
 
     async def make(self, names: Iterable[str]) -> dict[str, RefusedError]:
-        """Subscribe to those of *names* that are wanted, and return what was refused; see also `batches`."""
+        """Subscribe to the wanted filters among *names*; return the refused ones; see also `batches`."""
         refused: dict[str, RefusedError] = {}
         for batch in batches(filter(None, map(self._wanted.get, names)), is_paced=self._is_paced):
             try:

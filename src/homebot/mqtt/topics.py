@@ -1,4 +1,4 @@
-"""Topic names and topic filters: what is legal, and which filter matches which name.
+"""Topic names and topic filters: validity and matching.
 
 Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`` topics) and section 4.8.2
 (shared subscriptions); MQTT 3.1.1 section 4.7 says the same.
@@ -40,7 +40,7 @@ class SharedFilter(NamedTuple):
     """The two parts of ``$share/GROUP/FILTER``.
 
     Attributes:
-        group: Name of the group whose members share the messages; without ``/``, ``+`` and ``#``.
+        group: Name of the group that shares the messages; without ``/``, ``+`` and ``#``.
         filter: The filter that the topics are matched against.
     """
 
@@ -86,7 +86,7 @@ def topic_matches(filter: str, topic: str) -> bool:  # noqa: A002 - the protocol
     """Return whether a valid *filter* matches a valid *topic* name.
 
     A filter that starts with a wildcard does not match a topic that starts with ``$``. For a shared filter
-    the part behind the group is what counts.
+    only the part behind the group counts.
     """
     if filter.startswith(_SHARE_PREFIX):
         filter = filter.split("/", 2)[2]  # noqa: A001 - as above

@@ -39,7 +39,7 @@ class Authentication:
     def check(self, username: str | None, password: bytes | None) -> ReasonCode:
         """Return success, 0x87 where nothing was presented, or 0x86.
 
-        It takes as long for an unknown user, and for a password of whatever length and beginning.
+        The check takes as long for an unknown user and for any password.
         """
         if not self._digests:
             return ReasonCode.SUCCESS
@@ -129,7 +129,7 @@ class LoginThrottle:
 
 
 class LoginCandidate(Protocol):
-    """A connection whose CONNECT has not been accepted yet."""
+    """A connection before its CONNECT is accepted."""
 
     @property
     def address(self) -> str:

@@ -31,7 +31,7 @@ class Backpressure:
         go_on: Called, not from within another call, when the wait is over; it takes the packets.
 
     Attributes:
-        packets: What waits.
+        packets: The waiting packets.
         messages: How many of them are messages at QoS 1 or 2.
         size: The bytes of their topics and payloads.
         reading: Whether the socket is read.
@@ -47,7 +47,7 @@ class Backpressure:
         self._state = state
         self._link = link
         self._go_on = go_on
-        self._slow: dict[BrokerSession, int] = {}  # with what it had settled when the wait began
+        self._slow: dict[BrokerSession, int] = {}  # with the settled messages at the start of the wait
         self._is_endless = False
         self._end: Deadline | None = None
 
@@ -106,7 +106,7 @@ class Backpressure:
             self._end = self._state.deadlines.at(self._state.clock.monotonic(), self._over)
 
     def stop(self) -> None:
-        """Wait no more; what waits is left to be taken."""
+        """End the wait; the waiting packets remain."""
         for session in self._slow:
             session.held_publishers.pop(self, None)
         self._slow.clear()

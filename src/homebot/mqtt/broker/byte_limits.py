@@ -82,7 +82,7 @@ class UnreadPackets:
         """Note that a connection holds *held* bytes of an incomplete packet; 0 where it is complete, or has gone.
 
         Args:
-            give_up: Ends that connection, whoever's turn it is; it notes 0 then.
+            give_up: Ends that connection in any turn; it records 0 then.
             held: The bytes.
         """
         if held < self._least:

@@ -41,7 +41,7 @@ _UNCHECKED: Final = 8  # packets that are handled before the clock is read
 
 @final
 class ClientPackets:
-    """Does what each packet asks for.
+    """Carries out each packet.
 
     Args:
         state: The broker.

@@ -1,4 +1,4 @@
-"""Sockets of the clients: joins what is written within one turn of the loop, and closes without losing the reason."""
+"""Sockets of the clients: joins the writes of one loop turn, and closes without losing the reason."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Sockets:
 
 
 _WORTH_COUNTING = 16 * 1024  # bytes that wait for one socket
-_JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
+_JOIN_AT_MOST = 128 * 1024  # larger data is written at once, so that the transport's limit counts
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
 
 
@@ -96,7 +96,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         state: The broker.
         loop: The running loop.
         sockets: Where it counts while it is open.
-        endpoint: Makes what understands the bytes.
+        endpoint: Creates the endpoint that understands the bytes.
 
     Attributes:
         write_blocked: As for :class:`Transport`.
@@ -202,7 +202,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         return self._large > 0 and self.unsent + self._out_size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:
-        """Leave what comes in the kernel, so that the far side has to wait."""
+        """Leave incoming data in the kernel, so that the far side waits."""
         if self._transport is not None and not self._closing:
             self._transport.pause_reading()
 
@@ -212,7 +212,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._transport.resume_reading()
 
     def close(self, *, linger: bool) -> None:
-        """Send what was written and close.
+        """Send all written data and close.
 
         A socket closed with unread bytes makes the kernel reset the connection, and the peer loses the reason;
         so with *linger* only the sending half is closed and what comes is thrown away for a moment.
@@ -234,7 +234,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             return
         try:
             self._transport.write_eof()
-        except OSError:  # the far side reset the connection just now: nobody is left to read the reason
+        except OSError:  # the far side has reset the connection and cannot read the reason
             self._transport.abort()
 
     def end(self, reason: ReasonCode) -> None:
@@ -280,7 +280,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._state.unsent.note(self, size if self._is_slow else 0)
 
     def _acknowledge(self) -> None:
-        """Have TCP acknowledge what came, which no answer of ours will do now.
+        """Have TCP acknowledge received data, which gets no MQTT response.
 
         Linux waits up to 40 ms, and a client with Nagle's algorithm on, as paho has it, sends nothing small meanwhile.
         """

@@ -1,4 +1,4 @@
-"""Things to do at a later time: the owner of the clock runs what is due. No I/O."""
+"""Work for a later time, run by the owner of the clock. No I/O."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class BrokerTimers:
         return deadline
 
     def run(self, now: float) -> None:
-        """Do everything due at *now*, in order of time; what is noted meanwhile has to wait for the next run."""
+        """Do all work due at *now*, in order of time; work added meanwhile waits for the next run."""
         due: deque[Deadline] = deque()
         while (found := self._queue.pop(now)) is not None:
             due.append(found[0])

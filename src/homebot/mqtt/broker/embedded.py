@@ -36,10 +36,10 @@ class EmbeddedBroker(ABC):
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
             is replaced.
-        refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
-        policy: Who may publish and subscribe what.
+        refuse_filters: Filters with subscriptions answered by 0x80; only without *policy*.
+        policy: Rights to publish and subscribe.
         on_message: Called with each message that is forwarded, wills included; must not raise.
-        random: Where assigned client ids come from; by default nobody can guess them.
+        random: Source of assigned client ids; by default unpredictable.
 
     Raises:
         UsageError: An argument is out of its range.
@@ -137,7 +137,7 @@ class EmbeddedBroker(ABC):
     async def stop(self, *, abrupt: bool = False) -> None:
         """Close all connections; sessions and retained messages stay for the next start.
 
-        Wills of the clients cut off are not published: nobody is left to receive them.
+        Wills of the closed clients are not published: there are no receivers left.
 
         Args:
             abrupt: As if the process were killed: no DISCONNECT, buffers thrown away. Otherwise MQTT 5 clients
@@ -163,7 +163,7 @@ class EmbeddedBroker(ABC):
         await self.start()
 
     def tick(self) -> None:
-        """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
+        """Do the work due by the clock; needed only with a manual clock."""
         if self._timer is not None:
             self._timer.tick()
 

@@ -25,8 +25,8 @@ class Receipt(NamedTuple):
     """The result of publishing a message.
 
     Attributes:
-        reason: Success, 0x10 nobody subscribes, or 0x97 somebody could not be sent it or it was not retained.
-        slow: Connected sessions whose queue is now so long that their publishers should wait.
+        reason: Success, 0x10 without subscribers, or 0x97 if a subscriber or the retained store had no room.
+        slow: Connected sessions with long queues, whose publishers should wait.
     """
 
     reason: ReasonCode
@@ -45,14 +45,14 @@ class MessageRouter:
     Args:
         clock: For expiry.
         limits: Bounds of the retained messages and subscriptions.
-        counters: Counts what is not retained.
+        counters: Counts messages that are not retained.
         turn: The share of the broker in a turn of the event loop.
         on_message: Called with each message.
 
     Attributes:
         subscriptions: All subscriptions by topic.
         retained: The retained messages.
-        crowded: Connected sessions whose queue was three quarters full, until it is half empty.
+        crowded: Connected sessions with a queue three quarters full, until it is half empty.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class MessageRouter:
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
     def publish(self, message: BrokerMessage) -> Receipt:
-        """Send *message* to all who subscribe to its topic, and retain it where it asks for it."""
+        """Send *message* to all subscribers of its topic, and retain it on request."""
         if self._on_message is not None:
             self._on_message(message)
         retained = not message.retain or self._retain(message)
@@ -97,7 +97,7 @@ class MessageRouter:
         return _DELIVERED if targets or groups else _UNMATCHED
 
     def without_room(self, topic: str) -> tuple[BrokerSession, ...]:
-        """Return connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
+        """Return connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
         if not self.crowded:
             return ()
         for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
@@ -116,7 +116,7 @@ class MessageRouter:
         """Add a subscription, or put it in place of the one with the same filter.
 
         Args:
-            session: Whose.
+            session: The session.
             request: The filter with its options.
             identifier: The subscription identifier; 0 is none.
             replay: Where it is added if retained messages are owed to it.

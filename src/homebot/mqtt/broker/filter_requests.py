@@ -21,7 +21,7 @@ class FilterRequests:
 
     Args:
         state: The broker.
-        session: Whose.
+        session: The session.
         outbound: Where the answers go.
         holding: Where all that comes waits while a packet is under way.
         go_on: Called when a packet that took long is done.
@@ -65,7 +65,7 @@ class FilterRequests:
         self._go_on()
 
     def stop(self) -> None:
-        """Stop, as the client is gone; what was done stays done."""
+        """Stop after the client has left; finished work stays."""
         self._current = None
         self._state.turn.forget(self._go_on)
 
@@ -97,8 +97,8 @@ class _Subscribing:
     """A SUBSCRIBE under way.
 
     Args:
-        session: Whose.
-        packet: What was asked for.
+        session: The session.
+        packet: The request.
         retained: The retained messages, of which the client is owed some.
     """
 
@@ -140,8 +140,8 @@ class _Unsubscribing:
     """An UNSUBSCRIBE under way.
 
     Args:
-        session: Whose.
-        packet: What was asked for.
+        session: The session.
+        packet: The request.
     """
 
     def __init__(self, session: BrokerSession, packet: Unsubscribe) -> None:

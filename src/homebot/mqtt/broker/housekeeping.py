@@ -20,12 +20,12 @@ class DeadlineTimer:
         self._timer: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Do what became due meanwhile, and wait for the next."""
+        """Do overdue work and wait for the next."""
         self._state.deadlines.wake = self._wake_at
         self.tick()
 
     def tick(self) -> None:
-        """Do what is due by the broker's clock."""
+        """Do the work due by the broker's clock."""
         state = self._state
         try:
             state.deadlines.run(state.clock.monotonic())

@@ -25,7 +25,7 @@ class InFlight:
 
     Args:
         window: As below, until the client connects.
-        pool: Counts the large ones among what waits for all clients.
+        pool: Counts the large messages among all waiting ones.
 
     Attributes:
         messages: By packet id; None once PUBREC has come. Only to be looked at, as the others.
@@ -73,7 +73,7 @@ class InFlight:
             self._count(queued, -1)
 
     def resume(self, outbound: Outbound, window: int) -> None:
-        """Send PUBREL again to the client that has connected, and note what else is to be sent again."""
+        """Send PUBREL again to the connected client, and mark the other messages for repetition."""
         self.window = window
         self.resend.clear()
         for packet_id, queued in self.messages.items():

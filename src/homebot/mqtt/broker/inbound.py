@@ -33,11 +33,11 @@ class Inbound:
 
     Args:
         state: The broker.
-        session: Whose messages.
+        session: The publishing session.
         outbound: Where the answers go.
 
     Attributes:
-        gone: The client is gone: what finds no room is not answered, so that it comes again.
+        gone: The client has left: a message without room is not answered, so that it is sent again.
         refusable: The client can be sent the reason why a message was not taken; from MQTT 5 on.
     """
 

@@ -1,4 +1,4 @@
-"""Limits on what the broker keeps and how long it waits: every bound in one place, with what happens beyond it."""
+"""Limits on memory and waiting times of the broker: every bound in one place, with its overflow rule."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class BrokerLimits:
         max_topic_levels: Levels of a topic or filter; a deeper one is refused (0x90, 0x8F).
         max_packet_size: The largest packet taken; a larger one ends the connection (0x95).
         max_control_size: The largest packet taken other than CONNECT and PUBLISH; likewise.
-        max_connect_size: The largest CONNECT taken, so that nobody fills the memory without a password.
+        max_connect_size: The largest accepted CONNECT, a bound on memory before authentication.
         max_waiting_logins: Connections that have not logged in; one more costs the oldest of the host that has most
             of them.
         max_unread_login_bytes: Bytes of incomplete packets on all of these together; beyond it the one incomplete

@@ -85,7 +85,7 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
 
 
 def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
-    """Fill in what *connect* leaves open."""
+    """Fill in missing values of *connect*."""
     properties = connect.properties
     is_v5 = connect.version is ProtocolVersion.V5
     keep_alive, limit = connect.keep_alive, state.keep_alive

@@ -1,4 +1,4 @@
-"""A message on its way through the broker, encoded once for all who get the same bytes."""
+"""A message on its way through the broker, encoded once for all receivers of the same bytes."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class BrokerMessage:
     Attributes:
         topic: Full topic name.
         payload: The content.
-        qos: What it was published with.
+        qos: QoS of the publication.
         retain: Whether it was published to be retained.
-        properties: What goes on to subscribers: no topic alias, no subscription identifiers.
+        properties: Properties for subscribers: no topic alias, no subscription identifiers.
         origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
         kind: What :attr:`encoded` is for: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
             nothing is kept. Receivers alike are served from there without a call.
-        encoded: What :meth:`parts` returned first, for receivers without subscription identifiers.
+        encoded: First result of :meth:`parts`, for receivers without subscription identifiers.
         holders: How many places it has in queues.
         order: Its number among the retained messages; only they have one.
         size: About its bytes (topic, payload and properties), for the bounds.
@@ -97,11 +97,11 @@ class BrokerMessage:
         not take several times the memory it is counted with.
 
         Args:
-            version: What the receiver speaks.
-            qos: What it is sent with.
+            version: Protocol version of the receiver.
+            qos: QoS of the delivery.
             retain: The retain flag it is sent with.
             identifiers: The subscription identifiers the receiver gave.
-            now: The clock's monotonic time; a message that expires is sent with what is left of its interval.
+            now: Monotonic time; an expiring message is sent with the rest of its interval.
         """
         is_v5 = version is ProtocolVersion.V5
         kind = is_v5 << 3 | qos << 1 | retain
@@ -123,7 +123,7 @@ class BrokerMessage:
         return parts
 
     def forget_encoded(self) -> None:
-        """Free what :meth:`parts` has kept: all who were there have got it."""
+        """Free the bytes kept by :meth:`parts` after the last receiver."""
         self.kind = -1
         self.encoded = _NOTHING
         self._more = None

@@ -37,8 +37,8 @@ class Outbound:
     Args:
         link: Where the bytes go.
         clock: For the rest of a message's expiry interval.
-        counters: Counts what is sent and what is too large.
-        version: What the client speaks.
+        counters: Counts sent and oversized packets.
+        version: Protocol version of the client.
         on_too_large: Called with the topic and size of a message that the client does not take, and the client's limit.
         max_packet_size: The largest packet the client takes, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.
@@ -84,7 +84,7 @@ class Outbound:
         """Write a message; False, counted and logged, where the client does not take packets of its size.
 
         Args:
-            queued: What to send.
+            queued: The queued messages.
             packet_id: 1 to 65,535 at QoS 1 and 2.
             dup: It may have been sent before.
         """

@@ -55,7 +55,7 @@ class PeerLog:
         return _client_text(self.client_id, self._link.address)
 
     def failed(self, error: PacketError) -> None:
-        """Log that the connection ends because of what the client did or left undone."""
+        """Log the end of the connection caused by the client."""
         self._state.warn(
             "broker.connection_failed",
             f"the broker cut off {self.client_text}: {short(error.problem)}",
@@ -112,7 +112,7 @@ class Peer:
         link: Where bytes go; it hands on the bytes that come.
 
     Attributes:
-        failure: What the client did or left undone that ended the connection; None while nothing has.
+        failure: The client's fault that ended the connection, or None.
     """
 
     def __init__(self, state: BrokerState, link: Transport) -> None:
@@ -178,7 +178,7 @@ class Peer:
             self._client.session.pump()
 
     def lost(self) -> None:
-        """End, as the link is gone; what came before is handled first."""
+        """End after the link is lost; received packets are handled first."""
         if self._is_deferred:
             self._is_lost = True
         else:
@@ -188,7 +188,7 @@ class Peer:
         """Close the connection from the broker's side: MQTT 5 clients are sent *reason*.
 
         Args:
-            reason: What DISCONNECT carries.
+            reason: Reason code of DISCONNECT.
             publish_will: Whether the client's will is published.
         """
         self._close(reason, "", publish_will=publish_will)
@@ -228,7 +228,7 @@ class Peer:
             self._link.resume_reading()
 
     def _check_start(self, data: bytes) -> None:
-        """Refuse what is not MQTT, such as a browser, without waiting for the rest of a packet."""
+        """Refuse other protocols, such as a browser's, without waiting for the rest of a packet."""
         if not self._started and data[:1] != _CONNECT:
             raise PacketError(f"the first byte is 0x{data[0]:02x}, not that of CONNECT", code=ReasonCode.PROTOCOL_ERROR)
         self._started = True

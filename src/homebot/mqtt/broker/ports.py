@@ -1,4 +1,4 @@
-"""Ports of the broker: what carries the bytes of a client, what understands them, and who may publish and subscribe."""
+"""Ports of the broker: transport of bytes, endpoint of a connection, and policy of topics."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Transport(Protocol):
         ...
 
     def close(self, *, linger: bool) -> None:
-        """Send what was written, then close.
+        """Send all written data, then close.
 
         Args:
             linger: The far side may still be sending: drain it for a moment, or the reason is lost.
@@ -59,7 +59,7 @@ class Transport(Protocol):
 
 
 class ConnectionHandler(Protocol):
-    """A port for the events of one connection; :class:`Peer` fills it, and so does what is put around a peer."""
+    """A port for the events of one connection; :class:`Peer` and its wrappers implement it."""
 
     @property
     def client_text(self) -> str:

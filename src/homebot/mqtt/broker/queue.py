@@ -31,7 +31,7 @@ class QueuedMessage(NamedTuple):
 
     Attributes:
         message: The message.
-        qos: What it is sent with, 0 to 2.
+        qos: QoS of the delivery, 0 to 2.
         retain: The retain flag it is sent with.
         identifiers: The subscription identifiers of all subscriptions that matched.
         share: Group and filter where it came by a shared subscription.
@@ -46,19 +46,19 @@ class QueuedMessage(NamedTuple):
 
 @final
 class MessageQueue:
-    """A first-in-first-out queue that knows how full it is, but leaves it to its owner what to do then.
+    """A first-in-first-out queue that knows its size and leaves overflow to its owner.
 
     Retained messages that are owed to new subscriptions stand in it as one :class:`Replay`, which has them found when
     its turn comes.
 
     Attributes:
-        messages: What waits, the next to be sent first; only to be looked at.
-        size: The bytes of what waits.
+        messages: The waiting messages, the next one first; read-only.
+        size: Bytes of the waiting messages.
 
     Args:
         max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
-        pool: Counts what is in all queues.
+        pool: Counts all queues.
     """
 
     __slots__ = (
@@ -76,7 +76,7 @@ class MessageQueue:
     def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
         self._pool = pool
         self.messages: deque[QueuedMessage | Replay] = deque()
-        self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
+        self._replays: deque[tuple[Replay, int]] = deque()  # with the counted size of each
         self.size = 0
         self._qos0 = 0
         self._max_messages = max_messages
@@ -116,7 +116,7 @@ class MessageQueue:
         return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
 
     def append(self, queued: QueuedMessage) -> None:
-        """Add at the end, whatever the bound is."""
+        """Add at the end, beyond any bound."""
         self.messages.append(queued)
         message, qos, _, _, _ = queued
         self.size += message.size
@@ -129,7 +129,7 @@ class MessageQueue:
             self._pool.hold(message)
 
     def append_replay(self, replay: Replay) -> None:
-        """Add at the end the retained messages of new subscriptions, whatever the bound is."""
+        """Add the retained messages of new subscriptions at the end, beyond any bound."""
         self.messages.append(replay)
         self._replays.append((replay, replay.size))
         self.size += replay.size
@@ -176,7 +176,7 @@ class MessageQueue:
                     self.append(first)
 
     def clear(self) -> list[QueuedMessage]:
-        """Take all but what replays still had to find."""
+        """Remove all but unfinished replays."""
         messages = []
         while self.messages:
             first = self.popleft()

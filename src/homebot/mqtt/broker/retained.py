@@ -165,7 +165,7 @@ class Replay:
             self._exact.append(subscription)
 
     def leave_out_qos0(self) -> None:
-        """Leave out QoS 0 messages: the client is gone, and only what is kept for it counts."""
+        """Leave out QoS 0 messages for an absent client."""
         self._only_kept = True
         self.complete = True
 

@@ -63,9 +63,9 @@ class Broker(EmbeddedBroker):
         credentials: Passwords by user name; None lets everybody in.
         tls: Speak TLS with this server-side context.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
-        refuse_filters: Filters whose subscription is answered with 0x80.
-        policy: Who may publish and subscribe what.
-        endpoint: Makes what understands the bytes of one connection; to put something around each :class:`Peer`.
+        refuse_filters: Filters with subscriptions answered by 0x80.
+        policy: Rights to publish and subscribe.
+        endpoint: Creates the endpoint of one connection; to wrap each :class:`Peer`.
         on_message: Called with each message that is forwarded.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Session of one client id: what the broker keeps for it, and the delivery of messages to it. No I/O.
+"""Session of one client id: its stored messages and their delivery. No I/O.
 
 What is in flight is bounded, the other messages wait in the queue. When the client comes back to its session,
 everything in flight is sent again before the queue.
@@ -40,25 +40,25 @@ class BrokerSession:
     """The state of one client id, while connected and in between.
 
     Attributes:
-        client_id: Whose it is.
+        client_id: The client id.
         expiry: Seconds it is kept after the connection ends; infinite for ever.
         outbound: Where messages go, None while the client is away.
         subscriptions: By the filter as the client gave it.
         received: Packet ids of QoS 2 messages taken from the client and not released.
         has_ended: It is forgotten, and gets nothing any more.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
-        held_publishers: Those who wait for this session to catch up.
-        in_flight: What the client has not acknowledged.
+        held_publishers: Publishers waiting for this session.
+        in_flight: Unacknowledged messages.
 
     Args:
         client_id: As above.
         clock: For expiry.
-        limits: Bounds of the queue and of what is in flight.
-        counters: Counts what is dropped.
+        limits: Bounds of the queue and of messages in flight.
+        counters: Counts dropped messages.
         turn: The share of the broker in a turn of the event loop.
         crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
             reads it strikes it out.
-        pool: Counts what waits for all sessions.
+        pool: Counts the waiting messages of all sessions.
         host: Where its client is.
     """
 
@@ -99,7 +99,7 @@ class BrokerSession:
 
     @property
     def size(self) -> int:
-        """The bytes of what waits for it, or is large and not acknowledged."""
+        """The bytes of its waiting messages, and of large unacknowledged ones."""
         return self._queue.size + self.in_flight.size
 
     @property
@@ -109,7 +109,7 @@ class BrokerSession:
 
     @property
     def congested(self) -> bool:
-        """True if the client is connected and too slow for what is sent to it."""
+        """True if the client is connected and too slow."""
         return self.outbound is not None and self._queue.high
 
     @property
@@ -198,7 +198,7 @@ class BrokerSession:
         return self.subscriptions.get(subscription.name) is subscription
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
-        """Send what is in flight again to the client that has connected, then what waited."""
+        """Repeat messages in flight to the connected client, then send the queue."""
         self.outbound = outbound
         self.in_flight.resume(outbound, min(receive_maximum, self._limits.max_inflight))
         self._mark_congested()
@@ -212,7 +212,7 @@ class BrokerSession:
         self._release_publishers()
 
     def pump(self) -> None:
-        """Send what waits, as far as the client takes it and there is time in this turn."""
+        """Send queued messages, as far as the client and this turn allow."""
         outbound, queue, in_flight = self.outbound, self._queue, self.in_flight
         messages, sent, resend, window = queue.messages, in_flight.messages, in_flight.resend, in_flight.window
         unchecked = _UNCHECKED
@@ -264,7 +264,7 @@ class BrokerSession:
         return (each for each in messages if each.share is not None and each.qos)
 
     def shrink(self) -> None:
-        """Drop the oldest of what waits for an absent client, a quarter of it."""
+        """Drop the oldest quarter of the queue of an absent client."""
         wanted = self._queue.size * 3 // 4
         while self._queue and self._queue.size > wanted:
             self._queue.popleft()

@@ -14,10 +14,10 @@ class SessionSubscription(NamedTuple):
     """A filter with its options.
 
     Attributes:
-        name: The filter as the client gave it, ``$share/GROUP/`` included; what it is unsubscribed by.
-        filter: What topics are matched against.
+        name: The filter as given, with ``$share/GROUP/``; the key for unsubscribing.
+        filter: The filter for matching topics.
         qos: The highest QoS to send with.
-        no_local: Not what the client published itself.
+        no_local: Whether the client's own publications are excluded.
         retain_as_published: Keep the retain flag.
         identifier: The subscription identifier; 0 is none.
         share: Group and filter of a shared subscription, else None.

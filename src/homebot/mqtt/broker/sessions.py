@@ -24,7 +24,7 @@ __all__ = ["Sessions", "will_size"]
 
 @final
 class Sessions:
-    """All sessions by client id, with what is to happen to them later.
+    """All sessions by client id, with their planned ends.
 
     Args:
         exchange: Where wills are published and subscriptions live.
@@ -33,7 +33,7 @@ class Sessions:
         limits: How many sessions there may be.
         counters: Counts those pushed out.
         turn: The share of the broker in a turn of the event loop.
-        pool: Counts what waits for all of them.
+        pool: Counts the waiting messages of all sessions.
     """
 
     def __init__(
@@ -97,11 +97,11 @@ class Sessions:
         return session, False
 
     def detach(self, session: BrokerSession, will: Will | None) -> None:
-        """Keep or end *session*, whose client is gone.
+        """Keep or end the *session* of a client that has left.
 
         Args:
-            session: Whose client.
-            will: What is to be published, after its delay or when the session ends, or None.
+            session: The session.
+            will: The will to publish after its delay or at the end of the session, or None.
         """
         session.detach()
         absence = _Absence(will)

@@ -39,22 +39,22 @@ class BrokerState:
     Args:
         clock: The time to go by.
         limits: All bounds.
-        authentication: Who may log in; by default everybody.
-        policy: Who may publish and subscribe what; by default everybody everything.
+        authentication: The check of logins; by default everybody may log in.
+        policy: Rights to publish and subscribe; by default all.
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
         on_message: Called with each message that is forwarded, wills included; must not raise.
-        random: Where assigned client ids come from; by default nobody can guess them.
+        random: Source of assigned client ids; by default unpredictable.
         call_soon: Schedules a call in the next turn of the event loop; by default the next run of the deadlines.
 
     Attributes:
         peers: Logged-in connections by client id.
-        deadlines: What is due when; the carrier runs it.
+        deadlines: Work by time; the carrier runs it.
         turn: The share of each turn of the event loop for all connections together.
         waiting_logins: Connections that have not logged in.
         throttle: How long they have to wait after wrong passwords.
         unread_logins: Their incomplete packets.
-        pool: What waits for all sessions.
-        unsent: What waits for all sockets.
+        pool: The waiting messages of all sessions.
+        unsent: The unsent bytes of all sockets.
         unread: The incomplete packets of the others.
     """
 
@@ -115,7 +115,7 @@ class BrokerState:
         Args:
             event: The constant name.
             message: The same as a sentence for people.
-            facts: What is known; texts are cut to 100 characters.
+            facts: Further facts; texts are cut to 100 characters.
         """
         held_back = self._log_limit.allows(event)
         if held_back is None:
@@ -132,7 +132,7 @@ class BrokerState:
         self.deadlines.at(self.clock.monotonic(), call)
 
     def _plan_relief(self) -> None:
-        """Plan to make room soon, because whoever fills the queues is in the middle of it."""
+        """Plan to make room soon, in a later turn than the current flood."""
         if not self._is_relief_planned:
             self._is_relief_planned = True
             self.deadlines.at(self.clock.monotonic(), self._relieve)

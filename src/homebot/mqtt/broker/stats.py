@@ -16,15 +16,15 @@ class Counters:
     Attributes:
         connections_accepted: Sockets accepted.
         connections_refused: Sockets or logins turned away.
-        connections_failed: Connections closed because of what the client did or left undone.
-        connections_closed: Connections that ended, whoever ended them.
+        connections_failed: Connections closed because of their clients.
+        connections_closed: Connections that ended for any reason.
         messages_received: PUBLISH packets taken from clients.
         messages_sent: PUBLISH packets written to clients.
-        dropped_qos0: QoS 0 messages not sent to a client whose socket was full.
+        dropped_qos0: QoS 0 messages for a client with a full socket.
         dropped_offline: The oldest messages pushed out of the queue of an absent client.
-        dropped_overrun: Messages refused for a connected client that stayed too slow, or whose publisher had gone.
+    dropped_overrun: Messages refused for a connected client that stayed too slow, or after the end of their publisher.
         dropped_too_large: Messages larger than the client's Maximum Packet Size.
-        dropped_expired: Messages whose expiry interval passed before they were sent.
+        dropped_expired: Messages that expired before they were sent.
         dropped_refused: Publishes a policy refused.
         subscriptions_refused: Subscriptions refused for want of room.
         retained_refused: Messages not retained for want of room.
@@ -63,7 +63,7 @@ class Counters:
 
 @dataclass(slots=True, kw_only=True)
 class BrokerStats(Counters):
-    """A snapshot of the broker: the :class:`Counters`, and what it holds now.
+    """A snapshot of the broker: the :class:`Counters` and its present content.
 
     Attributes:
         clients: Clients connected now.
@@ -83,7 +83,7 @@ class BrokerStats(Counters):
 
     @classmethod
     def of(cls, counters: Counters, **held: int) -> BrokerStats:
-        """Join *counters* with what is held now."""
+        """Join *counters* with the present content."""
         return cls(**asdict(counters), **held)
 
 
@@ -94,7 +94,7 @@ _TEXTS: Final = {
     "dropped_too_large": "too large for their clients",
     "retained_refused": "to be retained, because the limit was reached",
 }
-"""What counts as a loss; an expired message, or one that a policy refused, does not."""
+"""The losses; expired messages and those refused by a policy do not count."""
 
 _KEPT: Final = 60
 
@@ -105,7 +105,7 @@ def loss_text(counters: Counters, before: Losses = ()) -> str:
     """Return such as ``5 messages (3 at QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
     Args:
-        counters: What was counted.
+        counters: The counters.
         before: The losses to leave out.
 
     Returns:
@@ -125,7 +125,7 @@ class LossReport:
     """Reports the losses since the last report, and recent ones: over the last sixty reports.
 
     Args:
-        counters: What is counted.
+        counters: The counters.
     """
 
     def __init__(self, counters: Counters) -> None:

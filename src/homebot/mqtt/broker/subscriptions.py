@@ -18,7 +18,7 @@ _LONGEST_CACHED = 512  # characters of a topic
 
 
 class Target(NamedTuple):
-    """One session that gets a topic: one copy, whatever the number of its subscriptions that match.
+    """One receiving session of a topic: one copy for any number of matching subscriptions.
 
     Attributes:
         session: The session.
@@ -50,7 +50,7 @@ class Target(NamedTuple):
         return cls(session, highest, keeps_retain, tuple(identifiers), tuple(matched) if has_no_local else ())
 
     def without_local(self) -> Target | None:
-        """Return what is left of it for a message that the session's own client published."""
+        """Return the rest of it for a message of the session's own client."""
         rest = [each for each in self.matched if not each.no_local]
         return Target.of(self.session, rest) if rest else None
 

@@ -20,12 +20,12 @@ _ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are handed on
 
 @final
 class TlsSocket(asyncio.BufferedProtocol):
-    """The protocol of the socket, and the transport of what is on top.
+    """The protocol of the socket, and the transport of the upper protocol.
 
     Args:
         context: The server's side of TLS.
-        user: What is on top.
-        on_failure: Called with the reason why a handshake, or what came after it, was no TLS.
+        user: The upper protocol.
+        on_failure: Called with the reason of a failed handshake or invalid data after it.
     """
 
     def __init__(
@@ -95,12 +95,12 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._is_paused = True
 
     def resume(self) -> None:
-        """Hand on what was read already, soon."""
+        """Pass on received data soon."""
         self._is_paused = False
         asyncio.get_running_loop().call_soon(self._go_on)
 
     def close_tls(self) -> bool:
-        """Send close_notify; False where there is nobody to send it to yet."""
+        """Send close_notify; return False before the handshake."""
         if not self._is_ready or self._is_over:
             return False
         self._is_over = True

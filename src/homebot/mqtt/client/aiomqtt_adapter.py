@@ -56,7 +56,7 @@ T = TypeVar("T")
 
 @final
 class AiomqttClient(BaseClient):
-    """The `MqttClient` port on aiomqtt 2; make it inside a running event loop, with what `BaseClient` takes."""
+    """The `MqttClient` port on aiomqtt 2; create it inside a running event loop, with the arguments of `BaseClient`."""
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -166,7 +166,7 @@ class _AiomqttLink(ClientLink):
         return reason
 
     async def _answer_to(self, request: tuple[MQTTErrorCode, int | None], what: str) -> Answer:
-        """Wait for the answer to what paho was asked, and is about to send."""
+        """Wait for the answer to a request that paho is about to send."""
         result, packet_id = request
         if packet_id is None:
             raise LinkError(f"{what} failed: {paho.error_string(result)}")
@@ -209,7 +209,7 @@ class _AiomqttLink(ClientLink):
             is_unreadable = code.value == ReasonCode.PROTOCOL_ERROR
             reason = LinkError(UNREADABLE if is_unreadable else "the broker closed the connection")
             self.cut(reason if self._is_granted else early_end(reason, self._options))
-        success = PahoReason(PacketTypes.DISCONNECT)  # or aiomqtt keeps an error that nobody reads
+        success = PahoReason(PacketTypes.DISCONNECT)  # otherwise aiomqtt keeps an unread error
         self._then_disconnect(client, userdata, flags, success, properties)
 
     def _handle(self, frame: Frame) -> None:

@@ -1,4 +1,4 @@
-"""The half of an MQTT client, and of each of its links, that does not depend on who speaks on the link."""
+"""The part of an MQTT client, and of its links, that is independent of the implementation."""
 
 from __future__ import annotations
 
@@ -192,13 +192,13 @@ class BaseClient(ABC):
 
 
 class ClientLink(ABC):
-    """One link from its login to its end: what comes is cut into packets, and messages are the receiver's.
+    """One link from login to end: incoming bytes are cut into packets, and messages go to the receiver.
 
     Whoever speaks on the link gets all other packets. Fills :class:`homebot.mqtt.client.transport.TransportUser`.
 
     Args:
         options: Login and limits.
-        version: What to speak.
+        version: Protocol version.
         receiver: Where messages go.
         requests: The open requests.
 
@@ -258,7 +258,7 @@ class ClientLink(ABC):
         """Send DISCONNECT and wait until the link is closed; *ends_session* where the version has a field for it."""
 
     def acknowledge(self, data: bytes) -> None:
-        """Send acknowledgements, perhaps together with what follows; nothing where the link is lost."""
+        """Send acknowledgements, perhaps together with later data; nothing on a lost link."""
         if self._lost is None and self.transport is not None:
             self.transport.write_acknowledgements(data)
 
@@ -374,7 +374,7 @@ class ClientLink(ABC):
             self.transport.write(data)
 
     async def _wait_until_taken(self) -> None:
-        """Wait while the broker is far behind in taking what was said."""
+        """Wait while the broker is far behind in reading."""
         while self.transport is not None and self.transport.waiting > SEND_BUFFER and self._lost is None:
             self._drained = self._drained or anyio.Event()
             await self._drained.wait()

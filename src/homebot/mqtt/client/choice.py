@@ -15,7 +15,7 @@ MqttClientName: TypeAlias = Literal["aiomqtt", "native"]
 
 
 def client_maker(name: MqttClientName) -> Callable[[MqttOptions], MqttClient]:
-    """Find what makes clients of this name."""
+    """Return the factory for clients of this name."""
     if name == "native":
         return NativeClient
     from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient  # noqa: PLC0415 - its libraries take long to import

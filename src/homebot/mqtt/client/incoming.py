@@ -18,10 +18,10 @@ from homebot.mqtt.topics import validate_topic
 __all__ = ["Frame", "FrameReader", "PublishReader"]
 
 _HEAD = 2 + 65_535 + 2
-"""Longest topic and packet identifier at the start of a PUBLISH: what is kept of one that is too large."""
+"""Longest topic and packet identifier at the start of a PUBLISH: the kept part of an oversized one."""
 
 _TOPIC_CACHE = 4096
-"""Topics whose check is remembered; a house has fewer, and a stranger's flood of topics only costs the speed-up."""
+"""Topics with a remembered check; a house has fewer, and a flood of topics only loses the speed-up."""
 
 _LONGEST_CACHED = 256
 """Longer topics are checked each time, so that the memory stays near one megabyte."""
@@ -131,7 +131,7 @@ class PublishReader:
         self._topics: dict[bytes, str] = {}
 
     def packet_id(self, packet: Frame) -> int:
-        """Return the packet identifier, also of a packet whose rest is cut or bad; 0 where none can be read."""
+        """Return the packet identifier, also of a cut or invalid packet; 0 if it cannot be read."""
         if not packet.first & 0x06:
             return 0
         start = 2 + int.from_bytes(packet.body[:2], "big")
@@ -143,7 +143,7 @@ class PublishReader:
 
         Args:
             packet: A PUBLISH.
-            receipt: What the message will be acknowledged by.
+            receipt: Receipt for the acknowledgement.
 
         Raises:
             WireError: The packet does not follow the protocol.

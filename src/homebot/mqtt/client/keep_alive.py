@@ -31,7 +31,7 @@ class KeepAlive:
 
     Attributes:
         due: When to look again.
-        heard_at: When bytes came last; whoever reads them sets it.
+        heard_at: Time of the last received bytes, set by the reader.
     """
 
     def __init__(self, interval: float, timeout: float, now: float) -> None:
@@ -42,7 +42,7 @@ class KeepAlive:
         self.due = now + interval
 
     def check(self, now: float) -> LifeSign:
-        """Return what is to be done now; a ping counts as sent."""
+        """Return the action due now; a ping counts as sent."""
         self._waiting = self._waiting and self.heard_at < self._pinged_at
         if self._waiting:
             self.due = self._pinged_at + self._patience

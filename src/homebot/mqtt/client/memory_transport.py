@@ -27,7 +27,7 @@ class MemoryLink:
 
     Args:
         state: The broker.
-        user: Who is at the other end.
+        user: The user at the other end.
         address: The other end in words.
         on_closed: Told once, when the broker is through with the link.
 
@@ -76,26 +76,26 @@ class MemoryLink:
         self._up.resume()
 
     def close(self, *, linger: bool) -> None:  # noqa: ARG002 - in memory no reason is ever lost
-        """Send what was written, then close."""
+        """Send all written data, then close."""
         if not self._closing:
             self._closing = True
             self._down.end()
             self._loop.call_soon(self._finish)
 
     def abort(self) -> None:
-        """Cut the link, as if the client had vanished: what is under way is lost, and its will is published."""
+        """Cut the link as if the client had vanished: data on the way is lost, and the will is published."""
         if not self._closing:
             self._closing = True
             self._down.cut()
             self._loop.call_soon(self._finish)
 
     def freeze(self) -> None:
-        """Carry nothing more, either way, and tell nobody: as if a cable were pulled. Bytes wait."""
+        """Carry nothing more either way, silently, as if a cable were pulled. Bytes wait."""
         self._up.freeze()
         self._down.freeze()
 
     def thaw(self) -> None:
-        """Carry what waited, and all that follows."""
+        """Carry the waiting data and all that follows."""
         self._up.thaw()
         self._down.thaw()
 
@@ -165,15 +165,15 @@ class MemorySocket:
         self._down.resume()
 
     def close(self) -> None:
-        """Send what was written, then close; nothing more is received."""
+        """Send all written data, then close; nothing more is received."""
         self._down.deafen()
         self._up.end()
 
     async def wait_closed(self) -> None:
-        """Return at once: what was written arrives."""
+        """Return at once: written data always arrives."""
 
     def abort(self) -> None:
-        """Cut the link: what the broker has not taken yet is lost, and nothing more is received."""
+        """Cut the link: unread data is lost, and nothing more is received."""
         self._down.deafen()
         self._up.cut()
 
@@ -211,7 +211,7 @@ class _Pipe:
         self.end()
 
     def deafen(self) -> None:
-        """Deliver nothing more to who listens here; what comes is thrown away."""
+        """Deliver nothing more to the listener; incoming data is discarded."""
         self._deliver = self._ended = None
         self.resume()
 

@@ -95,7 +95,7 @@ class ClientProtocol(ClientLink):
 
     Args:
         options: Login and limits.
-        version: What to speak.
+        version: Protocol version.
         receiver: Where messages go.
         requests: The client's open requests.
     """

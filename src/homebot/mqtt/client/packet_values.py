@@ -59,7 +59,7 @@ def disconnect_packet(*, ends_session: bool) -> Disconnect:
 
 
 def session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
-    """Return what the broker granted."""
+    """Return the properties granted by the broker."""
     granted = answer.properties
     return SessionGrant(
         resumed=answer.session_present,

@@ -35,7 +35,7 @@ class PahoSocket:
         client: The client; it may connect in a thread.
         options: Broker and limits.
         tls: How to shake hands; None without TLS.
-        link: Is given the transport, and hands to `feed` what is paho's.
+        link: Receives the transport, and passes paho's bytes to `feed`.
 
     Attributes:
         check_hostname: True, so that paho leaves the check to the handshake.
@@ -55,7 +55,7 @@ class PahoSocket:
         self._handshake: asyncio.Task[None] | None = None
         self._is_over = self._is_publishing = False
         self._unread = bytearray()  # at most one packet
-        client.tls_set_context(self)  # type: ignore[arg-type] # it has what paho asks of a context
+        client.tls_set_context(self)  # type: ignore[arg-type] # it has all methods that paho uses
         client.on_socket_open, client.on_socket_register_write = self._on_open, self._on_register_write
         client.on_socket_close = client.on_socket_unregister_write = None
 
@@ -82,7 +82,7 @@ class PahoSocket:
         try:
             while self._unread and self._client.socket() is not None:
                 self._client.loop_read()
-        except Exception as error:  # there is no telling what a decoder stumbles over
+        except Exception as error:  # a decoder may fail in any way
             raise WireError(repr(error), frame.body) from error
 
     def end(self) -> None:
@@ -116,7 +116,7 @@ class PahoSocket:
         return piece
 
     def send(self, data: bytes) -> int:
-        """Write *data*; what the broker does not take at once waits."""
+        """Write *data*; the rest waits for the broker."""
         if self._link.transport is None or self._is_over:
             raise ConnectionAbortedError("the link has ended")
         self._link.transport.write(data)
@@ -127,7 +127,7 @@ class PahoSocket:
         return -1 if self._connected is None else self._connected.fileno()
 
     def close(self) -> None:
-        """Send what was written, then close."""
+        """Send all written data, then close."""
         self.end()
         if self._link.transport is not None:
             self._link.transport.close()

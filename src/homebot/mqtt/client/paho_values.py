@@ -33,13 +33,13 @@ __all__ = [
 MOST_QOS: Final = 1
 """The highest QoS to publish with."""
 
-# The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
+# The libraries log peers' mistakes without a limit; our errors and events contain the facts.
 _NULL_LOGGER: Final = logging.getLogger("homebot.mqtt.silence")
 _NULL_LOGGER.disabled = True
 
 
 def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
-    """Return what aiomqtt makes a client from."""
+    """Return the arguments for aiomqtt's client."""
     clean, will, is_v5 = options.session_expiry == 0, options.will, version == "5"
     return {
         "hostname": options.host,
@@ -116,7 +116,7 @@ _options = lru_cache(maxsize=64)(SubscribeOptions)  # paho only reads them, and 
 
 
 def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:
-    """Return what the broker granted."""
+    """Return the properties granted by the broker."""
     return SessionGrant(
         resumed=bool(flags.session_present),
         protocol=version,

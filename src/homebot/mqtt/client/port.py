@@ -1,4 +1,4 @@
-"""The port: what homebot asks of an MQTT client, whatever library is behind it."""
+"""The port of MQTT clients, independent of the library."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class MqttSubscription(NamedTuple):
     Attributes:
         filter: Topic filter; ``+`` is one level, a final ``#`` is the rest.
         qos: Highest delivery level wanted, 0 to 2.
-        no_local: Leave out what this client published itself. MQTT 5; ignored by 3.1.1.
+        no_local: Exclude this client's own publications. MQTT 5; ignored by 3.1.1.
         retain_as_published: Keep the sender's retain flag on live messages. MQTT 5; ignored by 3.1.1.
         retain_handling: Stored messages come 0: always, 1: only with a new subscription, 2: never.
             MQTT 5; ignored by 3.1.1, which always sends them.
@@ -58,7 +58,7 @@ class PublishResult(NamedTuple):
     """The broker has taken the message.
 
     Attributes:
-        reason: MQTT 5 reason code below 0x80: 0 is success, 0x10 is "nobody subscribes to this".
+        reason: MQTT 5 reason code below 0x80: 0 is success, 0x10 means no subscribers.
             Always 0 for QoS 0 and MQTT 3.1.1.
     """
 
@@ -71,7 +71,7 @@ class MqttCounters:
 
     Attributes:
         received: Messages put in the inbox.
-        dropped_overflow: Messages of QoS 0 dropped because nobody read the inbox.
+        dropped_overflow: Messages of QoS 0 dropped because the inbox was full.
         dropped_oversize: Packets dropped because they were larger than the limit.
         dropped_malformed: Packets dropped because they did not follow the protocol.
     """
@@ -89,7 +89,7 @@ class MqttClient(Protocol):
     acknowledged; without that they come again on the next link of a resumed session. Those of QoS 1 may therefore come
     twice. Those of QoS 0 are dropped, oldest first and counted, when the inbox is full.
 
-    One task reads (`receive`); any number publish. Errors of the link do not name the broker: who reports them does.
+    One task reads (`receive`); any number publish. Errors of the link do not name the broker: the caller does.
     """
 
     @property

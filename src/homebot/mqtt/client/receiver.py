@@ -31,10 +31,10 @@ class Receiver:
 
     Args:
         options: The limits.
-        clock: Paces the log lines about dropped messages: somebody else decides how many there are.
+        clock: Paces the log lines about dropped messages, whose number the peer decides.
 
     Attributes:
-        counters: What happened since this was made.
+        counters: Counters since its creation.
         take: Returns all messages that are there; see `Inbox.take`.
         settle: Returns the acknowledgements to send for messages; see `DeliveryLedger.settle`.
     """
@@ -51,7 +51,7 @@ class Receiver:
         self.settle = self._ledger.settle
 
     def begin_link(self, session: SessionGrant) -> None:
-        """Begin a link, whose messages follow."""
+        """Begin a link."""
         self._ledger.begin_link(resumed=session.resumed)
         self._inbox.reopen(resumed=session.resumed)
         self._reader = PublishReader(has_properties=session.protocol == "5")
@@ -61,7 +61,7 @@ class Receiver:
         self._inbox.end(reason)
 
     def publish(self, packet: Frame) -> bytes:
-        """Take in one PUBLISH, for the next :meth:`deliver`; return what to answer, mostly nothing. Never raises."""
+        """Handle one PUBLISH for the next :meth:`deliver`; return the response, mostly nothing. Never raises."""
         first, _, oversize = packet
         qos = first >> 1 & 3
         receipt, answer = 0, b""
@@ -177,7 +177,7 @@ class Inbox:
         return taken
 
     def end(self, reason: LinkError | RefusedError) -> None:
-        """End, because of *reason*: nothing more will come; what is there can still be taken."""
+        """End because of *reason*: nothing more will come; queued messages can still be read."""
         self._ended = reason
         if self._wake is not None:
             self._wake_up(self._wake)
@@ -240,7 +240,7 @@ class DeliveryLedger:
         return self._session << 16 | packet_id, b""
 
     def settle(self, messages: Iterable[MqttMessage]) -> bytes:
-        """Return the acknowledgements to send for *messages*; what cannot be acknowledged any more is passed over."""
+        """Return the acknowledgements for *messages*; expired receipts are skipped."""
         out = bytearray()
         for message in messages:
             if message.qos == 1:

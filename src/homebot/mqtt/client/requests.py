@@ -21,7 +21,7 @@ _LAST = 65_535
 
 @final
 class Requests:
-    """Packet identifiers, who waits for which answer, and the handshakes of QoS 2; over all links of a client.
+    """Packet identifiers, pending requests and the handshakes of QoS 2; over all links of a client.
 
     Args:
         random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
@@ -63,7 +63,7 @@ class Requests:
         return answer
 
     def forget(self, packet_id: int) -> None:
-        """Forget an answer that nobody waits for any more."""
+        """Forget an answer without waiting callers."""
         self._answers.pop(packet_id, None)
 
     def hold(self, publish: Publish) -> None:
@@ -78,7 +78,7 @@ class Requests:
         return Pubrel(packet_id)
 
     def answered(self, packet_id: int, reasons: Answer) -> None:
-        """Handle the last answer to *packet_id*; do nothing where nobody waits for it any more."""
+        """Handle the last answer to *packet_id*; do nothing without a waiting caller."""
         self._open.pop(packet_id, None)
         expected = self._answers.get(packet_id)
         if expected is not None and not expected[0].done():
@@ -103,7 +103,7 @@ class Requests:
 class SendWindow:
     """The window of own publishes that may be open on one link at once; the others wait in their order.
 
-    Who waits is set free when the link is lost.
+    Waiting callers are released when the link is lost.
 
     Args:
         size: Places at the start; below 1 others have to end first.
@@ -114,7 +114,7 @@ class SendWindow:
         self._waiters: deque[asyncio.Future[None]] = deque()
 
     async def acquire(self) -> bool:
-        """Wait for a place, behind those who waited before; return whether there was none at once.
+        """Wait for a place in line; return whether there was none at once.
 
         Raises:
             LinkError: The link was lost meanwhile.

@@ -1,4 +1,4 @@
-"""Links by TCP and TLS, and what their failures mean.
+"""Links by TCP and TLS, and the meaning of their failures.
 
 Concurrency: everything runs in the loop's own thread. What the broker sends is taken from the socket as fast as it
 comes, at most 16 MiB ahead, and understood in portions, so that a burst stops neither the broker nor the loop.
@@ -47,7 +47,7 @@ async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
     acknowledged publish on some brokers.
 
     Raises:
-        LinkError: Nobody answers at any address of the host within the time limit.
+        LinkError: No address of the host answers within the time limit.
         RefusedError: The broker's certificate is not trusted, or the broker rejects ours.
         UsageError: A certificate file cannot be used.
     """
@@ -68,7 +68,7 @@ class TcpTransport(asyncio.BufferedProtocol):
     """One link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
 
     Args:
-        user: Gets what comes.
+        user: Receives the incoming data.
 
     Attributes:
         socket: The connected socket; None before.
@@ -138,12 +138,12 @@ class TcpTransport(asyncio.BufferedProtocol):
         """Note that the broker takes bytes slower than they come; the user looks at `waiting`."""
 
     def resume_writing(self) -> None:
-        """Go on: the broker has taken most of what was written."""
+        """Resume after the broker has read most of the data."""
         self._user.drained()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End with the connection, which is closed."""
-        while portion := self._ahead.take():  # what came before the end counts
+        while portion := self._ahead.take():  # data before the end counts
             self._user.data_received(portion)
         self._drop_held()
         if self._acknowledgement is not None:
@@ -175,7 +175,7 @@ class TcpTransport(asyncio.BufferedProtocol):
             self._release = self._loop.call_later(_HOLD, self.write, b"")
 
     def close(self) -> None:
-        """Send what was written, then close."""
+        """Send all written data, then close."""
         self.write(b"")
         if self._transport is not None:
             self._transport.close()
@@ -286,7 +286,7 @@ async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
     """Read the certificate files.
 
     Raises:
-        UsageError: A file cannot be read or does not hold what it should; names the file.
+        UsageError: A file cannot be read or has invalid content; names the file.
     """
     return await anyio.to_thread.run_sync(_load_context, options)
 
@@ -294,7 +294,7 @@ async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
 def socket_error(error: OSError) -> LinkError | RefusedError:
     """Interpret a failure of a socket: a no of the TLS handshake is a no, all else is the link.
 
-    The texts do not name the broker: who reports them does.
+    The texts do not name the broker: the caller does.
     """
     if isinstance(error, ssl.SSLCertVerificationError):
         return RefusedError("the broker's certificate", error.verify_message)

@@ -1,4 +1,4 @@
-"""The port between the state machine of a client and whatever carries its bytes."""
+"""The port between the state machine of a client and its transport."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SEND_BUFFER: Final = 256 * 1024
 
 
 class TransportUser(Protocol):
-    """The client's half of what a transport carries to."""
+    """The receiving half of a transport's user, the client."""
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes from the broker."""
@@ -42,11 +42,11 @@ class ClientTransport(Protocol):
         ...
 
     def write_acknowledgements(self, data: bytes) -> None:
-        """Send *data* together with what is written next, or alone a moment later."""
+        """Send *data* together with the next data, or alone a moment later."""
         ...
 
     def close(self) -> None:
-        """Send what was written, then close; nothing more is received."""
+        """Send all written data, then close; nothing more is received."""
         ...
 
     async def wait_closed(self) -> None:
@@ -54,7 +54,7 @@ class ClientTransport(Protocol):
         ...
 
     def abort(self) -> None:
-        """Cut the link: what the broker has not taken yet is lost, and nothing more is received."""
+        """Cut the link: unread data is lost, and nothing more is received."""
         ...
 
 
@@ -65,7 +65,7 @@ class Dial(Protocol):
         """Connect to the address in *options*; bytes of the broker go to *user*.
 
         Raises:
-            LinkError: Nobody answers there within the time limit.
+            LinkError: No answer within the time limit.
             RefusedError: The certificate of one side is not trusted by the other.
             UsageError: A certificate file cannot be used.
         """

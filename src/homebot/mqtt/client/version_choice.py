@@ -33,7 +33,7 @@ class VersionChoice:
     it reads, or it was only slow. One that does not take 3.1.1 is asked with 5 at once.
 
     Args:
-        options: What is allowed.
+        options: The allowed versions.
     """
 
     def __init__(self, options: MqttOptions) -> None:

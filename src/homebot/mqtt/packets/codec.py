@@ -75,7 +75,7 @@ def decode(first: int, body: bytes, version: ProtocolVersion) -> Packet:
     Args:
         first: The first byte: type and flags.
         body: Everything behind the fixed header.
-        version: What the connection speaks; a CONNECT brings its own.
+        version: Protocol version of the connection; a CONNECT brings its own.
 
     Raises:
         PacketError: The packet is malformed or not allowed; its ``code`` says which.

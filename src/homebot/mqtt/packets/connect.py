@@ -83,7 +83,7 @@ class Connect:
 
 
 class Connack(NamedTuple):
-    """The broker's answer to CONNECT; *reason* is in MQTT 5's numbers whatever the connection speaks."""
+    """The broker's answer to CONNECT; *reason* is an MQTT 5 code for every version."""
 
     session_present: bool = False
     reason: ReasonCode = ReasonCode.SUCCESS

@@ -20,7 +20,7 @@ MAX_UINT16 = 65_535
 class Cursor:
     """Reads the body of one packet from front to back.
 
-    Every method moves on by what it read and raises :class:`PacketError` (0x81) where the body ends too early
+    Every method advances by the bytes read and raises :class:`PacketError` (0x81) where the body ends too early
     or does not hold the type.
 
     Args:

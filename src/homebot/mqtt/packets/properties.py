@@ -81,7 +81,7 @@ class Properties:
 
 
 NO_PROPERTIES = Properties()
-"""What a packet without properties carries; compare with ``is`` where speed matters."""
+"""The properties of a packet without any; compare with ``is`` where speed matters."""
 
 
 def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
@@ -174,7 +174,7 @@ def decode_reason(
 
 
 def encode_reason(reason: ReasonCode, properties: Properties, packet: PacketType) -> bytes:
-    """Encode the end of a packet, without what may be missing."""
+    """Encode the end of a packet, without optional parts."""
     if properties is NO_PROPERTIES:
         return b"" if reason is ReasonCode.SUCCESS else reason.to_bytes(1, "big")
     return reason.to_bytes(1, "big") + encode_properties(properties, packet)

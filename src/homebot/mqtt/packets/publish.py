@@ -97,7 +97,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         data: Bytes that hold at least the whole packet.
         start: Index of the first byte behind the fixed header.
         end: Index behind the last byte of the packet.
-        version: What the connection speaks.
+        version: Protocol version of the connection.
 
     Raises:
         PacketError: 0x81 malformed, 0x82 packet id 0 or a forbidden property, 0x90 a wildcard in the topic,

@@ -51,7 +51,7 @@ class PacketReader:
         self.max_packet_size = max_packet_size
         self._data = b""
         self._position = 0
-        self._tail = bytearray()  # behind _data; what a packet announces is not reserved before it comes
+        self._tail = bytearray()  # behind _data; announced lengths are not reserved in advance
         self.missing = 0
         self._error: PacketError | None = None
 

@@ -87,7 +87,7 @@ FAILURES: Final = tuple(code for code in ReasonCode if code.failed)
 
 
 def by_number(*codes: ReasonCode) -> dict[int, ReasonCode]:
-    """Return *codes* by their numbers, to look up what came."""
+    """Return *codes* by their numbers."""
     return {int(code): code for code in codes}
 
 
