@@ -36,6 +36,7 @@ BENCHMARKS = (
     "outcomes",
     "outcomes_networks",
     "discovery",
+    "left_on",
 )
 FILES = {
     "discovery": "discovery_criteria",

@@ -138,7 +138,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         ),
         (
             '[control]\npresence_guard = ["hall"]\n',
-            "control.presence_guard: must be true, false or a table such as {absent_after = 300}, got ['hall']",
+            "control.presence_guard: must be true, false or a table such as {absent_after = 1200}, got ['hall']",
         ),
         ("[control]\nwitnesses = 5\n", "control.witnesses: must be a table, as in [control.witnesses], got 5"),
         ("[control]\ninterlocks = [5]\n", "control.interlocks.0: must be a table, as in [[control.interlocks]], got 5"),

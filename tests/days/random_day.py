@@ -87,7 +87,7 @@ class RandomDay:
     def absent_after(self) -> float:
         """Seconds without motion after which the presence guard takes nobody to be there."""
         guard = self.control.get("presence_guard")
-        return float(guard.get("absent_after", 300.0)) if isinstance(guard, dict) else 300.0
+        return float(guard.get("absent_after", 1200.0)) if isinstance(guard, dict) else 1200.0
 
     @property
     def places(self) -> Table:

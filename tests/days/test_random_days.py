@@ -46,7 +46,12 @@ room = "hall"
 asleep = false
 day = [{ at = "06:00", room = "hall" }]
 """)
-CONTROL = {"time_zone": "UTC", "presence_guard": True, "quiet_hours": [], "rate_limit": {"changes": 1, "seconds": 10.0}}
+CONTROL = {
+    "time_zone": "UTC",
+    "presence_guard": {"absent_after": 300.0},
+    "quiet_hours": [],
+    "rate_limit": {"changes": 1, "seconds": 10.0},
+}
 
 
 @pytest.mark.no_cover

@@ -41,7 +41,7 @@ def random_day(tables: Table, order: Table, *happenings: DayEvent, doors: Table 
     """An hour in which an app gives *order*, and the guard knows *doors*."""
     control = {
         "time_zone": "UTC",
-        "presence_guard": {} if doors is None else {"doors": doors},
+        "presence_guard": {"absent_after": 300.0} | ({} if doors is None else {"doors": doors}),
         "quiet_hours": [],
         "interlocks": INTERLOCKS,
         "rate_limit": {"changes": 4, "seconds": 10.0},
@@ -83,7 +83,7 @@ def test_without_the_table_of_doors_nobody_can_know_of_somebody_who_reads() -> N
 def test_the_oracle_sees_a_guard_that_does_not_know_of_closed_doors(fault: Table) -> None:
     """The contacts told that somebody stayed, and the guard, which was told of no doors, passed it over."""
     day = random_day(house(door=fault), OFF, doors=DOOR)
-    lived = live(day, control={**day.control, "presence_guard": {}})
+    lived = live(day, control={**day.control, "presence_guard": {"absent_after": 300.0}})
     assert [one.policy for one in violations(day, lived)] == ["presence_guard"]
 
 

@@ -355,3 +355,13 @@ def test_a_device_without_power_is_silent_and_says_how_it_is_when_it_has_some_ag
         "0 00:00:24.000 lamp says on",
         "0 00:00:28.000 lamp says on",
     ]
+
+
+def test_forgetful_people_turn_lamps_on_and_leave_them_on() -> None:
+    habits = (Habit(100.0, "hall"), Habit(200.0, OUTSIDE))
+    lamps = {}
+    for forgetful in (False, True):
+        lamp = SimulatedLamp("lamp")
+        World(PLAN, [Placed(lamp, "hall")], [anna(*habits)], forgetful=forgetful).run_until(1000.0)
+        lamps[forgetful] = lamp.state()
+    assert lamps == {False: "off", True: "on"}

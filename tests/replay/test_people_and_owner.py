@@ -43,6 +43,8 @@ from homebot.replay.command_diff import CommandDiff
 from homebot.testing import virtual_house_of
 from homebot.virtual_time import VirtualTimeLoop
 
+LIGHTS_OUT = {**APPS["lights_out"], "quiet_after": 600.0}
+
 
 def evening_with_a_person() -> Recording:
     """The lamp of the study is placed in the hall by its owner, and turned on by a client of the door."""
@@ -51,7 +53,7 @@ def evening_with_a_person() -> Recording:
 
     async def live() -> None:
         config = {
-            "apps": {"lights_out": APPS["lights_out"]},
+            "apps": {"lights_out": LIGHTS_OUT},
             "places": {"rooms": {"hall": {}}, "devices": {"study_lamp": {"room": "hall"}}},
         }
         async with virtual_house_of(world=world, config=config, record_into=sink) as home:
@@ -107,7 +109,7 @@ def recorded_with(*doings: tuple[str, str, Message]) -> Recording:
     )
 
     async def live() -> None:
-        tables = {"apps": {"lights_out": APPS["lights_out"]}}
+        tables = {"apps": {"lights_out": LIGHTS_OUT}}
         async with (
             virtual_house_of(world=world, config=tables, record_into=sink) as home,
             Node(home.runtime.graph, "person") as node,

@@ -56,25 +56,25 @@ def test_the_same_apps_give_the_same_commands(evening: Recording) -> None:
 
 
 def test_a_changed_line_is_told_by_exactly_the_commands_that_it_changes(evening: Recording, tmp_path: Path) -> None:
-    """The app waits five minutes, and not ten, so its commands come five minutes earlier; those of others stay."""
+    """The app waits five minutes, and not 21, so its commands come 16 minutes earlier; others stay."""
     source = Path(homebot.apps.lights_out.__file__).read_text("utf-8")
     changed = tmp_path / "my_lights_out.py"
-    changed.write_text(source.replace("quiet_after: Seconds = 600.0", "quiet_after: Seconds = 300.0"))
+    changed.write_text(source.replace("quiet_after: Seconds = 1260.0", "quiet_after: Seconds = 300.0"))
     assert texts(evening, diff_of(evening, [str(changed)])) == GOLDEN
     assert texts(evening, diff_of(evening, tables={"apps": {"lights_out": {"quiet_after": 300.0}}})) == GOLDEN
 
 
 GOLDEN = """\
 + 2026-01-01 18:06:06  hall_lamp  off  lights_out, because hall_motion reported clear
-- 2026-01-01 18:11:06  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 18:22:06  hall_lamp  off  lights_out, because hall_motion reported clear
 + 2026-01-01 19:06:05  study_lamp  off  lights_out, because study_motion reported clear
 + 2026-01-01 19:06:10  hall_lamp  off  lights_out, because hall_motion reported clear
-- 2026-01-01 19:11:05  study_lamp  off  lights_out, because study_motion reported clear
-- 2026-01-01 19:11:10  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 19:22:05  study_lamp  off  lights_out, because study_motion reported clear
+- 2026-01-01 19:22:10  hall_lamp  off  lights_out, because hall_motion reported clear
 + 2026-01-01 19:36:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
 + 2026-01-01 19:36:06  hall_lamp  off  lights_out, because hall_motion reported clear
-- 2026-01-01 19:41:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
-- 2026-01-01 19:41:06  hall_lamp  off  lights_out, because hall_motion reported clear
+- 2026-01-01 19:52:05  kitchen_lamp  off  lights_out, because kitchen_motion reported clear
+- 2026-01-01 19:52:06  hall_lamp  off  lights_out, because hall_motion reported clear
 """.splitlines()
 
 

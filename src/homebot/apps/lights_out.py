@@ -21,7 +21,7 @@ class LightsOutSettings(AppSettings):
         quiet_after: Seconds for which all motion sensors of a room must be quiet, and no lamp be turned on there.
     """
 
-    quiet_after: Seconds = 600.0
+    quiet_after: Seconds = 1260.0  # a minute more than the presence guard waits
 
 
 class LightsOut(RoomApp):

@@ -104,6 +104,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         first_day=house.first_day,
         latitude=house.latitude,
         by_hand=house.by_hand,
+        forgetful=house.forgetful,
     )
 
 
@@ -128,6 +129,7 @@ class _HouseTable(_Strict):
     first_day: int = Field(default=80, ge=1, le=366)
     latitude: float = Field(default=48.0, ge=-90.0, le=90.0)
     by_hand: bool = True
+    forgetful: bool = False
     dialect: str = "thesis"
 
 

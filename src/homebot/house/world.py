@@ -75,6 +75,7 @@ class World:
         first_day: Day of the year, 1 to 366.
         latitude: Degrees north.
         by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.
+        forgetful: Whether they leave the lamps on where they leave or fall asleep.
         capacity: Events the event log keeps.
 
     Attributes:
@@ -96,6 +97,7 @@ class World:
         first_day: int = 80,
         latitude: float = 48.0,
         by_hand: bool = True,
+        forgetful: bool = False,
         capacity: int = 100_000,
     ) -> None:
         self.now = 0.0
@@ -111,6 +113,7 @@ class World:
         self._first_day = first_day
         self._latitude = latitude
         self._by_hand = by_hand
+        self._forgetful = forgetful
         self._check()
         self._in_room = {room: [t for t in self._entries.values() if t.placed.room == room] for room in rooms.rooms}
         self._was_dark: dict[str, bool] = {}
@@ -239,7 +242,7 @@ class World:
         awake = self._household.awake_in(room)
         if not self._by_hand or room == OUTSIDE:
             return
-        wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
+        wish = "" if not awake and self._forgetful else "off" if not awake else "on" if self.lux(room) < DARK else ""
         for entry in self._in_room[room]:
             if wish and isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
                 self._switch(entry, wish)

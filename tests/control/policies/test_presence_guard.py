@@ -22,6 +22,9 @@ from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
+GUARD = {"absent_after": 300}
+"""Five minutes in place of twenty."""
+
 
 def put_hall(home: Home) -> None:
     home.put("lamp", "light", "on_off", "level", area="Hall")
@@ -43,7 +46,7 @@ async def detect(home: Home) -> None:
 
 
 async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("motion", "occupancy", True)
         outcome = await (await home.handle(Light, "lamp")).turn_off()
@@ -56,7 +59,7 @@ async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> No
 
 
 async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         home.put("lamp", "light", "on_off", area="Hall")
         part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"id": "pir"})
         home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
@@ -75,14 +78,14 @@ async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(open_home: 
 
 
 async def test_level_0_is_off(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("motion", "occupancy", True)
         assert isinstance(await (await home.handle(Light, "lamp")).set_level(0), Refused)
 
 
 async def test_it_may_be_turned_on_and_dimmed(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("motion", "occupancy", True)
         lamp = await home.handle(Light, "lamp")
@@ -91,7 +94,7 @@ async def test_it_may_be_turned_on_and_dimmed(open_home: OpenHome) -> None:
 
 
 async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         lamp = await home.handle(Light, "lamp")
         await detect(home)
@@ -107,7 +110,7 @@ async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome)
 @pytest.mark.parametrize("by", [-1e9, -400.0, 400.0, 1e9])
 async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome, by: float) -> None:
     clock = SetClock(1.8e9)
-    async with open_home(clock=clock, presence_guard=True) as home:
+    async with open_home(clock=clock, presence_guard=GUARD) as home:
         put_hall(home)
         lamp = await home.handle(Light, "lamp")
         await detect(home)
@@ -123,7 +126,7 @@ async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome,
 
 async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_home: OpenHome) -> None:
     """It is faster than the sensor, which may not see the switch at all."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("lamp", "on_off", False)
         await leave(home)
@@ -139,7 +142,7 @@ async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_ho
 
 async def test_the_first_report_after_a_start_is_no_hand(open_home: OpenHome) -> None:
     """A lamp that says how it is may have been so for long."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         await home.report("lamp", "on_off", True)
@@ -153,7 +156,7 @@ async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_ha
     open_home: OpenHome, told_for: float, *, is_hand: bool
 ) -> None:
     """A text such as ``0.5`` of a lamp that said nothing but ``on`` before; soon after a start all is told."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         await home.report("lamp", "on_off", True)
@@ -164,7 +167,7 @@ async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_ha
 
 
 async def test_what_a_command_did_is_no_hand(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         lamp = await home.handle(Light, "lamp")
@@ -181,7 +184,7 @@ async def report_both(home: Home, command: Command) -> None:
 
 
 async def test_what_undoes_a_command_is_a_hand(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         lamp = await home.handle(Light, "lamp")
@@ -193,7 +196,7 @@ async def test_what_undoes_a_command_is_a_hand(open_home: OpenHome) -> None:
 
 
 async def test_a_room_without_a_sensor_is_unknown_which_means_no(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         home.put("lamp", "light", "on_off", area="attic")
         outcome = await (await home.handle(Light, "lamp")).turn_off()
         assert isinstance(outcome, Refused)
@@ -202,7 +205,7 @@ async def test_a_room_without_a_sensor_is_unknown_which_means_no(open_home: Open
 
 
 async def test_a_device_without_a_room_is_not_turned_off(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         home.put("lamp", "light", "on_off")
         outcome = await (await home.handle(Light, "lamp")).turn_off()
         assert isinstance(outcome, Refused)
@@ -210,7 +213,7 @@ async def test_a_device_without_a_room_is_not_turned_off(open_home: OpenHome) ->
 
 
 async def test_a_sensor_that_reported_nothing_tells_nothing(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         outcome = await (await home.handle(Light, "lamp")).turn_off()
         assert isinstance(outcome, Refused)
@@ -219,7 +222,7 @@ async def test_a_sensor_that_reported_nothing_tells_nothing(open_home: OpenHome)
 
 async def test_a_sensor_that_never_detected_anybody_tells_nothing(open_home: OpenHome) -> None:
     """It may look at a wall."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("motion", "occupancy", False)
         lamp = await home.handle(Light, "lamp")
@@ -234,7 +237,7 @@ async def test_a_sensor_that_never_detected_anybody_tells_nothing(open_home: Ope
 
 
 async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anybody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         home.put("elsewhere", "occupancy_sensor", readable=("occupancy",))
         await anyio.sleep(1)
@@ -246,7 +249,7 @@ async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anyb
 
 
 async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
         await home.report("other", "occupancy", False)
@@ -255,7 +258,7 @@ async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unk
 
 
 async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         home.gateway.devices.remove("motion", "the test says so")
@@ -270,10 +273,10 @@ async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(open_home:
 
 async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: OpenHome) -> None:
     store = KeptStore()
-    async with open_home(presence_guard=True, store=store) as home:
+    async with open_home(presence_guard=GUARD, store=store) as home:
         put_hall(home)
         await leave(home)
-    async with open_home(presence_guard=True, store=store) as home:
+    async with open_home(presence_guard=GUARD, store=store) as home:
         put_hall(home)
         await home.report("motion", "occupancy", False)
         lamp = await home.handle(Light, "lamp")
@@ -289,7 +292,7 @@ async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> No
     """Each reads its own rows, and neither drops those of the other."""
     store = KeptStore()
     store.learn(LearntRow("profile", "plug", '{"target":"plug","echoes":{"on_off":[true]}}', 0.0, ""))
-    async with open_home(presence_guard=True, store=store) as home:
+    async with open_home(presence_guard=GUARD, store=store) as home:
         put_hall(home)
         await leave(home)
         assert (await (await home.handle(Light, "lamp")).turn_off()).succeeded
@@ -297,7 +300,7 @@ async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> No
 
 
 async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
         lamp = await home.handle(Light, "lamp")
@@ -306,7 +309,7 @@ async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_h
 
 
 async def test_a_person_at_a_client_of_the_door_may(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("motion", "occupancy", True)
         lamp = await home.handle(Light, "lamp")
@@ -316,7 +319,7 @@ async def test_a_person_at_a_client_of_the_door_may(open_home: OpenHome) -> None
 
 
 async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         lamp = await home.handle(Light, "lamp")
         await leave(home)
@@ -327,7 +330,7 @@ async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(open_home
 
 
 async def test_a_blind_may_be_raised_and_not_lowered(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         home.put("blind", "window_covering", "position", area="hall")
         await home.report("motion", "occupancy", True)
@@ -339,7 +342,7 @@ async def test_a_blind_may_be_raised_and_not_lowered(open_home: OpenHome) -> Non
 
 
 async def test_a_blind_that_was_sent_up_and_has_not_reported_may_not_be_lowered(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         home.put("blind", "window_covering", "position", "movement", area="hall")
         await detect(home)
@@ -354,7 +357,7 @@ async def test_a_blind_that_was_sent_up_and_has_not_reported_may_not_be_lowered(
 
 
 async def test_which_commands_is_up_to_the_owner(open_home: OpenHome) -> None:
-    async with open_home(presence_guard={"commands": ["turn on lights in hall"]}) as home:
+    async with open_home(presence_guard={**GUARD, "commands": ["turn on lights in hall"]}) as home:
         put_hall(home)
         await home.report("motion", "occupancy", True)
         lamp = await home.handle(Light, "lamp")
@@ -371,7 +374,7 @@ def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
 
 async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(open_home: OpenHome) -> None:
     """The lamp is as it was commanded within the last minute, but it was not all the time."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         lamp = await home.handle(Light, "lamp")
@@ -385,7 +388,7 @@ async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(open_home
 
 
 async def test_a_command_that_is_given_again_still_explains_what_it_did(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await leave(home)
         lamp = await home.handle(Light, "lamp")
@@ -401,7 +404,7 @@ async def test_a_command_that_is_given_again_still_explains_what_it_did(open_hom
 
 async def test_a_hand_before_the_newest_command_is_not_forgotten(open_home: OpenHome) -> None:
     """The lamp is as that command wanted, but somebody was at its switch a moment before."""
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("lamp", "on_off", True)
         await leave(home)
@@ -418,7 +421,7 @@ async def test_a_hand_before_the_newest_command_is_not_forgotten(open_home: Open
 
 
 async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
+    async with open_home(presence_guard=GUARD) as home:
         put_hall(home)
         await home.report("lamp", "on_off", False)
         await leave(home)

@@ -55,7 +55,7 @@ class PresenceGuardSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     commands: Patterns = Field(default_factory=_annoying)
-    absent_after: Seconds = 300.0
+    absent_after: Seconds = 1200.0
     doors: Annotated[dict[_Name, _Contacts], Field(max_length=1000)] = Field(default_factory=dict)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
@@ -177,7 +177,7 @@ def _table_or_bool(example: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
-_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, _table_or_bool("{absent_after = 300}")]
+_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, _table_or_bool("{absent_after = 1200}")]
 _Rate: TypeAlias = Annotated[RateLimitSettings | None, _table_or_bool("{changes = 30, seconds = 10}")]
 _Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
 _Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
