@@ -46,7 +46,7 @@ class BoundedDict(Generic[T]):
         return True
 
     def pin(self, name: str) -> None:
-        """Pin the value of *name*, so that it is never dropped."""
+        """Keep the value of *name* for ever."""
         if name in self._unpinned:
             self._pinned[name] = self._unpinned.pop(name)
 

@@ -22,7 +22,7 @@ class Counters:
         messages_sent: PUBLISH packets written to clients.
         dropped_qos0: QoS 0 messages for a client with a full socket.
         dropped_offline: The oldest messages pushed out of the queue of an absent client.
-    dropped_overrun: Messages refused for a connected client that stayed too slow, or after the end of their publisher.
+        dropped_overrun: Messages refused for a connected client that stayed too slow, or after their publisher ended.
         dropped_too_large: Messages larger than the client's Maximum Packet Size.
         dropped_expired: Messages that expired before they were sent.
         dropped_refused: Publishes a policy refused.
