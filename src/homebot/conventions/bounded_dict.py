@@ -46,7 +46,7 @@ class BoundedDict(Generic[T]):
         return True
 
     def pin(self, name: str) -> None:
-        """Keep the value of *name* for ever."""
+        """Retain the value of *name*: it is never dropped."""
         if name in self._unpinned:
             self._pinned[name] = self._unpinned.pop(name)
 

@@ -1,4 +1,4 @@
-"""A config message in full keys: what it announces, before the components' fields are read. Pure.
+"""A config message in full keys, before the fields of its components are read. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_devices`` and the shared ``encoding``,
 ``qos`` and ``message_expiry_interval`` are from 2026.11.
@@ -23,12 +23,12 @@ Fields: TypeAlias = Mapping[str, object]
 
 
 class AnnouncedComponent(NamedTuple):
-    """One component that a message announces.
+    """One announced component.
 
     Attributes:
         platform: For example ``light``.
-        discovery_id: Names it for ever where it has no ``unique_id``: the announcement's key and, in a message of a
-            whole device, its name there.
+        discovery_id: Its lasting id without a ``unique_id``: the key of the announcement and, for a whole device, its
+            name in the message.
         fields: Its config in full keys.
     """
 
@@ -41,11 +41,11 @@ class Announced(NamedTuple):
     """The content of one announcement.
 
     Attributes:
-        is_migrating: Whether it says only that another form of announcement follows; then all else is empty.
-        device: The device in full keys; empty where the message has none.
-        origin: Who announces, in full keys.
-        components: What the device offers; those that the message takes back are left out.
-        common: The fields that all share, and of a single component its own: they state the availability of the whole.
+        is_migrating: Whether another form of announcement follows; all other fields are empty then.
+        device: The device in full keys; empty for none.
+        origin: The announcing program, in full keys.
+        components: The components of the device, without removed ones.
+        common: The shared fields, or those of a single component; they have the availability of the device.
     """
 
     is_migrating: bool
@@ -56,10 +56,10 @@ class Announced(NamedTuple):
 
 
 def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
-    """Return what a config that is not empty announces.
+    """Return the content of a config that is not empty.
 
     Raises:
-        WireError: It is not a JSON object, too long, or misses what its form must have.
+        WireError: It is not a JSON object, too long, or lacks a required field.
     """
     fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
@@ -93,7 +93,7 @@ _SHARED = (
 
 
 def _expanded(fields: dict[str, object]) -> dict[str, object]:
-    """Spell the keys out, also those of the availability."""
+    """Expand the keys, also those of the availability."""
     full = fields if ABBREVIATIONS.keys().isdisjoint(fields) else _full_keys(fields, ABBREVIATIONS)
     availability = full.get("availability")
     if isinstance(availability, dict):
@@ -107,7 +107,7 @@ def _expanded(fields: dict[str, object]) -> dict[str, object]:
 
 
 def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
-    """Spell the keys out; where both forms are there the short one wins."""
+    """Expand the keys; of both forms of a key the short one wins."""
     full = dict(fields)
     for key in fields:
         if key in table:
@@ -125,7 +125,7 @@ def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
 
 
 def _with_base(fields: dict[str, object]) -> dict[str, object]:
-    """Put the base topic where the topics ask for it."""
+    """Insert the base topic into the topics."""
     base = fields.pop(_BASE, None)
     if base is None:
         return fields
@@ -184,7 +184,7 @@ def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
 
 
 def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> AnnouncedComponent | None:
-    """Return one component; None for one that the message takes back."""
+    """Return one component; None for a removed one."""
     if not isinstance(entry, dict):
         raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
     full = _expanded(entry)

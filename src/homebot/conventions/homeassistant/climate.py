@@ -35,7 +35,7 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     _add_humidity(entity, config)
     mode = config.command("mode_command_topic", "mode_command_template")
     entity.add_choice(
-        "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.take_command
+        "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.on_command
     )
     _add_switch(entity, config, mode, modes, target_mode)
     entity.add_choice("thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
@@ -50,7 +50,7 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
 _MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
 _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
 _CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
-"""By capability, which is also how the fields are called; what it can be where the config does not say."""
+"""Default options by capability, which is also the beginning of the fields."""
 
 _PAIR = 2
 _SHOWN = 200
@@ -58,9 +58,9 @@ _SWITCHED_ON = ("heat_cool", "heat", "cool")
 
 
 def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
-    """Return its modes; those of Home Assistant where it has a mode and does not say which.
+    """Return its modes; those of Home Assistant for a mode without a list.
 
-    A valve without a mode has none: that Home Assistant shows it with all of its own makes it no air conditioner.
+    A valve without a mode has none, although Home Assistant shows it with all of its own: it is no air conditioner.
     """
     if config.has("modes"):
         return config.options("modes")
@@ -82,7 +82,7 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
 def _add_switch(
     entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
 ) -> None:
-    """Offer on and off: with a topic of its own, and else as Home Assistant does, by changing the mode."""
+    """Add ``on_off``: with a topic of its own, or else by the mode, as in Home Assistant."""
     power = config.command("power_command_topic", "power_command_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     command = power or mode
@@ -95,7 +95,7 @@ def _add_switch(
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
         publications = command.publish(texts[is_on]) if command else ()
         if power is None:
-            target_mode.take_command(texts[is_on])
+            target_mode.on_command(texts[is_on])
         return publications
 
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
@@ -104,7 +104,7 @@ def _add_switch(
 
 
 def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:
-    """Return the modes that stand for on and off. Of two modes the one that is not off is on, whatever it is."""
+    """Return the modes of on and off. Of two modes, any other one than off is on."""
     is_pair = len(modes) == _PAIR and "off" in modes
     on = [mode for mode in (modes if is_pair else _SWITCHED_ON) if mode in modes and mode != "off"]
     return {**({True: on[0]} if on else {}), **({False: "off"} if "off" in modes else {})}

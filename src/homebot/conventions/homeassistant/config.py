@@ -1,7 +1,7 @@
 """The config of one component, with its fields read in the types they should have. Pure.
 
-Every field is read as Home Assistant reads it: what should be a text may be a JSON number or boolean, and becomes a
-text as Python spells it, so that ``"payload_on": false`` is ``False``.
+Every field is read as in Home Assistant: a JSON number or boolean in place of a text becomes the text of Python, so
+that ``"payload_on": false`` is ``False``.
 
 Source: Home Assistant core 2025.4, ``helpers/config_validation.py`` and ``components/mqtt/schemas.py``.
 """
@@ -32,18 +32,18 @@ _HAS_MEANING = frozenset({"device_class", "state_class", "unit_of_measurement"})
 class DiscoveryConfig:
     """One component of an announcement, in full keys.
 
-    Every getter raises a :class:`WireError` that names field and value where the field is there but cannot be what it
-    should be; Home Assistant refuses such a component as well. A field that is JSON ``null`` counts as absent.
+    Every getter raises a :class:`WireError` with field and value for an invalid field; Home Assistant refuses such a
+    component as well. JSON ``null`` means a missing field.
 
     Args:
         component: For example ``light``.
-        discovery_id: What the announcement calls it; names the part where it has no ``unique_id``.
+        discovery_id: Its id in the announcement; the id of the part without a ``unique_id``.
         values: The fields, after abbreviations and base topic were replaced.
 
     Attributes:
-        qos: With which its commands are published.
+        qos: The QoS of its commands.
         retain: Whether its commands are retained.
-        encoding: Of its texts; empty where its payloads are no text. UTF-8 also where the config names an odd one.
+        encoding: The encoding of its texts; empty for binary payloads. UTF-8 also for an unknown one.
     """
 
     __slots__ = ("component", "discovery_id", "encoding", "qos", "retain", "values")
@@ -61,10 +61,10 @@ class DiscoveryConfig:
 
     @property
     def is_secret(self) -> bool:
-        """True if what it reports is a code or password, by its name, by its id where it has none, or by its template.
+        """True if it reports a code or password, by its name, or else its id, or by its template.
 
-        An id often has the name of the device, as that of the battery of a keypad for PIN codes; what has a unit or a
-        class is none.
+        An id often has the name of the device, such as a keypad for PIN codes; values with a unit or class are no
+        codes.
         """
         if self.component not in _TELLS_TEXTS or not _HAS_MEANING.isdisjoint(self.values):
             return False
@@ -72,15 +72,15 @@ class DiscoveryConfig:
         return names_secret(named) or names_secret(self.text("value_template"))
 
     def of_commands(self) -> list[tuple[str, object]]:
-        """Return the fields from which the payloads of commands may follow, sorted; topics are fields of the part."""
+        """Return the fields that may determine the payloads of commands, sorted, without topics."""
         return sorted([(key, value) for key, value in self.values.items() if _is_of_commands(key)])
 
     def has(self, key: str) -> bool:
-        """Return whether the field is there and not null."""
+        """Return whether the field exists and is not null."""
         return self.values.get(key) is not None
 
     def is_null(self, key: str) -> bool:
-        """Return whether the field is there and null, which means that there is no such command."""
+        """Return whether the field is null, which removes a command."""
         return key in self.values and self.values[key] is None
 
     def text(self, key: str, default: str = "") -> str:
@@ -91,14 +91,14 @@ class DiscoveryConfig:
         return value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value)
 
     def clean_text(self, key: str, limit: int = 120) -> str:
-        """Return a text fit to be shown; empty where there is none."""
+        """Return a text for output; empty for none."""
         value = self.values.get(key)
         if value is None:
             return ""
         return clean_text(value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value), limit)
 
     def payload(self, key: str, default: str) -> str | None:
-        """Return the payload of a command; None where the config says null: there is no such command."""
+        """Return the payload of a command; None if the config removes it by null."""
         return None if self.is_null(key) else self.text(key, default)
 
     def flag(self, key: str, default: bool = False) -> bool:  # noqa: FBT001, FBT002 - reads like a mapping's get
@@ -117,17 +117,17 @@ class DiscoveryConfig:
                 raise self._refusal(key, value, "true or false")
 
     def number(self, key: str, default: float) -> float:
-        """Return a number with an end."""
+        """Return a finite number."""
         value = self.values.get(key)
         return default if value is None else self._as_number(key, value)
 
     def optional_number(self, key: str) -> float | None:
-        """Return a number with an end, or None where there is none."""
+        """Return a finite number, or None for none."""
         value = self.values.get(key)
         return None if value is None else self._as_number(key, value)
 
     def seconds(self, key: str) -> float | None:
-        """Return a time; None where it is missing, or longer than ten years, which means for ever."""
+        """Return a time; None if it is missing or longer than ten years, which means for ever."""
         seconds = self.integer(key, _FOR_EVER, least=0)
         return float(seconds) if seconds < _FOR_EVER else None
 
@@ -147,7 +147,7 @@ class DiscoveryConfig:
         return whole
 
     def options(self, key: str) -> tuple[str, ...]:
-        """Return a list of texts, each at most 255 long; one text alone is a list of one. Empty where there is none."""
+        """Return a list of texts, each at most 255 long; a single text is a list of one. Empty for none."""
         value = self.values.get(key)
         if value is None:
             return ()
@@ -174,12 +174,12 @@ class DiscoveryConfig:
         return {on: True, off: False, "None": None}
 
     def template(self, key: str) -> Template | None:
-        """Return a template, or None where there is none; see its ``problem`` for whether it can be used."""
+        """Return a template, or None; its ``problem`` tells whether it can be used."""
         value = self.values.get(key)
         return None if value is None else compile_template(self._as_text(key, value))
 
     def state_topic(self, key: str = "state_topic") -> str:
-        """Return a topic to subscribe to, wildcards allowed; empty where there is none."""
+        """Return a topic to subscribe to, perhaps with wildcards; empty for none."""
         value = self.values.get(key)
         if value is None:
             return ""
@@ -191,30 +191,25 @@ class DiscoveryConfig:
         template_key: str = "value_template",
         variables: Mapping[str, object] | None = None,
     ) -> ValueSource | None:
-        """Return where a value is reported, and how it is found in the message; None where it is not.
+        """Return topic and template of a reported value; None without a topic.
 
         Args:
             topic_key: The field with the topic.
             template_key: The field with the template.
-            variables: What the template may name beside the message.
+            variables: Further variables of the template.
         """
         topic = self.state_topic(topic_key)
         return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
 
     def required_source(self, topic_key: str, template_key: str = "value_template") -> ValueSource:
-        """Return what :meth:`source` does, but the topic must be there."""
+        """Return a source as :meth:`source`; the topic is required."""
         source = self.source(topic_key, template_key)
         if source is None:
             raise self._refusal(topic_key, None, "a topic")
         return source
 
     def command(self, topic_key: str, template_key: str = "command_template") -> CommandTopic | None:
-        """Return where a command goes, and how it is written; None where the part takes none.
-
-        Args:
-            topic_key: The field with the topic.
-            template_key: The field with the template; empty for a command that has none.
-        """
+        """Return topic and template of a command, of which *template_key* may be empty; None without a topic."""
         value = self.values.get(topic_key)
         if value is None:
             return None
@@ -227,7 +222,7 @@ class DiscoveryConfig:
     def required_command(
         self, topic_key: str = "command_topic", template_key: str = "command_template"
     ) -> CommandTopic:
-        """Return what :meth:`command` does, but the topic must be there."""
+        """Return a command as :meth:`command`; the topic is required."""
         command = self.command(topic_key, template_key)
         if command is None:
             raise self._refusal(topic_key, None, "a topic")
@@ -273,7 +268,7 @@ _SHOWN = frozenset(
         *("suggested_display_precision", "unique_id"),
     }
 )
-"""Fields of what is shown or reported, and the code, which homebot compares and a command never follows from."""
+"""Fields of presentation and reports, and the code, which homebot compares: no command depends on them."""
 
 
 @lru_cache(maxsize=1024)

@@ -24,7 +24,7 @@ COMPONENTS = (
     *("notify", "number", "scene", "select", "sensor", "siren", "switch", "tag", "text", "time", "update", "vacuum"),
     *("valve", "water_heater", "device"),
 )
-"""What configs may be of: one of the components that have a builder, or a whole device."""
+"""Components of configs: those with a builder, or a whole device."""
 
 
 class HomeAssistantSettings(ConventionSettings):
@@ -32,9 +32,9 @@ class HomeAssistantSettings(ConventionSettings):
 
     Attributes:
         prefixes: Discovery prefixes; two programs in one house may use different ones.
-        announce_please: Whether to publish what Home Assistant publishes at its start, so that devices announce
-            themselves anew. A real Home Assistant in the house, and all that subscribes to it, receives that as well.
-        publish: Whether what homebot offers is published below the first prefix, for a Home Assistant to see.
+        announce_please: Whether to publish Home Assistant's birth message, so that devices announce themselves again.
+            A real Home Assistant and all other subscribers receive it as well.
+        publish: Whether exposed devices are published below the first prefix, for a Home Assistant to discover.
     """
 
     prefixes: tuple[TopicPrefix, ...] = ("homeassistant",)
@@ -43,14 +43,13 @@ class HomeAssistantSettings(ConventionSettings):
 
 
 class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistantReader"]):
-    """Understands configs below the discovery prefixes, each by itself.
+    """Discovery of devices from configs below the discovery prefixes.
 
-    Each config message is one :class:`DeviceAnnounced`; those of one device share its identifiers. A later message with
-    the same component and ids takes the place of the earlier one, and a component of a whole-device message that is
-    missing there later is gone.
+    Each config is one :class:`DeviceAnnounced`; those of one device share its identifiers. A later config replaces the
+    one with the same component and ids; a component that is missing in the later config of a whole device is removed.
 
-    What a part has no field for is a fact of the device: ``hidden PART``, where it is not shown by default, and
-    ``group PART``, the ids of those that a group commands together.
+    Two properties of parts are facts of the device: ``hidden PART``, not shown by default, and ``group PART``, the ids
+    of the members of a group.
     """
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantSettings
@@ -66,17 +65,17 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
         )
 
     def reserved(self) -> tuple[str, ...]:
-        """Return where Home Assistant says that it is there, on which many devices act."""
+        """Return the status topic of Home Assistant, to which many devices react."""
         return tuple(f"{prefix}/status" for prefix in self.settings.prefixes)
 
     def birth_messages(self) -> Publications:
-        """Return Home Assistant's birth message per prefix, where the settings want it."""
+        """Return Home Assistant's birth message per prefix, if it is enabled."""
         if not self.settings.announce_please:
             return ()
         return tuple(Publication(f"{prefix}/status", b"online") for prefix in self.settings.prefixes)
 
     def publisher(self, owner: str, status_topic: str) -> HomeAssistantPublisher | None:
-        """Return what publishes the offers of the homebot *owner*; None where the settings do not want it."""
+        """Return the publisher of the homebot *owner*; None if it is disabled."""
         if not self.settings.publish or not self.settings.prefixes:
             return None
         from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher  # noqa: PLC0415 - few want it

@@ -57,7 +57,7 @@ _STATES = ("closed", "open", "closing", "opening", "stopped")
 
 _ENDS: Mapping[float | None, str] = {0.0: "closed", 100.0: "open"}
 _LEAVES: Mapping[float, str] = {0.0: "opening", 100.0: "closing"}
-"""By position: what a cover is there, and what it reports when it begins to leave."""
+"""By position: the movement of a cover that leaves an end."""
 
 _COMMANDS = {
     "open": ("payload_open", "OPEN"),
@@ -86,22 +86,22 @@ class _Steps:
 
 @dataclass(slots=True)
 class _CoverStateDecoder:
-    """Reads what the cover reports.
+    """Reader of a cover's state and position.
 
-    Many a cover only says that its motor stands still. At an end of its way such a cover is open or closed, which its
-    position tells: in the same message, or in one before or after it.
+    Many covers only report a stopped motor. They are open or closed by their position at an end, which comes in the
+    same message, or in one before or after it.
     """
 
     steps: _Steps
     states: Mapping[str, str | None]
     state: ValueSource | None
     position: ValueSource | None
-    _percent: float | None = None  # the last position; None from when it began to leave an end
+    _percent: float | None = None  # the last position; None after it began to leave an end
     _movement: str | None = None
-    _is_settling: bool = False  # it stopped, and may report only now where
+    _is_settling: bool = False  # stopped, perhaps before the report of its position
 
     def read_state(self, message: StateMessage, text: str) -> Readings:
-        """Read the state; one that stopped is closed where the same message reports that it is at 0, and else open."""
+        """Read the state; a stopped cover is closed at position 0 in the same message, and otherwise open."""
         if text not in self.states:
             return NO_READINGS
         before, self._movement = self._movement, self.states[text]
@@ -123,7 +123,7 @@ class _CoverStateDecoder:
         return self.state is not None and self.position is not None and self.state.topic == self.position.topic
 
     def read_position(self, text: str) -> Readings:
-        """Read the position, and with it whether the cover is open where no state says so, or only that it stopped."""
+        """Read the position, and the movement of a cover that reports no state or only that it stopped."""
         value: object = text
         found: dict[str, PlainValue] = {}
         if text.startswith("{"):
@@ -163,7 +163,7 @@ def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | No
 
 
 def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
-    """Return what sets a percentage; the template sees it under its own name as well."""
+    """Return the writer of a percentage, which is also a variable of the template."""
     if command is None:
         return None
     seen_as = "tilt_position" if name == "tilt" else name

@@ -30,11 +30,10 @@ class DeviceInfo(NamedTuple):
     """The device block of a config.
 
     Attributes:
-        identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config names none.
-        name: What people call it; empty where the config does not say.
-        area: The room that was announced for it.
-        facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``; ``origin`` is who announced it. All
-            devices that are alike in them share the mapping.
+        identifiers: See :func:`homebot.devices.identity.identifiers`; empty for none.
+        area: The announced room.
+        facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``, and ``origin``, the announcing
+            program. Devices with equal facts share the mapping.
     """
 
     identifiers: tuple[str, ...]
@@ -44,14 +43,10 @@ class DeviceInfo(NamedTuple):
 
 
 def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
-    """Return who the device is.
-
-    Args:
-        device: The config's ``device`` in full keys; empty where it has none.
-        origin: The config's ``origin`` in full keys.
+    """Return the device of a config, from its ``device`` and its ``origin`` in full keys.
 
     Raises:
-        WireError: The device is there but has neither identifier nor connection, or too many, or one is no text.
+        WireError: The device has neither identifier nor connection, or too many, or one is no text.
     """
     child = device.get("child_device")
     told, by = _told(device, _DEVICE_FACTS), _told(origin, _ORIGIN_FACTS) if origin else ()
@@ -72,7 +67,7 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
 
 
 class DeviceReader:
-    """Reads devices and remembers the last: the entities of one are announced one after the other."""
+    """Reader of devices with the last one cached: the entities of one are announced in sequence."""
 
     def __init__(self) -> None:
         self._last: tuple[Mapping[str, object], Mapping[str, object], DeviceInfo] | None = None
@@ -107,7 +102,7 @@ _DEVICE_FACTS = {
 _ORIGIN_FACTS = {"name": "origin", "sw_version": "origin_sw_version", "support_url": "origin_url"}
 _ADDRESSES = frozenset({"configuration_url", "support_url"})
 _LOGIN = re.compile(r"(?<=://)[^/?#]*@")
-"""User and password in an address, which are nobody's to read."""
+"""User and password in an address, which are removed."""
 
 _PLAIN_CONNECTIONS = frozenset({"mac", "bluetooth", "zigbee"})
 _PAIR = 2
@@ -117,7 +112,7 @@ _Told: TypeAlias = tuple[tuple[str, str], ...]
 
 
 def _told(fields: Mapping[str, object], names: Mapping[str, str]) -> _Told:
-    """Return those of *fields* that are facts, in their order."""
+    """Return the facts among *fields*, in their order."""
     told: list[tuple[str, str]] = []
     for key, value in fields.items():
         if key in names:
@@ -128,7 +123,7 @@ def _told(fields: Mapping[str, object], names: Mapping[str, str]) -> _Told:
 
 @lru_cache(maxsize=256)
 def _facts(device: _Told, origin: _Told) -> Mapping[str, str]:
-    """Return the facts of all devices of one model behind one bridge, of which a house has many."""
+    """Return the facts, shared by all devices of one model behind one bridge."""
     found: dict[str, str] = {}
     for told, names in ((device, _DEVICE_FACTS), (origin, _ORIGIN_FACTS)):
         for key, value in told:
@@ -139,7 +134,7 @@ def _facts(device: _Told, origin: _Told) -> Mapping[str, str]:
 
 def _as_text(value: object, limit: int) -> str:
     if isinstance(value, str):
-        # As clean_text says it, for most texts of an announcement without that call.
+        # The result of clean_text for most texts, without the call.
         return value.strip() if len(value) <= limit and value.isprintable() else clean_text(value, limit)
     if isinstance(value, (bool, float)) or (isinstance(value, int) and abs(value) < _HUGE):
         return str(value)
@@ -177,21 +172,14 @@ def _connection(pair: object) -> str:
 
 
 MAX_SOURCES = 16
-"""Most topics that one device's availability may hang on."""
+"""Most topics of the availability of one device."""
 
 _LONG = 1024
-"""Characters of a topic beyond which an entry is looked at as a whole."""
+"""Characters of a topic beyond which an entry is not cached."""
 
 
 class _Answers(NamedTuple):
-    """The two payloads by which all devices of a bridge say whether they can be reached.
-
-    Attributes:
-        template: Finds the text in the message; None where all of it is the text.
-        encoding: Of the payload; see :attr:`DiscoveryConfig.encoding`.
-        available: The text of a device that can be reached.
-        unavailable: The text of one that cannot.
-    """
+    """The texts of reachable and unreachable devices of a bridge, and the template that extracts them."""
 
     template: Template | None
     encoding: str
@@ -206,26 +194,21 @@ class _Answers(NamedTuple):
 
 
 class _PayloadAvailability(NamedTuple):
-    """One topic with two payloads; see :class:`AvailabilitySource`.
-
-    Attributes:
-        topic: The topic.
-        answers: What is said there.
-    """
+    """One topic with two payloads; see :class:`AvailabilitySource`."""
 
     topic: str
     answers: _Answers
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* means neither."""
+        """Return whether the device is reachable; None for any other payload."""
         return self.answers.read(payload)
 
 
 def read_availability(config: DiscoveryConfig) -> Availability | None:
-    """Return how the device reports whether it can be reached; None where it does not.
+    """Return the availability of the device; None if it reports none.
 
     Raises:
-        WireError: Both forms are there, an entry has no valid topic, or the mode is none.
+        WireError: Both forms exist, an entry has no valid topic, or the mode is invalid.
     """
     listed = config.values.get("availability")
     if listed is None:
@@ -264,7 +247,7 @@ def _entry_config(entry: Mapping[str, object], encoding: str) -> DiscoveryConfig
 
 @lru_cache(maxsize=128)
 def _known_answers(fields: tuple[tuple[str, str], ...], encoding: str) -> _Answers:
-    """Return the answers of all devices whose entries are alike but for the topic."""
+    """Return the answers of all devices with equal entries except for the topic."""
     return _answers(_entry_config(dict(fields), encoding), "value_template")
 
 

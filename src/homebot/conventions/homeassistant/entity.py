@@ -31,12 +31,12 @@ _WIDE = (-1e15, 1e15)
 
 
 class Entity(PartBuilder[StateMessage]):
-    """Collects what one part can do, and what its config says of it.
+    """Builder of the part of one component.
 
     Args:
         config: The component's config.
         service_type: See :data:`homebot.devices.device_types.DEVICE_TYPES`.
-        tag: What kind it is of its type; by default its ``device_class``.
+        tag: Its kind within the type; by default its ``device_class``.
     """
 
     parse_payload = StateMessage
@@ -54,14 +54,14 @@ class Entity(PartBuilder[StateMessage]):
         self._config = config
 
     def read_text_from(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
-        """Read the text at *source* with *read*, which never raises; return whether it can be read.
+        """Read the text at *source* with *read*, which never raises; return whether it is readable.
 
-        Where the template of the source is not supported, the part shows the payload as ``raw`` instead.
+        With an unsupported template, the part shows the payload as ``raw`` instead.
         """
         return self._add_reader(source, _read_text, read)
 
     def read_message_from(self, source: ValueSource | None, read: Callable[[StateMessage, str], Readings]) -> bool:
-        """Add a reader as :meth:`read_text_from`, but *read* is given the whole message before the text."""
+        """Add a reader as :meth:`read_text_from`, with the whole message as first argument."""
         return self._add_reader(source, _read_source, read)
 
     def expire(self, capability: str) -> None:
@@ -74,7 +74,7 @@ class Entity(PartBuilder[StateMessage]):
             self.add_expiry(AutoExpiry(capability, seconds))
 
     def add_commands(self, *commands: CommandTopic | None) -> None:
-        """Name the topics on which the part takes commands."""
+        """Add the topics of its commands."""
         for one in commands:
             if one is not None:
                 self.add_command_topics(one.topic)
@@ -91,7 +91,7 @@ class Entity(PartBuilder[StateMessage]):
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
     ) -> None:
-        """Have the capability *name*: readable where it has a *source*, settable where it has a *writer*."""
+        """Add the capability *name*: readable with a *source*, settable with a *writer*."""
         readable = self.read_text_from(source, read)
         self.add_capability(name, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
         self.add_commands(command)
@@ -105,15 +105,15 @@ class Entity(PartBuilder[StateMessage]):
         meanings: Mapping[str, str | None] = _UNKNOWN,
         on_command: Callable[[str], None] = lambda _option: None,
     ) -> None:
-        """Have one of *options*; others are neither read nor commanded.
+        """Add a capability with one of *options*; others are neither read nor commanded.
 
         Args:
-            name: Of the capability.
-            source: The source of its state; None where it has none.
-            command: The topic of its commands; None where it takes none.
+            name: The capability.
+            source: The source of its state, or None.
+            command: The topic of its commands, or None.
             options: Its options.
             meanings: Meanings of further texts.
-            on_command: Called with each option that is commanded.
+            on_command: Called with each commanded option.
         """
         if not options:
             return
@@ -135,7 +135,7 @@ class Entity(PartBuilder[StateMessage]):
         payloads: Mapping[bool, str],
         states: Mapping[str, bool | None] | None = None,
     ) -> None:
-        """Take true and false as *payloads*, and report them by *states*, or else by the same payloads."""
+        """Add a boolean with two *payloads*, reported by *states*, or else by the payloads."""
         if states is None:
             states = _not_empty({"None": None, payloads[False]: False, payloads[True]: True})
         writer = bool_writer(name, lambda on: command.publish(payloads[on])) if command else None
@@ -153,17 +153,17 @@ class Entity(PartBuilder[StateMessage]):
         from_device: Callable[[float], float | None] = float,
         to_device: Callable[[float], float] = float,
     ) -> None:
-        """Have a number.
+        """Add a number.
 
         Args:
-            name: Of the capability.
-            source: The source of its state; None where it has none.
-            command: The topic of its commands; None where it takes none.
-            bounds: Smallest and largest number that it takes.
-            unit: Of the numbers, outside of the device.
-            unknown: The text for unknown.
-            from_device: Converts a number of the device; None where that cannot be.
-            to_device: Converts a number for the device.
+            name: The capability.
+            source: The source of its state, or None.
+            command: The topic of its commands, or None.
+            bounds: Smallest and largest commanded number.
+            unit: The unit outside of the device.
+            unknown: The text of an unknown number.
+            from_device: Converts a reported number; None for an invalid one.
+            to_device: Converts a commanded number.
         """
         read = partial(read_number, name, unknown=unknown, convert=from_device)
         writer = None
@@ -172,15 +172,14 @@ class Entity(PartBuilder[StateMessage]):
         self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds if command else ())
 
     def add_push(self, name: str, command: CommandTopic, payload: str) -> None:
-        """Take true, and nothing else: the part does something and has no state."""
+        """Add an action without state, commanded with true."""
         self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
         self.add_commands(command)
 
     def build(self, payloads: object = None) -> DescribedPart:
         """Return the finished part, with its echoes marked: states that may only repeat the command.
 
-        These are of all that can be set where the config is ``optimistic``, and where every state topic is a command
-        topic too: whatever is published there is a command.
+        These are all settable states if the config is ``optimistic``, or if every state topic is also a command topic.
 
         Source: Home Assistant core 2025.4, ``components/mqtt``: with ``optimistic`` a command is taken for the new
             state.
@@ -270,4 +269,4 @@ class Scale:
 
 
 _FAR = 1e100
-"""Beyond any device's values, and still a number after multiplication."""
+"""Beyond all values of devices, and still finite after multiplication."""

@@ -27,14 +27,14 @@ _BYTE = 255
 
 @dataclass(slots=True)
 class _Remembered:
-    """The last state of a lamp, for commands that need it: some are made of brightness and colour together.
+    """The last state of a lamp, for commands that combine brightness and colour.
 
     Attributes:
         brightness: 1 to 255; None before the first report.
         colors: Its colour at full brightness by mode.
         has_mode: Whether it reports its colour mode.
-        mode: The mode that it reported last; None before the first report.
-        reported: What it reported last in each mode.
+        mode: The last reported mode; None before the first report.
+        reported: The last reported value of each mode.
     """
 
     brightness: int | None = None
@@ -46,18 +46,13 @@ class _Remembered:
 
 @dataclass(frozen=True, slots=True)
 class _BasicState:
-    """Reads what the lamp reports.
-
-    Attributes:
-        lamp: What it can do.
-        remembered: What it last reported.
-    """
+    """Reader of the state topics of a lamp."""
 
     lamp: LightFeatures
     remembered: _Remembered
 
     def add_readers(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
-        """Have *entity* read all topics of the lamp's config; return the capabilities that can be read."""
+        """Add readers of all state topics to *entity*; return the readable capabilities."""
         states: dict[str, bool | None] = {
             config.text("payload_off", "OFF"): False,
             config.text("payload_on", "ON"): True,
@@ -100,7 +95,7 @@ class _BasicState:
         return self._report("color_temp", kelvin)
 
     def _mode(self, text: str) -> Readings:
-        """Take which of its values it shows; the others were reported before, or will be."""
+        """Read the mode; the values of the modes come before or after it."""
         if text not in self.lamp.modes:
             return NO_READINGS
         self.remembered.mode = text
@@ -108,7 +103,7 @@ class _BasicState:
         return NO_READINGS if reported is None else self._report(text, reported)
 
     def _report(self, mode: str, value: PlainValue) -> Readings:
-        """Take what it reports in a colour mode; where it reports the mode too, that decides whether it counts."""
+        """Record the value of a colour mode; it is effective in the reported mode, or without one."""
         self.remembered.reported[mode] = value
         if self.remembered.has_mode and self.remembered.mode not in (None, mode):
             return NO_READINGS
@@ -124,7 +119,7 @@ class _BasicState:
         return {"level": self.remembered.brightness * 100 / _BYTE}
 
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
-        """Read a colour; where its lamp has no topic for its brightness, it reports that as well."""
+        """Read a colour, and the brightness of a lamp without a topic for it."""
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
@@ -145,7 +140,7 @@ _MOST = {"hs": (360, 100), "xy": (1, 1)}
 
 
 def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp that has a topic for each thing."""
+    """Describe a lamp with a topic for each value."""
     commands = _BasicLightCommands(
         command=config.required_command(template_key=""),
         payload_on=config.text("payload_on", "ON"),
@@ -187,7 +182,7 @@ _NAMES: Mapping[str, tuple[str, ...]] = {
 """The names of the channels in templates."""
 
 _DIMMED = ("rgb", "rgbw", "rgbww")
-"""Modes whose channels carry the brightness where it has no topic of its own."""
+"""Modes with the brightness in their channels, unless it has a topic of its own."""
 
 
 def _order(config: DiscoveryConfig) -> str:
@@ -198,7 +193,7 @@ def _order(config: DiscoveryConfig) -> str:
 
 
 def _assumed(config: DiscoveryConfig) -> frozenset[str]:
-    """Return what the lamp does not report, so that its last command counts: ``brightness`` and colour modes."""
+    """Return the unreported values, for which the last command is assumed: ``brightness`` and colour modes."""
     if config.flag("optimistic"):
         return frozenset({"brightness", *CHANNELS})
     assumed = {mode for mode in CHANNELS if not config.has(f"{mode}_state_topic")}
@@ -210,7 +205,7 @@ def _assumed(config: DiscoveryConfig) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True)
 class _BasicLightCommands:
-    """The commands of a lamp: the values on their topics, and that it shall be on before, after, or not at all."""
+    """Writer of a lamp: the values on their topics, and its switch before, after, or not at all."""
 
     command: CommandTopic
     payload_on: str
@@ -226,7 +221,7 @@ class _BasicLightCommands:
     assumes: frozenset[str]
 
     def modes(self) -> frozenset[str]:
-        """Return the colour modes that the topics amount to."""
+        """Return the colour modes of the topics."""
         modes = frozenset(self.colors) | ({"color_temp"} if self.white else frozenset())
         return modes or frozenset({"brightness" if self.brightness else "onoff"})
 

@@ -32,20 +32,18 @@ from homebot.devices.value import PlainValue
 __all__ = ["LightCommand", "LightFeatures", "WhiteRange", "read_white_range"]
 
 _MOST_SECONDS = 6_553.0
-"""Longest transition that Home Assistant lets pass."""
+"""Longest transition in Home Assistant."""
 
 
 class LightCommand(NamedTuple):
     """One command to a lamp.
 
     Attributes:
-        on: Whether it shall be on.
-        brightness: 1 to 255; None to leave it.
-        kelvin: Its white; None to leave it.
-        mode: In which channels *color* is; empty to leave the colour.
-        color: Its colour.
-        effect: What to play; empty to leave it.
-        transition: Seconds that the change shall take; None where nothing is declared of it.
+        brightness: 1 to 255; None if unchanged.
+        kelvin: Its white; None if unchanged.
+        mode: The channels of *color*; empty if unchanged.
+        effect: Its effect; empty if unchanged.
+        transition: Seconds of the change; None for the default of the device.
     """
 
     on: bool
@@ -64,8 +62,8 @@ class WhiteRange(NamedTuple):
     """The whites of a lamp.
 
     Attributes:
-        kelvins: Warmest and coldest, as Home Assistant counts with them.
-        bounds: The lowest and the highest kelvin that it takes; see :func:`mired_bounds`.
+        kelvins: Warmest and coldest, for Home Assistant's calculations.
+        bounds: The lowest and the highest accepted kelvin; see :func:`mired_bounds`.
     """
 
     kelvins: KelvinRange
@@ -74,16 +72,12 @@ class WhiteRange(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LightFeatures:
-    """The capabilities of a lamp, and the values that it takes.
+    """The capabilities of a lamp, and their values.
 
     Attributes:
-        modes: Its colour modes, as Home Assistant names them.
-        white: Warmest and coldest white.
-        effects: What it can play.
-        any_effect: Whether it plays what is not listed, too.
-        has_level: Whether its brightness can be set.
-        has_white: Whether it has whites from warm to cold.
-        color_mode: The channels in which a colour is sent; empty where it has no colours.
+        modes: Its colour modes, with the names of Home Assistant.
+        any_effect: Whether it also accepts unlisted effects.
+        color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
 
     modes: frozenset[str]
@@ -101,13 +95,7 @@ class LightFeatures:
         object.__setattr__(self, "color_mode", color_mode)
 
     def add_to(self, entity: Entity, readable: Container[str], publish: Publish) -> None:
-        """Give *entity* its capabilities.
-
-        Args:
-            entity: The lamp.
-            readable: Those that are reported.
-            publish: Encodes a command.
-        """
+        """Add the capabilities to *entity*; *readable* ones are reported, and *publish* encodes a command."""
         writers = _LightWriters(self, publish)
         entity.add_capability("on_off", readable="on_off" in readable, writer=writers.on_off)
         if self.has_level:
@@ -127,12 +115,7 @@ class LightFeatures:
 
 @dataclass(slots=True, eq=False)
 class _LightWriters:
-    """Writers of one lamp, one for each capability.
-
-    Attributes:
-        lamp: What it can do.
-        publish: Encodes a command.
-    """
+    """Writers of one lamp, one for each capability."""
 
     lamp: LightFeatures
     publish: Publish
@@ -170,7 +153,7 @@ def _publish(publish: Publish, command: LightCommand, transition: float) -> Publ
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:
-    """Return warmest and coldest white, whichever way the config states them."""
+    """Return the range of whites, in kelvin or mired in the config."""
     if _WHITE_FIELDS.isdisjoint(config.values):
         return _USUAL_WHITE
     most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import NamedTuple
+from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -32,56 +31,23 @@ __all__ = ["build_json_light"]
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that uses JSON."""
     command = config.required_command(template_key="")
-    kind = _kind_of(config)
+    scale = config.integer("brightness_scale", 255, least=1)
+    in_kelvin = config.flag("color_temp_kelvin")
+    effects = config.options("effect_list")
+    lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=config.flag("effect"))
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    publish = partial(_publish, command, kind.scale, kind.in_kelvin)
-    kind.lamp.add_to(entity, _REPORTED if state_topic else (), publish)
+    lamp.add_to(entity, _REPORTED if state_topic else (), partial(_publish, command, scale, in_kelvin))
     if state_topic:
-        entity.read_from(state_topic, _State(kind.lamp, kind.scale, kind.in_kelvin, config.encoding).read)
+        entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
     entity.add_command_topics(command.topic)
     return entity.build()
 
 
-class _JsonLightKind(NamedTuple):
-    """The part of a config that all lamps of a kind have in common.
-
-    Attributes:
-        lamp: What they can do.
-        scale: Their brightness at 100 %.
-        in_kelvin: Whether their whites are in kelvin rather than in mired.
-    """
-
-    lamp: LightFeatures
-    scale: int
-    in_kelvin: bool
-
-
-def _kind_of(config: DiscoveryConfig) -> _JsonLightKind:
-    """Return the kind of a lamp; the last few kinds are remembered, as a house has many lamps of each."""
-    modes, effects = config.options("supported_color_modes"), config.options("effect_list")
-    fields = tuple(map(config.values.get, _KIND_FIELDS))
-    if len(modes) + len(effects) > _FEW_OPTIONS or not _SCALARS.issuperset(map(type, fields)):
-        return _new_kind(config, modes, effects)
-    return _known_kind(fields, modes, effects)
-
-
-@lru_cache(maxsize=64)
-def _known_kind(fields: tuple[object, ...], modes: tuple[str, ...], effects: tuple[str, ...]) -> _JsonLightKind:
-    values = {key: value for key, value in zip(_KIND_FIELDS, fields, strict=True) if value is not None}
-    return _new_kind(DiscoveryConfig("light", "", values), modes, effects)
-
-
-def _new_kind(config: DiscoveryConfig, modes: tuple[str, ...], effects: tuple[str, ...]) -> _JsonLightKind:
-    scale = config.integer("brightness_scale", 255, least=1)
-    in_kelvin = config.flag("color_temp_kelvin")
-    supported = _listed_modes(modes) if modes else _flagged_modes(config)
-    lamp = LightFeatures(supported, read_white_range(config), effects, any_effect=config.flag("effect"))
-    return _JsonLightKind(lamp, scale, in_kelvin)
-
-
-def _listed_modes(options: tuple[str, ...]) -> frozenset[str]:
-    modes = frozenset(options)
+def _modes(config: DiscoveryConfig) -> frozenset[str]:
+    modes = frozenset(config.options("supported_color_modes"))
+    if not modes:
+        return _flagged_modes(config)
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
         raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")
@@ -89,10 +55,7 @@ def _listed_modes(options: tuple[str, ...]) -> frozenset[str]:
 
 
 def _flagged_modes(config: DiscoveryConfig) -> frozenset[str]:
-    """Return the modes of a lamp that lists none: one flag for each, as was usual before there were lists.
-
-    Home Assistant took the flags of colours until 2025.2, and many lamps still announce nothing else.
-    """
+    """Return the modes of a lamp without a list: one flag for each, accepted by Home Assistant until 2025.2."""
     colors = frozenset(filter(config.flag, _COLOR_FLAGS))
     return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
 
@@ -114,10 +77,7 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
 
 @dataclass(slots=True, eq=False)
 class _State:
-    """Reads what the lamp reports.
-
-    A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.
-    """
+    """Reader of a lamp's state. A colour is read in the reported mode, or in the only mode with a value."""
 
     lamp: LightFeatures
     scale: int
@@ -128,25 +88,28 @@ class _State:
         message = state_message.json_object(self.encoding)
         if message is None:
             return NO_READINGS
-        found: dict[str, PlainValue] = {}
-        lamp, get = self.lamp, message.get
-        state = get("state", "")
-        if (state is None or isinstance(state, str)) and state in _STATES:
-            found["on_off"] = _STATES[state]
-        brightness = get("brightness")
-        if lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
-            found["level"] = _level(brightness, self.scale)
+        found = dict(self._read_switch(message))
+        lamp = self.lamp
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
         if isinstance(mode, str) and mode in lamp.modes:
             self._add_color(mode, message, found)
         if lamp.effects or lamp.any_effect:
-            effect = get("effect")
+            effect = message.get("effect")
             if isinstance(effect, str):
                 found["effect"] = clean_text(effect)
         return found
 
+    def _read_switch(self, message: Mapping[str, object]) -> Readings:
+        found: dict[str, PlainValue] = {}
+        state, brightness = message.get("state", ""), message.get("brightness")
+        if (state is None or isinstance(state, str)) and state in _STATES:
+            found["on_off"] = _STATES[state]
+        if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
+            found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
+        return found
+
     def _only_mode(self, message: Mapping[str, object]) -> str:
-        """Return the one mode in which the message has a value; empty where it has none, or several."""
+        """Return the only mode with a value in the message; empty for none or several."""
         has_white, color = message.get("color_temp") is not None, message.get("color")
         if has_white:
             return "" if isinstance(color, dict) else "color_temp"
@@ -156,9 +119,7 @@ class _State:
 
     def _add_color(self, mode: str, message: Mapping[str, object], found: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
-            white = message.get("color_temp")
-            is_number = isinstance(white, (int, float))
-            kelvin = (_kelvin if is_number else _kelvin.__wrapped__)(white, self.in_kelvin)
+            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
             if kelvin is not None:
                 found["color_temperature"] = kelvin
                 if self.lamp.color_mode:
@@ -171,37 +132,11 @@ class _State:
                     found["color_temperature"] = None
 
 
-# Lamps report few different values, over and over again.
-
-
-@lru_cache(maxsize=1024)
-def _level(brightness: float, scale: int) -> float:
-    return min(255, max(1, round(brightness * 255 / scale))) * 100 / 255
-
-
-@lru_cache(maxsize=1024)
-def _kelvin(white: object, in_kelvin: bool) -> float | None:  # noqa: FBT001 - part of the key
-    return white_kelvin(number_of(white), in_kelvin=in_kelvin)
-
-
 _REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
 _COLOR_FLAGS = ("color_temp", "hs", "rgb", "xy")
-_KIND_FIELDS = (
-    *_COLOR_FLAGS,
-    "brightness",
-    "brightness_scale",
-    "color_temp_kelvin",
-    "effect",
-    "max_kelvin",
-    "max_mireds",
-    "min_kelvin",
-    "min_mireds",
-)
-_FEW_OPTIONS = 50
-_SCALARS = frozenset({bool, int, float, str, type(None)})
 _BOUNDS = {"h": 360.0, "s": 100.0, "x": 1.0, "y": 1.0}
 
 

@@ -23,7 +23,7 @@ __all__ = ["build_template_light"]
 
 
 def build_template_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp that is read and commanded by templates."""
+    """Describe a lamp with templates for states and commands."""
     for key in ("command_on_template", "command_off_template"):
         if not config.has(key):
             raise WireError(f"light: {key} is missing; the schema template requires it")
@@ -96,7 +96,7 @@ def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: Ligh
 
 @dataclass(frozen=True, slots=True)
 class _TemplateLightReader:
-    """Reads what the lamp reports, one template at a time; the colour needs three."""
+    """Reader of a lamp's state, one template at a time; a colour needs three."""
 
     sources: Mapping[str, ValueSource]
     lamp: LightFeatures

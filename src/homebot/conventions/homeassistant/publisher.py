@@ -1,4 +1,4 @@
-"""The other direction: what homebot offers, as configs and states that a Home Assistant understands. Pure.
+"""Publisher of exposed devices, as configs and states for a Home Assistant. Pure.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``.
 """
@@ -40,7 +40,7 @@ __all__ = ["HomeAssistantPublisher"]
 
 
 def _publish_part(part: Part, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
-    """Return the entities of *part*: first what it is there for, then what is left, one by one."""
+    """Return the entities of *part*: the main one, then one for each other capability."""
     available: Available = {one.name: one for one in part.capabilities}
     found: list[PublishedEntity] = []
     for publish in _WHOLE:
@@ -65,12 +65,12 @@ _WHOLE: tuple[_Publish, ...] = (
     publish_mower,
     publish_alarm,
 )
-"""Each takes what belongs together; what a valve takes as its position is no cover's."""
+"""Each removes its capabilities, so that the position of a valve is no cover."""
 
 
 _MAX_COMMAND = 1000
 _WATCHED = frozenset({"binary_sensor", "sensor"})
-"""Components that Home Assistant lets be diagnostic, but no settings."""
+"""Components that can be diagnostic in Home Assistant, but not settings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +83,12 @@ class _CommandRoute:
 
 
 class HomeAssistantPublisher:
-    """The configs of what is offered, retained, as its states are; an event is not.
+    """Publisher of retained configs and states, and of events.
 
     Args:
         prefix: The discovery prefix.
-        owner: Which homebot this is: lasting, and unique in the house.
-        status_topic: Where that publishes ``online`` and ``offline``.
+        owner: The lasting name of this homebot, unique in the house.
+        status_topic: The topic of its ``online`` and ``offline``.
     """
 
     def __init__(self, prefix: str, owner: str, status_topic: str) -> None:
@@ -100,15 +100,15 @@ class HomeAssistantPublisher:
         self._published: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
 
     def filters(self) -> tuple[str, ...]:
-        """Return where Home Assistant's commands come."""
+        """Return the filter of Home Assistant's commands."""
         return (f"{self._base}/+/+/+/set",)
 
     def is_own_topic(self, topic: str) -> bool:
-        """Return whether *topic* holds a config of this homebot, which it must not take for a device."""
+        """Return whether *topic* is a config of this homebot, which is no device to it."""
         return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
 
     def publications(self, offer: ExposedDevice) -> Publications:
-        """Return what makes *offer* be there, or be gone, with all that the broker kept of it."""
+        """Return the configs of *offer*, or the removal of its retained messages."""
         entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
         publish = self._withdrawal if offer.is_withdrawn else self._config
         if offer.is_withdrawn:
@@ -120,7 +120,7 @@ class HomeAssistantPublisher:
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> Publications:
-        """Return what publishes what is *known* of *offer* now that *changed* are news, by part and capability."""
+        """Return the states of *offer* with a *changed* value among the *known* ones, by part and capability."""
         found: list[Publication] = []
         for part, entities in self._published.get(offer.id, ()):
             news = {name for part_id, name in changed if part_id == part.id}
@@ -134,7 +134,7 @@ class HomeAssistantPublisher:
         return tuple(found)
 
     def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
-        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        """Return the commands in a message on one of the filters, in this order."""
         route = self._routes.get(topic)
         if route is None or len(payload) > _MAX_COMMAND:
             return ()
@@ -181,7 +181,7 @@ class HomeAssistantPublisher:
         return f"{self._prefix}/{entity.component}/{self._owner}/{self._object_id(offer, part, entity)}/config"
 
     def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
-        """Return the object id; two ``_`` part what it is made of, because no piece has them."""
+        """Return the object id; its pieces are separated by two ``_``, which no piece has."""
         return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
 
     def _device(self, offer: ExposedDevice) -> dict[str, object]:
@@ -200,7 +200,7 @@ def _title(name: str) -> str:
 
 
 def _slug(text: str) -> str:
-    """Return *text* with letters, digits and ``_`` alone; a checksum keeps those apart that had other characters."""
+    """Return *text* with letters, digits and ``_`` alone, and a checksum if it had other characters."""
     slug = re.sub("[^a-zA-Z0-9]+", "_", text).strip("_")
     if slug == text:
         return slug

@@ -27,15 +27,15 @@ __all__ = ["HomeAssistantReader"]
 
 
 class HomeAssistantReader:
-    """Reads configs, each by itself, and counts the broken components of a device that has others."""
+    """Reader of configs; counts the invalid components of a device with valid ones."""
 
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0
         self._prefixes = prefixes
         self._devices = DeviceReader()
 
-    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
-        """Take a config and return what it describes of its device."""
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
+        """Return the description in a config."""
         where = None
         for prefix in self._prefixes:
             if (where := parse_config_topic(prefix, topic)) is not None:
@@ -54,10 +54,7 @@ class HomeAssistantReader:
         return (_described(topic, where, announced, device, parts),)
 
     def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
-        """Build the parts. In a message of a whole device a broken component costs that component alone.
-
-        What only reports a code or password is no part.
-        """
+        """Build the parts, without invalid components of a whole device, and without codes and passwords."""
         parts: _Parts = {}
         broken: WireError | None = None
         for component in announced.components:
@@ -114,10 +111,10 @@ def _described(
 def _shared_availability(
     where: ConfigTopic, announced: Announced, parts: _Parts
 ) -> tuple[tuple[DescribedPart, ...], Availability | None]:
-    """Return the parts of a whole device, and the availability of all; what a part says beyond that stays with it."""
+    """Return the parts of a whole device without the shared availability, and that availability."""
     whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
     described = tuple([part for part, _ in parts.values()])
-    if whole is None and _have_one_availability(described):
+    if whole is None and all(part.availability == described[0].availability for part in described):
         whole = described[0].availability
     if whole is not None:
         described = tuple([_without(whole, one) for one in described])
@@ -128,12 +125,8 @@ def _without(whole: Availability, part: DescribedPart) -> DescribedPart:
     return part if part.availability is None or part.availability != whole else replace(part, availability=None)
 
 
-def _have_one_availability(parts: tuple[DescribedPart, ...]) -> bool:
-    return all(one.availability == parts[0].availability for one in parts)
-
-
 def _facts(parts: _Parts) -> dict[str, str]:
-    """Return what is known of parts and has no field there: that one is hidden, and whom a group stands for."""
+    """Return the facts of parts: hidden ones, and the members of groups."""
     facts = {}
     for part_id, (_, config) in parts.items():
         if config.values.get("enabled_by_default") is False:

@@ -1,4 +1,4 @@
-"""Temperatures of devices that may count in Fahrenheit: those they measure, and those they shall reach. Pure.
+"""Measured temperatures and setpoints of devices in °C or °F. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/climate.py``, ``components/climate/__init__.py`` and
 ``util/unit_conversion.py``.
@@ -25,11 +25,7 @@ __all__ = ["Limits", "TargetMode", "Thermometer", "add_temperatures", "read_ther
 
 @dataclass(frozen=True, slots=True)
 class Thermometer:
-    """In which unit a device counts; all of homebot counts in °C.
-
-    Attributes:
-        is_fahrenheit: Whether that is °F and not °C.
-    """
+    """The unit of a device, °F or °C; homebot's is °C."""
 
     is_fahrenheit: bool
 
@@ -42,20 +38,14 @@ class Thermometer:
         return to_fahrenheit(celsius) if self.is_fahrenheit else celsius
 
     def limits(self, config: DiscoveryConfig, least: float, most: float) -> Limits:
-        """Return the config's ``min_temp`` and ``max_temp``; *least* and *most*, in °C, stand for missing ones."""
+        """Return the config's ``min_temp`` and ``max_temp``, with the defaults *least* and *most* in °C."""
         low, high = config.optional_number("min_temp"), config.optional_number("max_temp")
         return Limits(self, self.number(least) if low is None else low, self.number(most) if high is None else high)
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The lowest and the highest temperature that a device takes.
-
-    Attributes:
-        thermometer: The unit that it counts in.
-        low: Its lowest number.
-        high: Its highest number.
-    """
+    """The lowest and the highest number of a device, in its unit."""
 
     thermometer: Thermometer
     low: float
@@ -72,7 +62,7 @@ class Limits:
 
 
 def read_thermometer(config: DiscoveryConfig) -> Thermometer:
-    """Return in which unit the device counts: °C where the config does not say.
+    """Return the unit of a device, by default °C.
 
     Raises:
         WireError: It names another unit.
@@ -84,45 +74,45 @@ def read_thermometer(config: DiscoveryConfig) -> Thermometer:
 
 
 def source_of(config: DiscoveryConfig, name: str) -> ValueSource | None:
-    """Return where a climate device reports *name*; one template may stand for all that have none of their own."""
+    """Return the source of *name* of a climate device; ``value_template`` is the default template."""
     return source_at(config, f"{name}_topic", f"{name}_template")
 
 
 def source_at(config: DiscoveryConfig, topic_key: str, template_key: str) -> ValueSource | None:
-    """Return what :func:`source_of` does, for fields with other names."""
+    """Return a source as :func:`source_of`, for fields with other names."""
     return config.source(topic_key, template_key if config.has(template_key) else "value_template")
 
 
 @dataclass(slots=True)
 class TargetMode:
-    """The mode of a thermostat, as far as its targets depend on it.
+    """The mode of a thermostat, on which its targets depend.
 
     Attributes:
-        is_reported: Whether it reports its mode; else its last command counts.
+        is_reported: Whether it reports its mode; otherwise its last command is assumed.
         mode: Its last mode; None for unknown.
     """
 
     is_reported: bool
     mode: str | None = None
 
-    def take_command(self, mode: str) -> None:
-        """Take the mode of a command."""
+    def on_command(self, mode: str) -> None:
+        """Record the mode of a command."""
         if not self.is_reported:
             self.mode = mode
 
     @property
     def is_pair(self) -> bool:
-        """True if the pair of targets counts, and not the single one."""
+        """True if the pair of targets is effective, not the single one."""
         return self.mode == "heat_cool"
 
 
 def add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: TargetMode) -> None:
-    """Offer what it measures and what it shall reach.
+    """Add the current temperature and the setpoints.
 
-    A single target is a ``heating_setpoint`` where it can heat or does not say what it can, and a ``cooling_setpoint``
-    where it can cool. Of a pair the lower one heats and the upper one cools. Where there is both, the pair counts in
-    the mode ``heat_cool``, and the single one in any other. While the mode is unknown none is commanded: the single one
-    may be what it heats to. Without modes the pair counts.
+    A single target is a ``heating_setpoint`` if the device heats or has no modes, and a ``cooling_setpoint`` if it
+    cools. Of a pair the lower one heats and the upper one cools. Of both, the pair is effective in the mode
+    ``heat_cool``, and the single one in any other. In an unknown mode neither is commanded. Without modes the pair is
+    effective.
     """
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, 7.0, 35.0)
@@ -156,7 +146,7 @@ def _is_there(config: DiscoveryConfig, key: str) -> bool:
 
 
 def _by_single(modes: tuple[str, ...]) -> tuple[str, ...]:
-    """Return what a single target is."""
+    """Return the capabilities of a single target."""
     cools = ("cooling_setpoint",) if _COOLS.intersection(modes) else ()
     return (*cools, "heating_setpoint") if not cools or _HEATS.intersection(modes) else cools
 
@@ -176,7 +166,7 @@ def _add_both(
     keys = (_SINGLE, *(end for end in _ENDS.values() if _is_there(config, end)))
     commands = {key: command for key in keys if (command := _command(config, key)) is not None}
     targets = _Targets(mode, limits, by_single, commands)
-    mode_source = source_of(config, "mode_state")  # is read first: of one message it selects what the others mean
+    mode_source = source_of(config, "mode_state")  # read first: the mode selects the target in the same message
     entity.read_text_from(mode_source, partial(targets.read_mode, frozenset(modes)))
     readable = {
         key: entity.read_text_from(source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys
@@ -201,7 +191,7 @@ def _add_both(
 
 @dataclass(frozen=True, slots=True)
 class _Targets:
-    """A single target and a pair, of which the mode selects one: by capability, and their last reports by key."""
+    """A single target and a pair, selected by the mode, with their last values by key."""
 
     mode: TargetMode
     limits: Limits
@@ -211,7 +201,7 @@ class _Targets:
     last_values: dict[str, PlainValue] = field(default_factory=dict)
 
     def read_mode(self, modes: frozenset[str], text: str) -> Readings:
-        """Take the mode; with it other targets may count, which were reported before."""
+        """Read the mode, which may make other, earlier reported targets effective."""
         if text != "None" and text not in modes:
             return NO_READINGS
         was_pair = self.mode.is_pair
@@ -221,7 +211,7 @@ class _Targets:
         return {name: self.last_values.get(self._key(name)) for name in self.names}
 
     def read(self, key: str, text: str) -> Readings:
-        """Take the target *key*."""
+        """Read the target *key*."""
         found = read_number(key, text, convert=self.limits.thermometer.celsius)
         if not found:
             return NO_READINGS
@@ -240,7 +230,7 @@ class _Targets:
         return command.publish(number)
 
     def _key(self, name: str) -> str:
-        """Return which target is *name* now; empty where none is."""
+        """Return the key of the effective target of *name*; empty for none."""
         if self.mode.is_pair:
             return _ENDS[name]
         return _SINGLE if name in self.by_single else ""

@@ -1,4 +1,4 @@
-"""Topics of discovery: where configs are, where a value is reported and commanded, and how its message is read. Pure.
+"""Topics of configs, states and commands, and the messages there. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py`` and ``util.py``.
 """
@@ -30,17 +30,11 @@ __all__ = [
 
 
 DEVICE = "device"
-"""In the place of the component: the message describes a whole device."""
+"""The component of a config of a whole device."""
 
 
 class ConfigTopic(NamedTuple):
-    """The parts of a config's topic.
-
-    Attributes:
-        component: For example ``light``, or :data:`DEVICE`.
-        node_id: The level between component and object; empty where there is none.
-        object_id: The level before ``config``.
-    """
+    """The component of a config's topic, or :data:`DEVICE`, its node id, perhaps empty, and its object id."""
 
     component: str
     node_id: str
@@ -48,16 +42,16 @@ class ConfigTopic(NamedTuple):
 
     @property
     def key(self) -> str:
-        """The name of the announcement: all levels between prefix and ``config``, but for an empty one."""
+        """The key of the announcement: all levels between prefix and ``config``."""
         ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
         return f"{self.component}/{ids}"
 
 
 def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
-    """Return what *topic* says; None where it is no config below *prefix*.
+    """Return the levels of *topic*; None if it is no config below *prefix*.
 
-    Home Assistant takes ids of letters, digits, ``_`` and ``-`` alone. Real devices have others too, such as the button
-    ``recall_*`` of a remote; they are taken as they are.
+    Home Assistant accepts ids of letters, digits, ``_`` and ``-``. Real devices have others too, such as the button
+    ``recall_*`` of a remote; they are accepted here.
 
     Raises:
         WireError: It is a config, but longer than 512 characters.
@@ -75,7 +69,7 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
 
 @lru_cache(maxsize=128)
 def command_topic(topic: str) -> str:
-    """Return *topic* where a command may be published to it.
+    """Return *topic*, which must be valid for a command.
 
     Raises:
         WireError: It is empty, has a wildcard or a control character, or breaks MQTT's rules.
@@ -91,7 +85,7 @@ def command_topic(topic: str) -> str:
 
 @lru_cache(maxsize=128)
 def state_topic(topic: str) -> str:
-    """Return *topic* where it may be subscribed to; whole levels may be wildcards.
+    """Return *topic*, which must be valid for a subscription, perhaps with wildcards.
 
     Raises:
         WireError: It is empty, has a control character, or breaks MQTT's rules.
@@ -115,12 +109,7 @@ def _unusable(topic: str, problem: str) -> WireError:
 
 
 class StateMessage:
-    """One payload. Its JSON is parsed at most once, when the first part asks for it.
-
-    Attributes:
-        payload: The bytes.
-        retained: Whether the broker had kept it from before.
-    """
+    """One payload, with JSON that is parsed at most once."""
 
     __slots__ = ("payload", "retained")
 
@@ -129,11 +118,7 @@ class StateMessage:
         self.retained = retained
 
     def context(self, encoding: str = "utf-8") -> PayloadContext | None:
-        """Return what a template sees; None where the payload is no such text, or longer than what is looked at.
-
-        Args:
-            encoding: As :attr:`DiscoveryConfig.encoding` has it; empty where payloads are no text.
-        """
+        """Return the variables of a template; None if the payload is too long or no text in this encoding."""
         return _context(self.payload, encoding)
 
     def text(self, encoding: str = "utf-8") -> str | None:
@@ -142,7 +127,7 @@ class StateMessage:
         return None if context is None else context.value
 
     def json_object(self, encoding: str = "utf-8") -> Mapping[str, object] | None:
-        """Return the JSON object that the payload is; None where it is none."""
+        """Return the JSON object in the payload; None for none."""
         if encoding == "utf-8":
             return _json_object(self.payload)
         context = _context(self.payload, encoding)
@@ -152,7 +137,7 @@ class StateMessage:
 
 @lru_cache(maxsize=2)
 def _json_object(payload: bytes) -> Mapping[str, object] | None:
-    """Return the JSON object that UTF-8 is, which need not become text before."""
+    """Return the JSON object in UTF-8, without decoding it to text."""
     try:
         value = parse_json(payload, MAX_LONG_STATE_BYTES)
     except WireError:
@@ -171,15 +156,15 @@ def _context(payload: bytes, encoding: str) -> PayloadContext | None:
 
 
 class ValueSource(NamedTuple):
-    """One topic that a part publishes on, and the template that finds one value there.
+    """One state topic, and the template that extracts one value.
 
     Attributes:
-        topic: A topic, or a filter where the device declared one.
-        template: Finds the value; None where the whole payload is the value.
-        encoding: Of the payload; see :attr:`DiscoveryConfig.encoding`.
-        variables: What else the template may name.
-        or_payload: Whether the payload itself is the value where the template wants what is not in it, for example
-            because it is no JSON. Home Assistant has it so for all but a few values.
+        topic: A topic, or a declared filter.
+        template: Extracts the value; None if the whole payload is the value.
+        encoding: See :attr:`DiscoveryConfig.encoding`.
+        variables: Further variables of the template.
+        or_payload: Whether the payload is the value if the template needs a missing variable, for example because it is
+            no JSON; so in Home Assistant for nearly all values.
     """
 
     topic: str
@@ -190,11 +175,11 @@ class ValueSource(NamedTuple):
 
     @property
     def problem(self) -> str:
-        """Reason why the template cannot be used; empty where it can."""
+        """Reason why the template is unusable; empty if it is usable."""
         return self.template.problem if self.template is not None else ""
 
     def text(self, message: StateMessage) -> str | None:
-        """Return the value as Home Assistant would compare it; None where the message is to be ignored."""
+        """Return the value as in Home Assistant; None if the message must be ignored."""
         context = message.context(self.encoding)
         if context is None:
             return None
@@ -208,7 +193,7 @@ class ValueSource(NamedTuple):
             return None
 
     def without_payload(self) -> ValueSource:
-        """Return the same, but a message that lacks what the template wants reports nothing."""
+        """Return a copy that ignores messages without the variables of the template."""
         return self._replace(or_payload=False)
 
 
@@ -216,14 +201,11 @@ _NO_VARIABLES: Mapping[str, object] = MappingProxyType({})
 
 
 class CommandTopic(NamedTuple):
-    """One topic on which a part takes commands.
+    """One command topic.
 
     Attributes:
-        topic: The topic.
-        template: Makes the payload of the value; None where the value itself is the payload.
-        qos: As the config says.
-        retain: As the config says; never true unless it does.
-        encoding: Of the payload; UTF-8 where it is empty.
+        template: Renders the payload; None if the value itself is the payload.
+        encoding: The encoding of the payload; UTF-8 if it is empty.
     """
 
     topic: str
@@ -236,11 +218,11 @@ class CommandTopic(NamedTuple):
         """Return the command of *value*.
 
         Args:
-            value: The payload as Python spells it, or what the template calls ``value``.
-            variables: What else the template may name.
+            value: The payload, or the variable ``value`` of the template.
+            variables: Further variables of the template.
 
         Raises:
-            RefusedError: The template cannot be used, fails on this value, or makes what cannot be encoded.
+            RefusedError: The template is unusable, fails, or renders a text that cannot be encoded.
         """
         text = str(value) if self.template is None else self._rendered(self.template, {"value": value, **variables})
         try:
@@ -250,17 +232,13 @@ class CommandTopic(NamedTuple):
         return Publication(self.topic, payload, self.qos, self.retain)
 
     def publish(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publications:
-        """Return :meth:`publication` alone, as writers do."""
+        """Return :meth:`publication` in a tuple, as writers do."""
         return (self.publication(value, variables),)
 
     def publication_with_code(
         self, value: object, code: str, variables: Mapping[str, object] = _NO_VARIABLES
     ) -> Publication:
-        """Return what :meth:`publication` does, with a *code* that the template may name; no error shows it.
-
-        Raises:
-            RefusedError: As there.
-        """
+        """Return :meth:`publication` with the variable *code*, which no error shows."""
         try:
             return self.publication(value, {**variables, "code": code or None})
         except RefusedError:

@@ -21,7 +21,7 @@ __all__ = ["build_valve"]
 
 
 def build_valve(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a valve: one that opens and closes, or one that also takes and reports how far it is open."""
+    """Describe a valve, perhaps with a position."""
     scale = Scale(config.integer("position_closed", 0), config.integer("position_open", 100))
     variables = {"position_open": scale.full, "position_closed": scale.zero}
     has_position = config.flag("reports_position")
@@ -53,7 +53,7 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
 
 
 _STATES = ("closed", "open", "closing", "opening")
-"""The later of two states with the same payload counts."""
+"""Of two states with the same payload the later one counts."""
 
 _COMMANDS = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "")}
 _NO_POSITION = ("payload_open", "payload_close", "state_open", "state_closed")
@@ -63,7 +63,7 @@ _ENDS = (0.0, 100.0)
 
 @dataclass(frozen=True, slots=True)
 class _ValveStateDecoder:
-    """Reads what the valve reports: plain texts and numbers, or an object with ``state`` and ``position``."""
+    """Reader of plain texts and numbers, or of an object with ``state`` and ``position``."""
 
     states: Mapping[str, str]
     scale: Scale
@@ -101,7 +101,7 @@ class _ValveStateDecoder:
 
 @dataclass(frozen=True, slots=True)
 class _ValveCommands:
-    """The commands of a valve. With a scale, open and closed are positions."""
+    """Writers of a valve. With a scale, open and closed are positions."""
 
     command: CommandTopic
     payloads: Mapping[str, str]
