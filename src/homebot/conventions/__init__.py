@@ -1,1 +1,1 @@
-"""The conventions: what makers' devices publish and take. Pure."""
+"""Conventions: the messages and commands of makers' devices. Pure."""

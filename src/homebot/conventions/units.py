@@ -69,7 +69,7 @@ class Quantity:
 
 
 def quantity(capability: str, unit: str = "") -> Quantity:
-    """Return the quantity of a *capability* whose numbers come in *unit*, by default the vocabulary's."""
+    """Return the quantity of a *capability* with numbers in *unit*, by default the vocabulary's."""
     conversion = conversion_of(capability, unit) if unit else _SAME
     return Quantity(sensor_type(capability), capability, "", conversion or _SAME)
 

@@ -1,4 +1,4 @@
-"""Door locks and alarms, whose commands may need a code. Pure.
+"""Door locks and alarms, which may need a code for commands. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt``: alarm_control_panel.py and lock.py; Zigbee2MQTT 1.42,
 ``lib/extension/homeassistant.ts``.

@@ -56,7 +56,7 @@ _HUMIDIFIER_ROWS = (
 def publish_climate(part: Part, available: Available, topics: EntityTopics) -> Entities:
     """Publish the targets, the measurements and the modes of a thermostat or an air conditioner.
 
-    A target whose meaning in Home Assistant would differ by its modes stays a number entity, and so does a mode with
+    A target with another meaning in Home Assistant, by its modes, stays a number entity, and so does a mode with
     options that Home Assistant does not have.
     """
     if part.service_type not in _CLIMATES:

@@ -48,7 +48,7 @@ def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay, or a plug if it is a socket."""
     topic = topics.at(f"relay/{index}")
 
-    def switch(on: bool) -> Publications:  # noqa: FBT001 - it is what the payload says
+    def switch(on: bool) -> Publications:  # noqa: FBT001 - the only argument
         return (Publication(f"{topic}/command", b"on" if on else b"off"),)
 
     part = BytesPart(f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")

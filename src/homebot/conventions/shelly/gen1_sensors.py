@@ -45,7 +45,7 @@ class Gen1Sensor:
     service_type: str = ""
 
     def read(self, payload: bytes) -> Readings:
-        """Return what *payload* reports; never raises."""
+        """Read *payload*; never raises."""
         text = to_text(payload) or ""
         if text in self.values:
             return {self.capability: self.values[text]}

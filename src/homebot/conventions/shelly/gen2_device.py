@@ -340,7 +340,7 @@ class Gen2Device:
 
 
 def fingerprint(described: DeviceAnnounced) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
-    """Return the fields of a description whose change is announced."""
+    """Return the fields of a description that are announced after a change."""
     return tuple(part.part for part in described.parts), described.name, described.facts, described.identifiers
 
 

@@ -234,7 +234,7 @@ def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:
     def warn(tone: str, level: str = "medium") -> Publications:
         return part.topics.publish({warning.key: {"mode": tone, "level": level, "duration": _SECONDS}})
 
-    def switch(on: bool) -> Publications:  # noqa: FBT001 - it is what the command says
+    def switch(on: bool) -> Publications:  # noqa: FBT001 - the only argument
         return warn(usual) if on else part.topics.publish({warning.key: {"mode": _SILENT}})
 
     def set_volume(percent: float) -> Publications:

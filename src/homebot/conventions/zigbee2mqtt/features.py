@@ -59,7 +59,7 @@ class Zigbee2MqttTopics:
         return replace(self, endpoint=expose.endpoint) if all(key.endswith(expose.suffix) for key in keys) else self
 
     def publish(self, message: Mapping[str, object], transition: float = 0.0) -> Publications:
-        """Return what to publish to set each property of *message*.
+        """Return the command that sets each property of *message*.
 
         Args:
             message: Values by property.
