@@ -24,7 +24,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/house/test_ble_devices.py tests/house/test_guide.py tests/house/test_matter.py tests/house/test_network.py \
 	tests/bridges/test_token_guard.py tests/bridges/thing_directory tests/conventions/test_long_json.py \
 	tests/discovery/test_set_clock.py tests/gateways/mqtt/test_memory.py \
-	tests/test_logger.py tests/test_production_loop.py tests/test_public_face.py tests/test_readme.py
+	tests/support/test_logger.py tests/support/test_production_loop.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
 .PHONY: help run test coverage test-fast test-peers fuzz houses days nightly check format docs wheel bench lock test-lowest clean

@@ -29,7 +29,7 @@ from homebot.house.dialects.wire import hardware_address
 from homebot.house.faults import unwrap
 from homebot.house.network import FAMILIES
 from homebot.runtime import Runtime
-from homebot.toml_file import parse_toml
+from homebot.support.toml_file import parse_toml
 from mosquitto import mosquitto
 from outcome_counts import FAULTS, HEADINGS, OutcomeCount, row
 from plan import Plan

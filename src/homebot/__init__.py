@@ -211,7 +211,7 @@ _NAMES = {
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 
     def __getattr__(name: str) -> object:
-        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - on first use
+        from homebot.support.lazy_names import lazy_names  # noqa: PLC0415 - on first use
 
         return lazy_names(__name__, _NAMES)(name)
 

@@ -49,11 +49,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
-from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
-from homebot.logger import get_logger
 from homebot.names import validate_node_name
-from homebot.similar import unknown_key
-from homebot.toml_file import TomlTable, read_toml
+from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
+from homebot.support.logger import get_logger
+from homebot.support.similar import unknown_key
+from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = [
     "UNNAMED",

@@ -21,8 +21,8 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
-from homebot.output import CleanText, QueuedText, wants_colour
+from homebot.support.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
+from homebot.support.output import CleanText, QueuedText, wants_colour
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "more_like_this", "sentence"]
 

@@ -16,8 +16,8 @@ from types import ModuleType
 from typing import Any, Final
 
 from homebot.errors import PluginError
-from homebot.file_access import why_not_trusted
-from homebot.similar import did_you_mean
+from homebot.support.file_access import why_not_trusted
+from homebot.support.similar import did_you_mean
 
 __all__ = ["has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
 

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 322
+_MOST_MODULES = 323
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -61,7 +61,7 @@ NOT_NEEDED = (
     "homebot.recording",
     "homebot.replay",
     "homebot.testing",
-    "homebot.virtual_time",
+    "homebot.support.virtual_time",
     "homebot.wot.mqtt.reader",
     "homebot.wot.parse",
 )

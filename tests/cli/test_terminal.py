@@ -27,7 +27,7 @@ from homebot.devices import QUERY_DEVICES, Found, QueryDevices
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node
 from homebot.messages import Time
-from homebot.output import clean_output
+from homebot.support.output import clean_output
 
 if TYPE_CHECKING:
     from typing import TextIO

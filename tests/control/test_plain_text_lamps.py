@@ -13,9 +13,9 @@ from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Evidence
 from homebot.graph import Node
 from homebot.house.description import parse_world
+from homebot.support.toml_file import parse_toml
 from homebot.testing import virtual_house_of
 from homebot.testing.virtual_house import VirtualHouse
-from homebot.toml_file import parse_toml
 
 pytestmark = pytest.mark.virtual_time
 

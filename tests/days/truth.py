@@ -19,7 +19,7 @@ from homebot.house.event_log import Event, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.sensors import MotionSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["GroundTruth", "TruthfulCommand", "annoys", "heats", "is_off", "is_on"]
 

@@ -19,7 +19,7 @@ from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.discovery.store import VERSION, IndexFile, index_path, take_over
 from homebot.errors import LinkError, UsageError, WireError
-from homebot.sqlite_file import SqliteFile, SqliteSchema
+from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]

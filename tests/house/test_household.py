@@ -9,7 +9,7 @@ import pytest
 from homebot.errors import UsageError
 from homebot.house.household import Habit, Household, Person
 from homebot.house.rooms import Room, Rooms
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 PLAN = Rooms({"a": Room(), "b": Room(x=3.0), "c": Room(x=5.0), "loft": Room()}, [("a", "b"), ("b", "c")])
 

@@ -12,12 +12,12 @@ import pytest
 from anyio import wait_all_tasks_blocked
 from structlog.testing import capture_logs
 
-from homebot.backoff import Backoff
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.support.backoff import Backoff
 
 pytestmark = pytest.mark.virtual_time
 

@@ -22,7 +22,7 @@ from anyio.abc import Process
 from anyio.streams.text import TextReceiveStream
 from tests.patience import PATIENCE
 
-from homebot.isolation import only_cause
+from homebot.support.isolation import only_cause
 
 INTERFACE = "e0"
 """The interface of every machine to the network; name it: by default, libraries use all there are."""

@@ -21,7 +21,7 @@ from homebot.gateways.drivers.esphome import EsphomeDriver
 from homebot.gateways.drivers.shelly import ShellyDriver
 from homebot.gateways.drivers.thing import ThingDriver
 from homebot.gateways.drivers.wled import WledDriver
-from homebot.isolation import first_cause
+from homebot.support.isolation import first_cause
 
 DRIVERS: dict[str, tuple[type[Driver], str]] = {
     "esphome": (EsphomeDriver, "_esphomelib._tcp.local."),

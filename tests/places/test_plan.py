@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import ConfigError
-from homebot.folding import fold
 from homebot.places import HousePlan, HouseRoom
+from homebot.support.folding import fold
 
 HOUSE = (
     HouseRoom("Hall", "Downstairs", ("Kitchen", "outside")),

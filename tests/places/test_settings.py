@@ -6,7 +6,7 @@ import pytest
 
 from homebot.errors import ConfigError
 from homebot.places import HousePlan, HouseRoom, OwnerFact, places_text, read_places
-from homebot.toml_file import parse_toml
+from homebot.support.toml_file import parse_toml
 
 TEXT = """\
 [places.rooms]

@@ -23,8 +23,8 @@ from homebot.recording.recording import Recording, read_recording
 from homebot.recording.session import ReadRecording, ReadRecordingRequest
 from homebot.replay.command_diff import CommandDiff, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
+from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
-from homebot.virtual_time import VirtualTimeLoop
 
 FAMILY = (Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8")
 APPS = {

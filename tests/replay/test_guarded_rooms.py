@@ -12,8 +12,8 @@ from homebot.devices.command_messages import CommandDevices, CommandDevicesReque
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.graph import Node
 from homebot.recording.recording import Recording
+from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
-from homebot.virtual_time import VirtualTimeLoop
 
 CONFIG = {"apps": {"lights_out": APPS["lights_out"]}, "control": {"presence_guard": {}}}
 

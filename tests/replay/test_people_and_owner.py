@@ -40,8 +40,8 @@ from homebot.graph import Node
 from homebot.messages import Message
 from homebot.recording.recording import Recording
 from homebot.replay.command_diff import CommandDiff
+from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
-from homebot.virtual_time import VirtualTimeLoop
 
 LIGHTS_OUT = {**APPS["lights_out"], "quiet_after": 600.0}
 

@@ -23,7 +23,7 @@ from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.recording.recording import Recording
 from homebot.runtime import Runtime
-from homebot.virtual_time import VirtualTimeLoop
+from homebot.support.virtual_time import VirtualTimeLoop
 
 pytestmark = pytest.mark.no_cover
 

@@ -19,10 +19,10 @@ from homebot.apps import App
 from homebot.config import parse_config
 from homebot.errors import ParameterError, ServiceFailedError
 from homebot.graph import Node, Parameter
-from homebot.isolation import run_as
 from homebot.messages import String, Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
 from homebot.runtime import Runtime
+from homebot.support.isolation import run_as
 from homebot.testing import FakeGateway
 
 pytestmark = [

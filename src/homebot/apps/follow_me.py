@@ -9,8 +9,8 @@ from pydantic import Field
 from homebot.apps.base import AppSettings
 from homebot.apps.room_app import RoomApp, in_room
 from homebot.devices.handles import HandleChange, Light, LightSensor, OccupancySensor
-from homebot.folding import fold
 from homebot.graph import Node
+from homebot.support.folding import fold
 
 __all__ = ["FollowMe", "FollowMeSettings"]
 

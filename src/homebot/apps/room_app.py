@@ -15,9 +15,9 @@ from homebot.devices import Device
 from homebot.devices.devices import MessageHandler
 from homebot.devices.handles import FollowHandles, Handle, HandleChange
 from homebot.errors import RefusedError, ServiceError
-from homebot.folding import fold
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.support.folding import fold
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome

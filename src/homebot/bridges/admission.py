@@ -16,7 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
-from homebot.addresses import is_loopback
+from homebot.support.addresses import is_loopback
 
 __all__ = ["AccessSettings", "Count", "name_of_token", "refusal", "token_of"]
 

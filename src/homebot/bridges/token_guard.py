@@ -15,7 +15,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import final
 
-from homebot.addresses import network_of
+from homebot.support.addresses import network_of
 
 __all__ = ["TokenGuard"]
 

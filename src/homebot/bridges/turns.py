@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import final
 
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["Turns"]
 

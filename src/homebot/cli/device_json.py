@@ -8,7 +8,7 @@ from homebot.cli.records import DeviceRecord, StateRecord
 from homebot.cli.time_format import iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import OWNER
-from homebot.strict_json import in_ascii
+from homebot.support.strict_json import in_ascii
 
 __all__ = ["device_json", "json_text", "list_text"]
 

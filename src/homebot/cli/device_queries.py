@@ -15,8 +15,8 @@ from homebot.cli.time_format import to_seconds
 from homebot.devices.names import FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
 from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError, UsageError
-from homebot.folding import fold
-from homebot.similar import did_you_mean, similar_to
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean, similar_to
 
 __all__ = [
     "all_devices",

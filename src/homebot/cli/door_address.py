@@ -13,8 +13,8 @@ from typing import Final, NamedTuple
 
 from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_of_environment
 from homebot.errors import ConfigError
-from homebot.file_access import why_not_trusted
-from homebot.toml_file import TomlTable, read_toml
+from homebot.support.file_access import why_not_trusted
+from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = ["DoorAddress", "door_of"]
 

@@ -7,7 +7,7 @@ import re
 from typing import TypeAlias, cast
 
 from homebot.errors import WireError
-from homebot.strict_json import parse_strict
+from homebot.support.strict_json import parse_strict
 
 __all__ = ["FlowValue", "parse_flow"]
 

@@ -12,7 +12,7 @@ from homebot.cli.records import EntityRecord
 from homebot.cli.table import printable
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.errors import PeerError
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = [
     "MessageTypeRecord",

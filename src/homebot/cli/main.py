@@ -21,7 +21,7 @@ from homebot.cli.arguments import add_global_options, unused_option
 from homebot.cli.completion import SHELLS, PrintCompletion
 from homebot.cli.parser import CommandParser
 from homebot.errors import HomebotError
-from homebot.output import clean_output
+from homebot.support.output import clean_output
 
 __all__ = ["gc_paused", "main", "make_parser"]
 

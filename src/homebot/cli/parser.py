@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NoReturn
 
-from homebot.similar import similar_to
+from homebot.support.similar import similar_to
 
 __all__ = ["CommandParser"]
 

@@ -14,8 +14,8 @@ from typing import Final, TypeVar
 import anyio
 
 from homebot.cli.watchdog import Watchdog
-from homebot.logger import get_logger
-from homebot.production_loop import ProductionLoop
+from homebot.support.logger import get_logger
+from homebot.support.production_loop import ProductionLoop
 
 __all__ = ["on_an_event_loop", "serve"]
 

@@ -12,7 +12,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Final, TextIO
 
 from homebot.cli.table import printable, to_lines, to_table, without_empty
-from homebot.output import CleanText
+from homebot.support.output import CleanText
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -9,7 +9,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, InArea, Or, Query
 from homebot.devices.query.tokens import quoted
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["unknown_area"]
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self, final
 
-from homebot.logger import get_logger
-from homebot.production_loop import own_time
+from homebot.support.logger import get_logger
+from homebot.support.production_loop import own_time
 
 __all__ = ["Watchdog"]
 

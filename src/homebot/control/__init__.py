@@ -1,6 +1,6 @@
 """Control: the one way of commands from applications to devices, which proves what became of each."""
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.folding import fold, words_of
 from homebot.graph import Node
+from homebot.support.folding import fold, words_of
 
 __all__ = ["MOST_DEVICES", "CommandTargets", "NoTargetError", "SpokenSettings", "part_name", "settings_by_part"]
 

@@ -36,7 +36,7 @@ from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidenc
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.time_limits import TimeLimits
+from homebot.support.time_limits import TimeLimits
 
 __all__ = ["CommandExecutor"]
 

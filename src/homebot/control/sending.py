@@ -21,7 +21,7 @@ from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.errors import LinkError, RefusedError
 from homebot.graph import Node
-from homebot.time_limits import TimeLimits
+from homebot.support.time_limits import TimeLimits
 
 __all__ = ["OpenCommand", "Sending", "Signal"]
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from homebot.control.policies import PolicySettings
 from homebot.control.policies.settings import QueryText
 from homebot.devices.query import Query
-from homebot.folding import fold
+from homebot.support.folding import fold
 from homebot.units import Seconds
 
 __all__ = ["ControlSettings"]

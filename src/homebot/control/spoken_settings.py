@@ -17,7 +17,7 @@ from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["SET", "spoken_settings"]
 

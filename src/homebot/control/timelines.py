@@ -21,7 +21,7 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.device import Route
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
-from homebot.time_limits import TimeLimits
+from homebot.support.time_limits import TimeLimits
 
 __all__ = ["OnValue", "Timelines"]
 

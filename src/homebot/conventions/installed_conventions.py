@@ -11,7 +11,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 from homebot.conventions.convention import Convention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
-from homebot.similar import unknown_key
+from homebot.support.similar import unknown_key
 
 __all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
 

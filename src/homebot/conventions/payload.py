@@ -15,8 +15,8 @@ from pydantic_core import from_json
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
-from homebot.numbers import to_number
-from homebot.strict_json import duplicate_key_hook
+from homebot.support.numbers import to_number
+from homebot.support.strict_json import duplicate_key_hook
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",

@@ -1,6 +1,6 @@
 """The vocabulary that gateways, discovery and applications share."""
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import Final
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.part import Capability, Part
 from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, matching_words
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = [
     "ALWAYS_ASK",

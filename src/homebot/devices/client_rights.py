@@ -10,7 +10,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import UsageError
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = [
     "ALL_RIGHTS",

@@ -14,9 +14,9 @@ from homebot.devices.places_messages import GetPlaces
 from homebot.devices.query.terms import AreaIs, NameIs, Query, query_terms
 from homebot.devices.services import FindDevices, QueryDevices
 from homebot.errors import ServiceError
-from homebot.folding import fold
 from homebot.graph import Node
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 __all__ = ["ANNOUNCED_WITHIN", "ConfiguredNames"]
 

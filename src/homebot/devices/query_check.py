@@ -12,8 +12,8 @@ from homebot.devices.query import Query, TypeIs, query_terms
 from homebot.devices.query.vocabulary import TYPE_WORDS
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.errors import ServiceError
-from homebot.folding import is_typo
 from homebot.graph import Node
+from homebot.support.folding import is_typo
 
 __all__ = ["QueryCheck"]
 

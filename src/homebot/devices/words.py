@@ -1,6 +1,6 @@
 """Words in names and models of devices that tell the load of a part: the table ``words.json``, by language. Pure.
 
-The words of the table have small letters without accents, see :mod:`homebot.folding`. Its groups:
+The words of the table have small letters without accents, see :mod:`homebot.support.folding`. Its groups:
 
 - ``heat``: loads that burn or scald. ``water``: loads that flood. ``entry``: gates, doors and bolts. ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
@@ -21,7 +21,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Final, NamedTuple, TypeAlias
 
-from homebot.folding import words_of
+from homebot.support.folding import words_of
 
 __all__ = ["ALL_THAT_ASK", "BURNS_OR_FLOODS", "HEAT", "NO_LOCK", "OPEN", "OPENER", "SIREN", "matching_words"]
 

@@ -39,8 +39,8 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
-from homebot.isolation import isolated, run_as
 from homebot.log import LogLimit, more_like_this
+from homebot.support.isolation import isolated, run_as
 from homebot.units import Seconds
 
 __all__ = ["Directory", "DirectorySettings"]

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from typing import final
 
 from homebot.errors import ConfigError, RefusedError
-from homebot.folding import fold
 from homebot.places import OUTSIDE, HousePlan, HouseRoom
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 __all__ = ["HouseRooms"]
 

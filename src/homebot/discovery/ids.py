@@ -10,7 +10,7 @@ from typing import NamedTuple, final
 
 from homebot.devices import Sighting
 from homebot.discovery.source_record import SourceKey
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "new_id"]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, final
 
 from homebot.messages import Time
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 if TYPE_CHECKING:
     from homebot.discovery.device_table import DeviceTable

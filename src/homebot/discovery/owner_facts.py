@@ -24,8 +24,8 @@ from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
-from homebot.folding import fold
 from homebot.places import HousePlan, HouseRoom, OwnerFact, Places
+from homebot.support.folding import fold
 
 __all__ = ["MAX_STATEMENTS", "OwnerFacts"]
 

@@ -10,8 +10,8 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.folding import fold, is_room_typo
 from homebot.places import FactName, OwnerFact, check_name
+from homebot.support.folding import fold, is_room_typo
 
 __all__ = ["PlacesEditor"]
 

@@ -11,9 +11,9 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
-from homebot.folding import fold
 from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, read_places
-from homebot.toml_file import parse_toml
+from homebot.support.folding import fold
+from homebot.support.toml_file import parse_toml
 
 __all__ = ["Imported", "PlacesExchange", "parse_places"]
 

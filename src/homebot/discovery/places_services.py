@@ -61,8 +61,8 @@ from homebot.devices.query import NameIs
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
-from homebot.folding import fold
 from homebot.graph import Node
+from homebot.support.folding import fold
 
 __all__ = ["PlacesServices"]
 

@@ -12,7 +12,7 @@ from typing import final
 from homebot.discovery.record import Records
 from homebot.errors import LinkError
 from homebot.names import escape_token
-from homebot.sqlite_file import SQLITE_FILES, SqliteFile, SqliteSchema
+from homebot.support.sqlite_file import SQLITE_FILES, SqliteFile, SqliteSchema
 
 __all__ = ["VERSION", "IndexFile", "index_path", "take_over"]
 

@@ -11,8 +11,8 @@ import socket
 from collections.abc import Iterable
 from typing import TypeAlias, cast
 
-from homebot.addresses import parse_address
 from homebot.errors import RefusedError
+from homebot.support.addresses import parse_address
 
 __all__ = ["AddressGuard", "OwnAddressError", "guard_for"]
 

@@ -11,10 +11,10 @@ from typing import Final
 
 import aiohttp
 
-from homebot.connect_errors import connect_problem
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import OwnAddressError
+from homebot.support.connect_errors import connect_problem
 
 __all__ = ["check_status", "translated_errors"]
 

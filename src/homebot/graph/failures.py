@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import final
 
 from homebot.clock import Clock
-from homebot.isolation import error_text
 from homebot.log import LogLimit, more_like_this
-from homebot.logger import get_logger
+from homebot.support.isolation import error_text
+from homebot.support.logger import get_logger
 
 __all__ = ["CallbackFailure", "Failures"]
 

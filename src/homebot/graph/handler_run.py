@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, final
 import anyio
 
 from homebot.errors import ServiceGoneError
-from homebot.isolation import is_cancelled, is_end_of, uncancel
+from homebot.support.isolation import is_cancelled, is_end_of, uncancel
 
 if TYPE_CHECKING:
     from homebot.graph.service import Service

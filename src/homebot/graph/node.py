@@ -42,12 +42,12 @@ from homebot.graph.service import Handler, Service
 from homebot.graph.service_counts import ServiceReports
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
-from homebot.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
-from homebot.logger import get_logger
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.rcl_interfaces import ParameterEvent
 from homebot.names import expand_name, full_node_name
+from homebot.support.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
+from homebot.support.logger import get_logger
 
 __all__ = ["Node"]
 

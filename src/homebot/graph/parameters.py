@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
 from homebot.errors import ParameterError
-from homebot.isolation import crash_of, error_text
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
+from homebot.support.isolation import crash_of, error_text
 
 __all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value"]
 

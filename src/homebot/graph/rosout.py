@@ -10,9 +10,9 @@ from structlog.typing import EventDict, WrappedLogger
 
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_rosout
-from homebot.logger import sentence
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.rcl_interfaces import Log
+from homebot.support.logger import sentence
 
 __all__ = ["RosoutFeed"]
 

@@ -22,8 +22,8 @@ from homebot.errors import (
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.handler_run import HandlerRun, calling_runs
 from homebot.graph.service_counts import ServiceReports
-from homebot.isolation import crash_of, error_text
 from homebot.messages.message import Message, ServiceType
+from homebot.support.isolation import crash_of, error_text
 
 __all__ = ["Handler", "Service", "ServiceSlot", "StartHandler"]
 

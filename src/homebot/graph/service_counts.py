@@ -8,9 +8,9 @@ from typing import final
 from homebot.clock import Clock
 from homebot.errors import HomebotError
 from homebot.graph.failures import Failures
-from homebot.isolation import error_text
 from homebot.log import LogLimit, more_like_this
-from homebot.logger import get_logger
+from homebot.support.isolation import error_text
+from homebot.support.logger import get_logger
 
 __all__ = ["ServiceCounts", "ServiceReports"]
 

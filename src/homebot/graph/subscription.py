@@ -17,8 +17,8 @@ from homebot.errors import ClosedError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.mailbox import TURN, BoundedQueue, Mailbox
 from homebot.graph.qos import QoSProfile
-from homebot.isolation import is_end_of
 from homebot.messages.message import Message
+from homebot.support.isolation import is_end_of
 
 __all__ = ["OTHERS", "Callback", "Expiring", "Subscription", "key_of"]
 

@@ -14,7 +14,7 @@ import anyio
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.isolation import is_end_of
+from homebot.support.isolation import is_end_of
 
 __all__ = ["Timer"]
 

@@ -9,8 +9,8 @@ from homebot.graph.publisher import Publisher
 from homebot.graph.qos import DurabilityPolicy, qos_incompatibilities
 from homebot.graph.subscription import OTHERS, Subscription
 from homebot.log import LogLimit
-from homebot.logger import get_logger
 from homebot.messages.message import Message
+from homebot.support.logger import get_logger
 
 __all__ = ["Topic"]
 

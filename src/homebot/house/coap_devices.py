@@ -20,8 +20,8 @@ from aiocoap.numbers.codes import Code
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dialects.wire import lamp_order
-from homebot.isolation import run_as
-from homebot.numbers import to_number
+from homebot.support.isolation import run_as
+from homebot.support.numbers import to_number
 
 __all__ = ["CoapDevice"]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import anyio
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.isolation import run_as
+from homebot.support.isolation import run_as
 
 __all__ = ["ConnectedDevice", "ServedDevice"]
 

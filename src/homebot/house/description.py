@@ -49,8 +49,8 @@ from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.house.world import World
-from homebot.similar import unknown_key
-from homebot.toml_file import read_toml
+from homebot.support.similar import unknown_key
+from homebot.support.toml_file import read_toml
 
 __all__ = ["load_world", "parse_world"]
 

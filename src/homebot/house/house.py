@@ -25,7 +25,6 @@ from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
 from homebot.house.rooms import DAY
 from homebot.house.simulated_device import Placed
 from homebot.house.world import World
-from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.client.native import NativeClient
@@ -33,6 +32,7 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.topics import validate_filter
+from homebot.support.isolation import run_as
 
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
 

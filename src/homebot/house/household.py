@@ -9,7 +9,7 @@ from functools import partial
 from typing import NamedTuple, Protocol
 
 from homebot.house.rooms import DAY, OUTSIDE, Rooms
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 __all__ = ["MOVES", "Habit", "Household", "MovementObserver", "Person", "Visit"]
 

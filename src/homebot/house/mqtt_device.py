@@ -17,11 +17,11 @@ import anyio
 from homebot.errors import ClosedError, LinkError, RefusedError
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
-from homebot.isolation import run_as
 from homebot.log import LogLimit
-from homebot.logger import get_logger
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.support.isolation import run_as
+from homebot.support.logger import get_logger
 
 __all__ = ["HouseCounters", "MqttDevice"]
 

@@ -158,8 +158,8 @@ class HouseNetwork:
         needed: tuple[object, ...] = ()
         async with AsyncExitStack() as stack:
             if "ble" in gateways:
-                from homebot.ble_backend import BleBackend  # noqa: PLC0415 - few houses have a radio
                 from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
+                from homebot.support.ble_backend import BleBackend  # noqa: PLC0415 - few houses have a radio
 
                 radio = VirtualRadio(random or Random())  # noqa: S311 - no secret
                 await stack.enter_async_context(radio.running())
@@ -189,7 +189,7 @@ class HouseNetwork:
         """
         found: dict[str, dict[str, object]] = {}
         for name, family in self._families.items():
-            from homebot.extras import check_extra  # noqa: PLC0415 - few houses have such devices
+            from homebot.support.extras import check_extra  # noqa: PLC0415 - few houses have such devices
 
             check_extra(f"a simulated device of {name!r}", family.extra, *family.libraries)
             found[family.gateway] = self._settings(family.gateway)

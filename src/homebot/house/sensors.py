@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Final
 
 from homebot.house.simulated_device import SimulatedDevice, number_text
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["Placed", "ScheduledCommand", "SimulatedDevice", "number", "number_text"]
 

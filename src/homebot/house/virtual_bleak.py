@@ -20,7 +20,7 @@ from bumble.device import Device, Peer
 from bumble.gatt import Characteristic
 from bumble.hci import Address
 
-from homebot.isolation import is_cancelled
+from homebot.support.isolation import is_cancelled
 
 if TYPE_CHECKING:
     from bumble.device import Advertisement as BumbleAdvertisement

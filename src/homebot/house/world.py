@@ -22,7 +22,7 @@ from homebot.house.robot import Robot
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 __all__ = ["World"]
 

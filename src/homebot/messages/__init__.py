@@ -5,7 +5,7 @@ Those of ROS are in modules with the names of their packages: ``from homebot.mes
 
 from typing import TYPE_CHECKING
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from homebot.messages.builtin_interfaces import Duration, Time

@@ -21,7 +21,7 @@ from pydantic_core import PydanticSerializationError
 from homebot.errors import TypeMismatchError
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.message import Message
-from homebot.strict_json import in_ascii
+from homebot.support.strict_json import in_ascii
 
 __all__ = [
     "JsonObject",

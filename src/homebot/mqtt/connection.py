@@ -20,16 +20,16 @@ import anyio
 from anyio.abc import TaskGroup
 from anyio.lowlevel import checkpoint
 
-from homebot.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
-from homebot.logger import get_logger
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
+from homebot.support.logger import get_logger
 
 __all__ = ["ConnectionState", "LinkPhase", "MqttConnection"]
 

@@ -7,8 +7,8 @@ from typing import Final, final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.logger import get_logger
 from homebot.mqtt.client import MqttClient
+from homebot.support.logger import get_logger
 
 __all__ = ["OFFLINE", "ONLINE", "StatusPublisher"]
 

@@ -1,8 +1,8 @@
 """Places in the house: its rooms, floors and doors, and the owner's statements about devices. Pure."""
 
-from homebot.lazy_names import lazy_names
 from homebot.places.facts import NO_PLACES, FactName, OwnerFact, Places
 from homebot.places.plan import NO_AREAS, OUTSIDE, HousePlan, HouseRoom
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

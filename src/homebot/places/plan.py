@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from typing import NamedTuple, final
 
 from homebot.errors import ConfigError
-from homebot.folding import fold
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 __all__ = ["MAX_ROOMS", "NO_AREAS", "OUTSIDE", "HousePlan", "HouseRoom"]
 

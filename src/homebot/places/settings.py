@@ -9,10 +9,10 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
-from homebot.folding import fold
 from homebot.places.facts import FactName, OwnerFact, Places
 from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 __all__ = ["DeviceSettings", "PlacesSettings", "RoomSettings", "check_name", "read_places"]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 
-from homebot.folding import fold
 from homebot.places.facts import OwnerFact
 from homebot.places.plan import OUTSIDE, HouseRoom
+from homebot.support.folding import fold
 
 __all__ = ["places_text"]
 

@@ -41,7 +41,7 @@ from homebot.messages import Time
 from homebot.messages.json import message_from_json, message_to_text
 from homebot.messages.message import Message, UInt32
 from homebot.recording.repetitions import Repetition
-from homebot.strict_json import parse_strict
+from homebot.support.strict_json import parse_strict
 
 __all__ = [
     "FORMAT",

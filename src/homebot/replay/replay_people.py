@@ -29,7 +29,7 @@ from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import is_carried_out
 from homebot.replay.replay_feed import ReplayFeed
-from homebot.strict_json import parse_strict
+from homebot.support.strict_json import parse_strict
 
 __all__ = ["ReplayPeople"]
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from homebot.errors import ConfigError
 from homebot.places import HousePlan
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["check_door_contacts"]
 

@@ -8,8 +8,8 @@ from homebot.devices.health import Count, GetHealth, HealthRequest, HealthRespon
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.graph import Graph, Node
 from homebot.messages.builtin_interfaces import Time
-from homebot.production_loop import LoopWatch
 from homebot.runtime.supervisor import Supervisor
+from homebot.support.production_loop import LoopWatch
 
 __all__ = ["RuntimeHealth"]
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
-from homebot.addresses import is_loopback
 from homebot.apps import App
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
@@ -21,6 +20,7 @@ from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import load_plugin
+from homebot.support.addresses import is_loopback
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
@@ -286,7 +286,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
         DirectoryBridgeSettings,
         ThingDirectoryTable,
     )
-    from homebot.extras import check_extra  # noqa: PLC0415 - likewise
+    from homebot.support.extras import check_extra  # noqa: PLC0415 - likewise
 
     _scope(key, config.thing_directory, config)
     own = _without_act(config.thing_directory)

@@ -10,8 +10,8 @@ import anyio
 
 from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
-from homebot.isolation import run_as
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
     from homebot.recording.recorder import RunFacts

@@ -30,17 +30,17 @@ from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
-from homebot.installation import INSTALLATION_FILE, Installation
-from homebot.isolation import run_as
-from homebot.logger import get_logger, observed_lines
 from homebot.plugins import plugin_names
-from homebot.production_loop import LoopWatch
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import PlannedComponent, make_plan, observing
 from homebot.runtime.recorder_starter import RecorderStarter
 from homebot.runtime.simulated_house import check_hosts_house, network_of, real_gateways
 from homebot.runtime.supervisor import Supervisor, Work
+from homebot.support.installation import INSTALLATION_FILE, Installation
+from homebot.support.isolation import run_as
+from homebot.support.logger import get_logger, observed_lines
+from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings

@@ -21,8 +21,8 @@ from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.isolation import error_text, first_cause, is_cancelled, run_as
-from homebot.logger import get_logger
+from homebot.support.isolation import error_text, first_cause, is_cancelled, run_as
+from homebot.support.logger import get_logger
 
 __all__ = ["ComponentCrashes", "Supervisor", "Work"]
 

@@ -6,6 +6,7 @@ Each name is imported when it is first asked for: pytest loads the plug-in of th
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from homebot.support.virtual_time import VirtualTimeLoop
     from homebot.testing.day import Day
     from homebot.testing.day_event import DayEvent
     from homebot.testing.day_live import live_day
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
     from homebot.testing.house import TestHouse, house_of
     from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
-    from homebot.virtual_time import VirtualTimeLoop
 
 __all__ = [
     "Day",
@@ -38,13 +38,13 @@ _NAMES = {
     "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
     "homebot.testing.house": "TestHouse house_of",
     "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
-    "homebot.virtual_time": "VirtualTimeLoop",
+    "homebot.support.virtual_time": "VirtualTimeLoop",
 }
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 
     def __getattr__(name: str) -> object:
         if name not in __all__:  # a module of the package, which pytest's plug-in asks for in every program
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - on first use
+        from homebot.support.lazy_names import lazy_names  # noqa: PLC0415 - on first use
 
         return lazy_names(__name__, _NAMES)(name)

@@ -36,8 +36,8 @@ from homebot.house.description import parse_world
 from homebot.house.event_log import WorldLog
 from homebot.house.rooms import DAY
 from homebot.house.world import World
+from homebot.support.toml_file import parse_toml, read_toml
 from homebot.testing.day_event import LONGEST, DayEvent, read_time, write_duration, write_tables, write_time
-from homebot.toml_file import parse_toml, read_toml
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:

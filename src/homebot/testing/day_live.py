@@ -12,10 +12,10 @@ from functools import partial
 from homebot.errors import LinkError, UsageError
 from homebot.house.world import World
 from homebot.mqtt.client.memory_transport import MemoryLink
+from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing.day import Day
 from homebot.testing.day_event import DayEvent, write_time
 from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, parse_time, virtual_house_of
-from homebot.virtual_time import VirtualTimeLoop
 
 __all__ = ["live", "live_day"]
 

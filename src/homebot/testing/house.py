@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from homebot.addresses import is_loopback
 from homebot.config import Config, Table, parse_config, parse_settings
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGateway
@@ -24,6 +23,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
 from homebot.plugins import load_plugin
 from homebot.runtime import Runtime
+from homebot.support.addresses import is_loopback
 from homebot.testing.contexts import in_background, plain_logs
 
 if TYPE_CHECKING:

@@ -94,7 +94,7 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
 
 def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
     """Return the loop of virtual time that runs the test of *request*; the test fails where it has another one."""
-    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
+    from homebot.support.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
 
     loop = loop_of(request, fixture)
     if not isinstance(loop, VirtualTimeLoop):
@@ -172,7 +172,7 @@ class _VirtualRunner:
 
 
 def _virtual_loop() -> asyncio.AbstractEventLoop:
-    from homebot.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
+    from homebot.support.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
 
     return VirtualTimeLoop()
 

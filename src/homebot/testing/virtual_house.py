@@ -25,10 +25,10 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.recording.recording_file import LineSink
 from homebot.runtime import Runtime
+from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing.contexts import in_background, plain_logs
 from homebot.testing.house import EVERYTHING, TestHouse, house_config
 from homebot.units import parse_duration
-from homebot.virtual_time import VirtualTimeLoop
 
 __all__ = ["START", "VirtualHouse", "next_moment", "parse_time", "virtual_house_of"]
 

@@ -5,7 +5,7 @@ Each name is imported when it is first asked for: few houses have such descripti
 
 from typing import TYPE_CHECKING
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from homebot.wot.binding import Binding, RequestBinding

@@ -11,7 +11,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
-from homebot.folding import fold, words_of
+from homebot.support.folding import fold, words_of
 from homebot.wot.binding import Binding
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of

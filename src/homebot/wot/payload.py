@@ -17,7 +17,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 from homebot.wot.scale import canonical, on_the_wire
 from homebot.wot.thing import Affordance, DataSchema
 

@@ -10,7 +10,6 @@ from random import Random
 import anyio
 import pytest
 
-from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.errors import LinkError, RefusedError
@@ -18,6 +17,7 @@ from homebot.gateways.announced.device_runner import LISTED_WITHIN, SLEEPER_WITH
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node, Subscription
+from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, Backoff
 from homebot.testing.gateway_contract.steps import listen
 
 pytestmark = pytest.mark.virtual_time

@@ -14,7 +14,7 @@ from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.value_check import can_report
 from homebot.gateways.drivers.base import Driver, FoundService
-from homebot.logger import get_logger
+from homebot.support.logger import get_logger
 
 __all__ = ["KeepingHost", "command", "found", "running"]
 

@@ -23,7 +23,7 @@ from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.gateways.mdns.network import OwnService, ServiceNews
 from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 from homebot.graph import Graph, Node, Publisher
-from homebot.installation import INSTALLATION_FILE, Installation
+from homebot.support.installation import INSTALLATION_FILE, Installation
 
 KEPT = json.dumps({"id": f"{os.getpid():016x}", "names": {}})
 NAME = f"robot {os.getpid()}"

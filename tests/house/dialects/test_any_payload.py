@@ -14,7 +14,7 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.wire import as_object, cover_order, hardware_address, lamp_order, node_name
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import validate_topic
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),

@@ -38,7 +38,7 @@ from homebot.mqtt.packets import (
     Will,
     encode,
 )
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 Kind = TypeVar("Kind")
 

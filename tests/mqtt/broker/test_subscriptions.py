@@ -15,7 +15,7 @@ from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscriptions import SubscriptionTree
 from homebot.mqtt.topics import topic_matches
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 LEVEL = st.sampled_from(["a", "b", "", "$s", "*.x"])
 TOPIC = st.lists(LEVEL, min_size=1, max_size=4).map("/".join).filter(bool)

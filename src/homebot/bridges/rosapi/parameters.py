@@ -12,7 +12,7 @@ from typing import Any
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
 from homebot.messages.message import Message
-from homebot.strict_json import parse_strict
+from homebot.support.strict_json import parse_strict
 
 __all__ = ["SERVICES"]
 

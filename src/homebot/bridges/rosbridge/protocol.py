@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from homebot.errors import PeerError
 from homebot.messages.json import JsonObject, message_to_text, validation_problem
 from homebot.messages.message import Message
-from homebot.strict_json import DuplicateKeyError, parse_strict
+from homebot.support.strict_json import DuplicateKeyError, parse_strict
 
 __all__ = [
     "ActionOperation",

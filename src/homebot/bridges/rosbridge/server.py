@@ -21,7 +21,6 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from homebot.addresses import is_loopback
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
@@ -36,6 +35,7 @@ from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
 from homebot.graph import Node
+from homebot.support.addresses import is_loopback
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.session import ClientSession

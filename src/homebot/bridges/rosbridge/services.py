@@ -25,10 +25,10 @@ from homebot.errors import (
     UsageError,
 )
 from homebot.graph import Client, EntityKind, Node
-from homebot.isolation import error_text
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces
 from homebot.messages.message import Message
+from homebot.support.isolation import error_text
 
 __all__ = ["call_service", "missing_service", "parse_queries", "refusal"]
 
@@ -148,7 +148,7 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
 
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
     hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"

@@ -48,7 +48,7 @@ from homebot.bridges.turns import Turns
 from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
-from homebot.rate_limit import RateLimit
+from homebot.support.rate_limit import RateLimit
 
 __all__ = ["ClientSession"]
 

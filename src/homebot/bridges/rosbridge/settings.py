@@ -6,10 +6,10 @@ from typing import Annotated, Final, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
-from homebot.addresses import is_loopback
 from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import value_errors
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
+from homebot.support.addresses import is_loopback
 
 __all__ = ["ClientToken", "DoorSettings", "Scope"]
 

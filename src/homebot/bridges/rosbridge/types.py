@@ -140,7 +140,7 @@ def _parts(ros_type: str) -> tuple[str, str]:
 
 def _similar_packages(package: str) -> list[str]:
     """Return the likely packages; they are not all loaded for an unknown type."""
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
 
     from homebot.messages.packages import MESSAGE_PACKAGES  # noqa: PLC0415 - as above
 
@@ -148,7 +148,7 @@ def _similar_packages(package: str) -> list[str]:
 
 
 def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
 
     shown = ros_type[:_LONGEST_TYPE]  # a comparison takes the square of the length
     names = {_parts(one)[1]: one for one in known}

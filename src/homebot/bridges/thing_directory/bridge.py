@@ -12,7 +12,6 @@ from urllib.parse import unquote
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.addresses import is_loopback
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.thing_directory.cross_origin import PREFLIGHT, is_preflight, sharing_headers
@@ -37,6 +36,7 @@ from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError
 from homebot.graph import Node
+from homebot.support.addresses import is_loopback
 
 __all__ = ["ThingDirectoryBridge"]
 

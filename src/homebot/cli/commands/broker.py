@@ -9,18 +9,18 @@ from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
-from homebot.addresses import is_loopback
 from homebot.cli.arguments import address, positive, set_command, whole
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
-from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.broker.stats import loss_text
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
-from homebot.output import queued_output
+from homebot.support.addresses import is_loopback
+from homebot.support.logger import get_logger
+from homebot.support.output import queued_output
 
 __all__ = ["add_arguments", "broker", "make_broker"]
 

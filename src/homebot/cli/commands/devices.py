@@ -17,7 +17,7 @@ from homebot.cli.terminal import print_table
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import UsageError
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["add_arguments"]
 

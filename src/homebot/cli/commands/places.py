@@ -24,7 +24,7 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.errors import PeerError, UsageError
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = ["add_arguments"]
 

@@ -24,7 +24,7 @@ from homebot.messages.json import message_to_json
 from homebot.recording.recording import Recording, TimedCommand, load_recording
 from homebot.replay.command_diff import CommandDiff, DifferentCommand, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
-from homebot.virtual_time import VirtualTimeLoop
+from homebot.support.virtual_time import VirtualTimeLoop
 
 __all__ = ["add_arguments", "difference_text"]
 

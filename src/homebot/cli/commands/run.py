@@ -19,10 +19,10 @@ from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
 from homebot.log import configure_logging
-from homebot.output import queued_output
 from homebot.plugins import is_file, name_in_file
-from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
+from homebot.support.output import queued_output
+from homebot.support.production_loop import ProductionLoop
 
 if TYPE_CHECKING:
     from homebot.house import World

@@ -20,7 +20,7 @@ from homebot.cli.records import EntityRecord
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["add_arguments", "rate_text"]
 

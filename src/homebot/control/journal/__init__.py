@@ -1,6 +1,6 @@
 """The journal: each step of each command, and changes of devices that no command explains, as data."""
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from homebot.devices.query import NameIs, Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
-from homebot.folding import fold
 from homebot.graph import Node
+from homebot.support.folding import fold
 
 __all__ = ["DeniedRequests"]
 

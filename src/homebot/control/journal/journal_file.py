@@ -16,7 +16,7 @@ from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.learnt_row import LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
-from homebot.sqlite_file import SqliteFile, SqliteSchema
+from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
 __all__ = ["JournalFile"]
 

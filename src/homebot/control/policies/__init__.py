@@ -1,6 +1,6 @@
 """Policies: what is never done, whoever asks for it, as small pure functions over a command and facts."""
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.query import PartFacets, Query, fits, type_is
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["VERBS", "CommandPattern", "Patterns", "pattern_of_type", "read_pattern"]
 

@@ -15,7 +15,7 @@ from homebot.control.policies.verdict import Verdict
 from homebot.devices.query import Query
 from homebot.errors import PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["POLICIES", "HomePolicy", "PolicyTables", "check_tables", "home_policies"]
 

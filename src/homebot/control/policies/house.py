@@ -9,7 +9,7 @@ from homebot.control.policies.detections import Detections
 from homebot.devices import Device, DevicePart, State, StateChange
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.value import PlainValue
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = ["OCCUPANCY", "House", "SensorReading"]
 

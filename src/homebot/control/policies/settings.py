@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.devices.query import Query
 from homebot.errors import UsageError
-from homebot.folding import fold
+from homebot.support.folding import fold
 from homebot.units import Seconds
 
 __all__ = [

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from homebot.addresses import parse_address
 from homebot.devices.identity import HOST, identifiers
+from homebot.support.addresses import parse_address
 
 __all__ = ["FoundService", "facts_of", "host_identifier", "identifiers_of", "name_of", "printable", "usable_addresses"]
 

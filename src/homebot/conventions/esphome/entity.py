@@ -14,7 +14,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = [
     "EsphomeEntity",

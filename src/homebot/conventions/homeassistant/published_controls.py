@@ -23,7 +23,7 @@ from homebot.conventions.homeassistant.published_entity import (
 )
 from homebot.conventions.payload import compact_json, fields_of, number_of
 from homebot.devices.part import Part
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "publish_alarm",

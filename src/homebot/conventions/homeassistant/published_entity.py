@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "Available",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from homebot.conventions.description import Availability
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "COLOR_FORMS",

@@ -18,7 +18,7 @@ from homebot.conventions.light_color import from_hue_saturation, to_hue_saturati
 from homebot.conventions.payload import clean_text, is_unknown, shown, to_text
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["is_unknown_number", "publication", "read_color", "read_plain", "spell_color", "spell_plain"]
 

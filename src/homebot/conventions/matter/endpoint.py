@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 from homebot.conventions.payload import text_of
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = [
     "DESCRIPTOR",

@@ -31,7 +31,7 @@ from homebot.conventions.payload import (
 from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb, write_rgb
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["Presses", "build_input", "build_light", "build_relay", "build_roller"]
 

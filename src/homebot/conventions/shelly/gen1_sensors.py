@@ -17,7 +17,7 @@ from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["SENSORS", "Gen1Sensor", "build_meter", "build_motion", "build_sensor", "build_valve"]
 

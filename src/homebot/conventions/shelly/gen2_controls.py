@@ -24,7 +24,7 @@ from homebot.conventions.payload import Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb, write_rgb
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["LIGHTS", "build_cover", "build_light", "build_radiator_valve", "build_switch", "build_thermostat"]
 

@@ -38,7 +38,7 @@ from homebot.conventions.shelly.gen2_sensors import (
 from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "MAX_COMPONENTS",

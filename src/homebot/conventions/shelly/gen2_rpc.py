@@ -18,7 +18,7 @@ from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_device import Gen2Device, fingerprint, is_config_change, sleeps
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "RpcCall", "is_setup_change"]
 

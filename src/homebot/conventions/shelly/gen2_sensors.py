@@ -17,7 +17,7 @@ from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured, percentage
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "SENSORS",

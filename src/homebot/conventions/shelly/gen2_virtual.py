@@ -23,7 +23,7 @@ from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, S
 from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
 

@@ -8,7 +8,7 @@ from homebot.conventions.command_values import require_color
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.payload import Readings
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["read_lamp", "read_rgb", "write_rgb"]
 

@@ -13,7 +13,7 @@ from pydantic import SecretStr
 
 from homebot.conventions.payload import parse_object
 from homebot.errors import WireError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["RpcLogin"]
 

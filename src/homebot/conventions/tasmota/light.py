@@ -22,7 +22,7 @@ from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
 from homebot.devices.value import PlainValue
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["FadeTarget", "LampState", "add_light", "speed_for"]
 

@@ -20,7 +20,7 @@ from homebot.conventions.tasmota.inputs import describe_inputs
 from homebot.conventions.tasmota.light import add_light
 from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
 from homebot.devices.value import PlainValue
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["build_parts", "count_shutters"]
 

@@ -16,7 +16,7 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 from homebot.conventions.units import Quantity, quantity
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
 

@@ -27,7 +27,7 @@ from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["MASTER", "Fields", "WledStrip", "effect_names"]
 

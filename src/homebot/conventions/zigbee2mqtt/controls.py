@@ -16,7 +16,7 @@ from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, same_scalar
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = [
     "FEATURES_OF_COVER",

@@ -13,8 +13,8 @@ from typing import TypeAlias
 
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Category
-from homebot.folding import words_of
-from homebot.numbers import finite_number
+from homebot.support.folding import words_of
+from homebot.support.numbers import finite_number
 
 __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
 

@@ -18,7 +18,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "same_scalar", "text_of"]
 

@@ -21,7 +21,7 @@ from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart,
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["build_generic"]
 

@@ -23,7 +23,7 @@ from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, flag_of, text_of
 from homebot.devices.value import PlainValue
-from homebot.numbers import finite_number
+from homebot.support.numbers import finite_number
 
 __all__ = ["FEATURES_OF_LIGHT", "build_light"]
 

@@ -5,7 +5,7 @@ Each name is imported when it is first asked for: an app has handles of few kind
 
 from typing import TYPE_CHECKING
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from homebot.devices.handles.climate import AirConditioner, Thermostat

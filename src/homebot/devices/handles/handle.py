@@ -16,8 +16,8 @@ from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
-from homebot.folding import fold
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.hold import Hold

@@ -24,8 +24,8 @@ from homebot.devices.query import (
     TypeIs,
     fits,
 )
-from homebot.folding import fold
-from homebot.similar import did_you_mean
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle

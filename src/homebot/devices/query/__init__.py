@@ -1,6 +1,6 @@
 """Queries for devices: their terms, their text form, and the test whether a device matches. Pure."""
 
-from homebot.lazy_names import lazy_names
+from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -26,8 +26,8 @@ from homebot.devices.query.tokens import Token
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, FIELDS, TYPE_WORDS
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
-from homebot.folding import fold, words_of
-from homebot.similar import did_you_mean, similar_to
+from homebot.support.folding import fold, words_of
+from homebot.support.similar import did_you_mean, similar_to
 
 __all__ = ["UNITS", "comparison"]
 

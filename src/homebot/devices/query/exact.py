@@ -6,7 +6,7 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, HasText, Not, Or, Query
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
-from homebot.folding import is_typo
+from homebot.support.folding import is_typo
 
 __all__ = ["parse_exact_query"]
 

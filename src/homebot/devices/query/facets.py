@@ -12,7 +12,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
-from homebot.folding import fold, words_of
+from homebot.support.folding import fold, words_of
 
 __all__ = ["Facets", "facets_of"]
 

@@ -27,7 +27,7 @@ from homebot.devices.query.terms import (
     TypeIs,
 )
 from homebot.devices.value import PlainValue
-from homebot.folding import fold, is_typo
+from homebot.support.folding import fold, is_typo
 
 __all__ = ["PartFacets", "compares", "fits"]
 

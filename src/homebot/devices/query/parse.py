@@ -37,8 +37,8 @@ from homebot.devices.query.vocabulary import (
     NOT_UNDERSTOOD,
 )
 from homebot.errors import UsageError
-from homebot.folding import MAX_WORD, fold, words_of
-from homebot.similar import did_you_mean
+from homebot.support.folding import MAX_WORD, fold, words_of
+from homebot.support.similar import did_you_mean
 
 __all__ = ["parse_alternatives", "parse_query"]
 

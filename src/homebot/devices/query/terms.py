@@ -13,8 +13,8 @@ from typing import Literal, TypeAlias, get_args
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.value import UNKNOWN, PlainValue, Value
 from homebot.errors import UsageError
-from homebot.folding import fold
 from homebot.messages.message import Message, UInt32
+from homebot.support.folding import fold
 
 __all__ = [
     "MAX_DEPTH",

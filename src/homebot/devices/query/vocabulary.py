@@ -8,7 +8,7 @@ from types import MappingProxyType
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, IsUnapproved, Or, Query, ReachableIs, StateIs
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = [
     "ABILITIES",

@@ -9,7 +9,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["accepts_text", "decode_command", "encode_command", "main_part"]
 

@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "BOOL_WORDS",

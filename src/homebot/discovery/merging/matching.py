@@ -20,7 +20,7 @@ from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 from homebot.devices.part import Capability, Part
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = ["SETTING", "Candidate", "candidates", "match"]
 

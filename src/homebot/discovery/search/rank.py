@@ -9,7 +9,7 @@ from typing import TypeAlias
 from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
-from homebot.folding import is_typo, words_of
+from homebot.support.folding import is_typo, words_of
 
 __all__ = ["Ranked", "rank", "reasons"]
 

@@ -11,8 +11,8 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
-from homebot.folding import is_room_typo, is_typo
-from homebot.similar import did_you_mean
+from homebot.support.folding import is_room_typo, is_typo
+from homebot.support.similar import did_you_mean
 
 __all__ = ["unknown_word"]
 

@@ -11,12 +11,12 @@ from typing import Final
 import anyio
 from structlog.typing import FilteringBoundLogger
 
-from homebot.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.errors import LinkError, PeerError
 from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.isolation import error_text, first_cause, run_as
+from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
+from homebot.support.isolation import error_text, first_cause, run_as
 
 __all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "problems_of"]
 

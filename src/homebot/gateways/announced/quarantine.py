@@ -17,9 +17,9 @@ from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.announced.work_budget import CALM, WorkBudget, WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.graph import DurabilityPolicy, QoSProfile
-from homebot.isolation import crash_of
 from homebot.log import LogLimit, more_like_this
 from homebot.messages import Time
+from homebot.support.isolation import crash_of
 
 __all__ = ["PeerQuarantine"]
 

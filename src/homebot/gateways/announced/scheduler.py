@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 import anyio
 
 from homebot.clock import Clock, TimeSlice
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 __all__ = ["Scheduler"]
 

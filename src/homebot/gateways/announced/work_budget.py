@@ -13,7 +13,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from homebot.rate_limit import RateLimit
+from homebot.support.rate_limit import RateLimit
 
 __all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
 

@@ -15,10 +15,10 @@ from bleak import BleakClient, BleakScanner
 from bleak.assigned_numbers import AdvertisementDataType
 from bleak.exc import BleakBluetoothNotAvailableError, BleakError, BleakGATTProtocolError
 
-from homebot.ble_backend import BleBackend
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
+from homebot.support.ble_backend import BleBackend
 
 if TYPE_CHECKING:
     from bleak.args.bluez import BlueZScannerArgs, OrPatternLike

@@ -17,7 +17,6 @@ import anyio
 from anyio.abc import TaskGroup
 from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
-from homebot.backoff import Backoff, BackoffCounter
 from homebot.clock import Clock
 from homebot.conventions.bluetooth.advertisement import full_uuid
 from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
@@ -26,7 +25,8 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.ble.connection_slots import ConnectionSlots
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
 from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
-from homebot.isolation import run_as
+from homebot.support.backoff import Backoff, BackoffCounter
+from homebot.support.isolation import run_as
 
 __all__ = ["ConnectionHost", "Connections"]
 

@@ -11,14 +11,11 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import LINK_BACKOFF, BackoffCounter
-from homebot.ble_backend import BleBackend
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
-from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.ble.connections import ConnectionHost, Connections
@@ -28,8 +25,11 @@ from homebot.gateways.ble.radio import BleRadio, BluetoothUnavailableError
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
-from homebot.isolation import run_as
 from homebot.plugins import load_plugin
+from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
+from homebot.support.ble_backend import BleBackend
+from homebot.support.extras import check_extra
+from homebot.support.isolation import run_as
 
 __all__ = ["BleGateway"]
 

@@ -15,7 +15,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
-from homebot.rate_limit import RateLimit
+from homebot.support.rate_limit import RateLimit
 
 __all__ = ["BATTERY", "KnownDevice", "Newcomers", "find_dispensable"]
 

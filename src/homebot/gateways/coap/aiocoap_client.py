@@ -23,10 +23,10 @@ from aiocoap.message import UndecidedRemote
 from aiocoap.numbers.codes import Code
 from aiocoap.util import hostportjoin, hostportsplit
 
-from homebot.connect_errors import connect_problem
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 from homebot.gateways.coap.settings import CoapCredentials
+from homebot.support.connect_errors import connect_problem
 
 __all__ = ["CoapAnswer", "CoapClient", "GroupAnswer"]
 

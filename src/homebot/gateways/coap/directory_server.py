@@ -25,7 +25,7 @@ from homebot.conventions.coap.link_format import WebLink, format_links, parse_li
 from homebot.conventions.coap.registry import FORBIDDEN, DirectoryRegistry
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.coap.aiocoap_client import CoapClient
-from homebot.isolation import run_as
+from homebot.support.isolation import run_as
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
 __all__ = ["DirectoryServer"]

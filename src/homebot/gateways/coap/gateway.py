@@ -13,12 +13,10 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, split_address, static_endpoint
 from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
-from homebot.extras import check_extra
 from homebot.gateways.announced.device_runner import MAX_PROBLEMS
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
@@ -27,7 +25,9 @@ from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
-from homebot.isolation import run_as
+from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
+from homebot.support.extras import check_extra
+from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer

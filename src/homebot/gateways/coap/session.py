@@ -11,7 +11,6 @@ from urllib.parse import unquote, urlsplit
 import anyio
 from structlog.typing import FilteringBoundLogger
 
-from homebot.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
@@ -25,7 +24,8 @@ from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.isolation import run_as, ungrouped
+from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
+from homebot.support.isolation import run_as, ungrouped
 from homebot.wot import read_thing
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
 from homebot.wot.coap.resource_types import thing_of_links

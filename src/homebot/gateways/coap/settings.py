@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
-from homebot.addresses import is_loopback
 from homebot.conventions.coap.endpoint import check_uri, split_address
 from homebot.gateways.base import GatewaySettings
+from homebot.support.addresses import is_loopback
 from homebot.units import Seconds
 
 __all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri"]

@@ -18,8 +18,8 @@ from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError
-from homebot.extras import check_extra
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.support.extras import check_extra
 
 __all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver", "first_answer"]
 

@@ -10,7 +10,6 @@ from typing import Final
 import anyio
 from structlog.typing import FilteringBoundLogger
 
-from homebot.backoff import Backoff
 from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
@@ -20,6 +19,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.drivers import Driver
 from homebot.gateways.drivers.installed_drivers import UsableDriver
+from homebot.support.backoff import Backoff
 
 __all__ = ["LOST_BACKOFF", "DriverRunner"]
 

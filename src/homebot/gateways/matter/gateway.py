@@ -11,7 +11,6 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.conventions.matter.other_clusters import SWITCH, press_of
 from homebot.conventions.matter.parts import parts_of
@@ -19,7 +18,6 @@ from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, UnableError, WireError
-from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
@@ -37,7 +35,9 @@ from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
-from homebot.isolation import run_as
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
+from homebot.support.extras import check_extra
+from homebot.support.isolation import run_as
 
 __all__ = ["MatterGateway"]
 

@@ -13,11 +13,9 @@ import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import BackoffCounter
 from homebot.conventions.dns_sd.found_service import FoundService, facts_of, host_identifier, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
-from homebot.extras import check_extra
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
@@ -32,8 +30,10 @@ from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.gateways.mdns.sleepers import Sleepers
 from homebot.graph import Node
-from homebot.installation import Installation
-from homebot.isolation import run_as, ungrouped
+from homebot.support.backoff import BackoffCounter
+from homebot.support.extras import check_extra
+from homebot.support.installation import Installation
+from homebot.support.isolation import run_as, ungrouped
 
 if TYPE_CHECKING:
     from homebot.gateways.mdns.zeroconf_network import MdnsNetwork

@@ -19,14 +19,14 @@ from typing import Final
 import anyio
 from anyio import to_thread
 
-from homebot.addresses import is_loopback
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.conventions.dns_sd.service_type import full_type
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
 from homebot.gateways.mdns.network import OwnService, ServiceNetwork
 from homebot.graph import Node
-from homebot.installation import Installation
+from homebot.support.addresses import is_loopback
+from homebot.support.installation import Installation
 
 __all__ = ["HOMEBOT", "OwnServices"]
 

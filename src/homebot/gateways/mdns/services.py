@@ -19,8 +19,8 @@ from anyio.abc import TaskGroup
 from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
-from homebot.isolation import isolated
-from homebot.rate_limit import RateLimit
+from homebot.support.isolation import isolated
+from homebot.support.rate_limit import RateLimit
 
 __all__ = ["ServiceHandler", "Services"]
 

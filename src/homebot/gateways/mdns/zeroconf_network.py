@@ -19,7 +19,6 @@ import anyio
 from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
-from homebot.addresses import is_loopback
 from homebot.conventions.dns_sd.found_service import FoundService, printable, usable_addresses
 from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
 from homebot.conventions.dns_sd.txt_record import read_txt
@@ -27,6 +26,7 @@ from homebot.errors import LinkError
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.interfaces import Interfaces
 from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
+from homebot.support.addresses import is_loopback
 
 __all__ = ["MdnsNetwork"]
 

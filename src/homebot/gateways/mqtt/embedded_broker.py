@@ -13,9 +13,9 @@ from homebot.devices.health import Count, GetHealth, HealthRequest, HealthRespon
 from homebot.errors import LinkError
 from homebot.gateways.context import HostService
 from homebot.graph import Graph, Node
-from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker, PortTakenError
 from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.support.logger import get_logger
 
 __all__ = ["EMBEDDED_BROKER", "embedded_broker"]
 

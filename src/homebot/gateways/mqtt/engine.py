@@ -40,10 +40,10 @@ from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MqttMessage
 from homebot.mqtt.topics import validate_topic
+from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
     from homebot.gateways.mqtt.responses import Responses

@@ -29,13 +29,13 @@ from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
-from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.choice import client_maker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.support.isolation import isolated, run_as
 
 if TYPE_CHECKING:
     from homebot.gateways.mqtt.responses import Responses

@@ -18,10 +18,10 @@ from homebot.errors import HomebotError, LinkError
 from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.base import Gateway
-from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
+from homebot.support.isolation import run_as
 
 __all__ = ["Offers", "publishers_of"]
 

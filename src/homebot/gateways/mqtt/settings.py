@@ -12,10 +12,10 @@ from homebot.conventions.installed_conventions import any_announcing, check_tabl
 from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
+from homebot.gateways.password_settings import PasswordSettings
 from homebot.mqtt.client.choice import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
-from homebot.password_settings import PasswordSettings
 from homebot.units import Seconds
 
 __all__ = ["EMBEDDED", "MqttGatewaySettings"]

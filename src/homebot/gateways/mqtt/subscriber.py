@@ -16,10 +16,10 @@ from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
+from homebot.support.isolation import isolated, run_as
 
 __all__ = ["Subscriber"]
 

@@ -12,8 +12,8 @@ from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
-from homebot.folding import fold
 from homebot.graph import Node
+from homebot.support.folding import fold
 from homebot.wot import identifiers_of, read_thing
 
 __all__ = ["DeviceFinder", "PointedAt"]

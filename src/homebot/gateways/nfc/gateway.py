@@ -14,7 +14,6 @@ import anyio.to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import Backoff, BackoffCounter
 from homebot.conventions.nfc.ndef_message import load_ndef, read_ndef
 from homebot.conventions.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.conventions.payload import clean_text
@@ -23,7 +22,6 @@ from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.devices.tags import TagTap
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
-from homebot.extras import check_extra
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
@@ -35,8 +33,10 @@ from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
 from homebot.gateways.nfc.tag import ReaderNews, ReadersFound, TagLeft, TagSeen
 from homebot.gateways.nfc.tag_services import TagServices
 from homebot.graph import Node
-from homebot.isolation import run_as
 from homebot.messages.builtin_interfaces import Time
+from homebot.support.backoff import Backoff, BackoffCounter
+from homebot.support.extras import check_extra
+from homebot.support.isolation import run_as
 from homebot.wot import Thing, facts_of, identifiers_of, read_thing
 
 __all__ = ["NfcGateway"]

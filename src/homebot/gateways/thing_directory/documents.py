@@ -17,7 +17,7 @@ from typing import Final, Literal, TypeAlias, cast
 
 from homebot.conventions.payload import as_fields, parse_object, shown
 from homebot.errors import WireError
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = [
     "DirectoryChange",

@@ -10,16 +10,16 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, BackoffCounter
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError
-from homebot.extras import check_extra
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.graph import Node
+from homebot.support.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, BackoffCounter
+from homebot.support.extras import check_extra
 
 if TYPE_CHECKING:
     from homebot.gateways.thing_directory.session import DirectorySession

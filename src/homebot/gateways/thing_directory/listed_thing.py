@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import anyio
 from structlog.typing import FilteringBoundLogger
 
-from homebot.backoff import DEVICE_BACKOFF
 from homebot.clock import Clock
 from homebot.devices.gateway_messages import Command
 from homebot.gateways.announced.device_runner import DeviceRunner
@@ -17,7 +16,8 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import TIME_LIMIT
 from homebot.gateways.things.thing_device import ThingDevice
-from homebot.isolation import run_as
+from homebot.support.backoff import DEVICE_BACKOFF
+from homebot.support.isolation import run_as
 from homebot.wot import Thing
 
 if TYPE_CHECKING:

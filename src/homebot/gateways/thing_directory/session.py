@@ -42,7 +42,7 @@ from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import describe_thing
-from homebot.isolation import run_as, ungrouped
+from homebot.support.isolation import run_as, ungrouped
 from homebot.wot import Thing, read_thing
 
 __all__ = ["DirectorySession"]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, SecretStr, model_validator
 
-from homebot.password_settings import PasswordSettings
+from homebot.gateways.password_settings import PasswordSettings
 
 __all__ = ["HttpLoginSettings", "ThingLogin", "read_logins"]
 

@@ -23,7 +23,7 @@ from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_login import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
-from homebot.isolation import run_as, ungrouped
+from homebot.support.isolation import run_as, ungrouped
 from homebot.wot import Form, RequestBinding, SecurityScheme, Thing
 
 __all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]

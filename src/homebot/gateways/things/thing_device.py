@@ -21,7 +21,7 @@ from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
-from homebot.isolation import run_as, ungrouped
+from homebot.support.isolation import run_as, ungrouped
 from homebot.wot import (
     Affordance,
     Binding,

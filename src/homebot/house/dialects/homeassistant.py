@@ -25,7 +25,7 @@ from homebot.house.dialects.wire import (
     node_name,
 )
 from homebot.house.simulated_device import number_text
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["COMPONENTS", "ComponentTemplate", "HomeAssistantDialect"]
 

@@ -16,7 +16,7 @@ from types import MappingProxyType
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_text, hardware_address, lamp_order
 from homebot.house.simulated_device import number_text
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["NODES", "HomieDialect", "SimulatedHomieNode"]
 

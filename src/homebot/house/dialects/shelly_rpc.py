@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_object, cover_order, hardware_address, lamp_order
 from homebot.house.simulated_device import number_text
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["ShellyRpcDialect", "describe_shelly"]
 

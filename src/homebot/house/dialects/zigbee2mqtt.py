@@ -21,7 +21,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
 )
 from homebot.house.simulated_device import number_text
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["EXPOSES", "Zigbee2MqttDialect"]
 

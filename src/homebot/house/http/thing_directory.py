@@ -14,7 +14,7 @@ from anyio.abc import TaskStatus
 
 from homebot.house.dialects.wire import as_json
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["ThingDirectoryServer"]
 

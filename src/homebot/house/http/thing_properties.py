@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from homebot.house.dialect import DeviceState
 from homebot.house.dialects.wire import lamp_order
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["THING_PROPERTIES", "ThingProperty"]
 

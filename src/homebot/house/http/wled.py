@@ -16,7 +16,7 @@ from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, hardware_address, lamp_order
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
-from homebot.numbers import to_number
+from homebot.support.numbers import to_number
 
 __all__ = ["EFFECTS", "ServedWled"]
 

@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Final, NamedTuple, Protocol, final
 
-from homebot.addresses import network_of
 from homebot.clock import Clock
 from homebot.mqtt.packets import ReasonCode
+from homebot.support.addresses import network_of
 
 __all__ = ["Applicant", "Authentication", "LoginCandidate", "LoginThrottle", "WaitingLogins", "host_of"]
 

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import final
 
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 __all__ = ["BrokerTimers", "Deadline"]
 

@@ -11,7 +11,6 @@ from typing import Self
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import UsageError
-from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.housekeeping import DeadlineTimer
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
@@ -19,6 +18,7 @@ from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.ports import BrokerPolicy, policy_of
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import BrokerStats
+from homebot.support.logger import get_logger
 
 __all__ = ["EmbeddedBroker"]
 

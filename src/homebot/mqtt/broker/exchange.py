@@ -16,7 +16,7 @@ from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
 from homebot.mqtt.packets import FilterRequest, ReasonCode
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["MessageRouter", "Receipt"]
 

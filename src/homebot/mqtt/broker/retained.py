@@ -12,8 +12,8 @@ from typing import Final, final
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
-from homebot.timer_queue import TimerQueue
-from homebot.turn_budget import TurnBudget
+from homebot.support.timer_queue import TimerQueue
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["Owed", "Replay", "RetainedMessages"]
 

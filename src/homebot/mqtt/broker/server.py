@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, final
 
 import anyio
 
-from homebot.addresses import ip_version, is_loopback
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker.connection import BrokerConnection, Sockets
@@ -23,6 +22,7 @@ from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.ports import BrokerPolicy, ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
+from homebot.support.addresses import ip_version, is_loopback
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.tls_socket import TlsSocket

@@ -20,7 +20,7 @@ from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import ReasonCode
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["BrokerSession", "HeldPublisher"]
 

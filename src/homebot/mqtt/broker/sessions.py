@@ -17,7 +17,7 @@ from homebot.mqtt.broker.message import BrokerMessage, size_of
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import Will
-from homebot.turn_budget import TurnBudget
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["Sessions", "will_size"]
 

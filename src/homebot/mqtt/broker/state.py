@@ -11,7 +11,6 @@ from typing import final
 
 from homebot.clock import Clock
 from homebot.log import LogLimit, more_like_this
-from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication, LoginThrottle, WaitingLogins
 from homebot.mqtt.broker.byte_limits import QueuePool, UnreadPackets, UnsentBytes
 from homebot.mqtt.broker.deadlines import BrokerTimers
@@ -22,7 +21,8 @@ from homebot.mqtt.broker.ports import BrokerPolicy, ConnectedClient, RefusedFilt
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.packets import ReasonCode
-from homebot.turn_budget import TurnBudget
+from homebot.support.logger import get_logger
+from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["BrokerState", "short"]
 

@@ -13,7 +13,6 @@ import anyio
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
-from homebot.logger import get_logger
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.port import MqttSubscription, PublishResult, SessionGrant
@@ -26,6 +25,7 @@ from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode
 from homebot.mqtt.topics import validate_filter, validate_topic
+from homebot.support.logger import get_logger
 
 __all__ = ["UNREADABLE", "BaseClient", "ClientLink"]
 

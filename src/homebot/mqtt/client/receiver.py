@@ -10,11 +10,11 @@ from typing import final
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.log import LogLimit
-from homebot.logger import get_logger
 from homebot.mqtt.client.incoming import Frame, PublishReader
 from homebot.mqtt.client.port import MqttCounters, SessionGrant
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.support.logger import get_logger
 
 __all__ = ["DeliveryLedger", "Inbox", "Receiver"]
 

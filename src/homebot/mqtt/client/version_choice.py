@@ -6,9 +6,9 @@ from collections.abc import Awaitable, Callable
 from typing import Literal, TypeAlias, TypeVar, final
 
 from homebot.errors import LinkError, RefusedError
-from homebot.logger import get_logger
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
+from homebot.support.logger import get_logger
 
 __all__ = ["ClosedEarlyError", "MqttVersion", "UnansweredError", "VersionChoice", "early_end"]
 

@@ -10,7 +10,7 @@ from homebot.errors import UsageError
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.topics import validate_filter
-from homebot.similar import did_you_mean
+from homebot.support.similar import did_you_mean
 
 __all__ = ["BrokerSettings"]
 

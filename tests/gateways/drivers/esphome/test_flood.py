@@ -15,7 +15,7 @@ from tests.gateways.drivers.esphome.served import living, service_of, simulated
 from homebot.conventions.esphome import Fields
 from homebot.errors import WireError
 from homebot.gateways.drivers.esphome.connection import EsphomeConnection, connected
-from homebot.isolation import first_cause
+from homebot.support.isolation import first_cause
 
 PADDED_PING = b"\0\xeb\x07\7" + b"\x7a\xe8\x07" + bytes(1000)
 """A ping with a field that nobody knows: 66 of them a second are too many, which the slowest machine can receive."""

@@ -8,7 +8,7 @@ import socket
 
 import anyio
 
-from homebot.rate_limit import RateLimit
+from homebot.support.rate_limit import RateLimit
 
 __all__ = ["BURST", "PER_SECOND", "RECEIVED_AT_ONCE", "MeteredSocket", "open_socket"]
 

@@ -25,7 +25,7 @@ from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient
-from homebot.isolation import ungrouped
+from homebot.support.isolation import ungrouped
 
 __all__ = ["ShellySession"]
 

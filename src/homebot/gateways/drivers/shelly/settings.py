@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pydantic import Field, SecretStr
 
 from homebot.gateways.drivers.base import DriverSettings
-from homebot.password_settings import PasswordSettings
+from homebot.gateways.password_settings import PasswordSettings
 
 __all__ = ["ShellyDriverSettings"]
 

@@ -27,7 +27,7 @@ from homebot.gateways.http_client import HttpClient
 from homebot.gateways.things.http_credentials import ThingLogin, read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.isolation import run_as, ungrouped
+from homebot.support.isolation import run_as, ungrouped
 from homebot.wot import Form, Thing, read_thing
 from homebot.wot.thing import change_forms
 

@@ -24,7 +24,7 @@ from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_websocket import WebSocket
-from homebot.isolation import ungrouped
+from homebot.support.isolation import ungrouped
 
 __all__ = ["WledSession"]
 

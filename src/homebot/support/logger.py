@@ -16,7 +16,7 @@ from typing import Final, TextIO, cast, final
 import structlog
 from structlog.typing import EventDict, FilteringBoundLogger, Processor, WrappedLogger
 
-from homebot.output import CONTROL, CleanText
+from homebot.support.output import CONTROL, CleanText
 
 __all__ = ["ConsoleRenderer", "LineWriter", "get_logger", "observed_lines", "sentence", "with_local_time"]
 

@@ -9,7 +9,7 @@ from random import Random
 
 import pytest
 
-from homebot.installation import INSTALLATION_FILE, Installation
+from homebot.support.installation import INSTALLATION_FILE, Installation
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from random import Random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.clock import ManualClock
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
 
 PLAIN = Backoff(first=1.0, factor=2.0, cap=5.0, late_cap=60.0, late_after=100.0, jitter=0.0)
 

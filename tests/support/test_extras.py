@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.extras import check_extra
+from homebot.support.extras import check_extra
 
 
 def test_nothing_is_said_where_all_is_installed() -> None:

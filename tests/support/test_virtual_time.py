@@ -14,8 +14,8 @@ import anyio.lowlevel
 import anyio.to_thread
 import pytest
 
-from homebot import virtual_time
 from homebot.errors import UsageError
+from homebot.support import virtual_time
 from homebot.testing import VirtualTimeLoop
 
 

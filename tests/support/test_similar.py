@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.similar import did_you_mean, similar_to
+from homebot.support.similar import did_you_mean, similar_to
 
 
 def test_the_likeliest_comes_first() -> None:

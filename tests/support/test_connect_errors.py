@@ -7,7 +7,7 @@ import socket
 
 import pytest
 
-from homebot.connect_errors import connect_problem
+from homebot.support.connect_errors import connect_problem
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.rate_limit import RateLimit
+from homebot.support.rate_limit import RateLimit
 
 
 def test_a_whole_second_may_come_at_once_and_then_each_frame_waits() -> None:

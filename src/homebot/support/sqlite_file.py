@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from homebot.errors import LinkError, UsageError, WireError
-from homebot.file_access import why_not_trusted
+from homebot.support.file_access import why_not_trusted
 
 __all__ = ["SQLITE_FILES", "SqliteFile", "SqliteSchema"]
 

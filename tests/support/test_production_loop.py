@@ -13,7 +13,7 @@ import pytest
 from structlog.testing import capture_logs
 from structlog.typing import EventDict
 
-from homebot.production_loop import LoopWatch, ProductionLoop, own_time
+from homebot.support.production_loop import LoopWatch, ProductionLoop, own_time
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.timer_queue import TimerQueue
+from homebot.support.timer_queue import TimerQueue
 
 TIMES = st.integers(0, 6).map(float)
 STEPS = st.one_of(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from homebot.folding import fold
+from homebot.support.folding import fold
 
 __all__ = ["did_you_mean", "similar_to", "unknown_key"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.turn_budget import SHARE, TurnBudget
+from homebot.support.turn_budget import SHARE, TurnBudget
 
 
 class Loop:

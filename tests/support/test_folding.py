@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.folding import MAX_WORD, fold, is_typo, words_of
+from homebot.support.folding import MAX_WORD, fold, is_typo, words_of
 
 
 def test_case_accents_and_separators_do_not_count() -> None:

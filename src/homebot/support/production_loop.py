@@ -19,7 +19,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Final, Self, TypeVar, final
 
-from homebot.logger import get_logger
+from homebot.support.logger import get_logger
 
 __all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector", "own_time"]
 

@@ -6,7 +6,7 @@ import anyio
 import pytest
 
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.isolation import ungrouped
+from homebot.support.isolation import ungrouped
 
 LOST = LinkError("the link broke")
 

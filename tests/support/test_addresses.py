@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.addresses import ip_version, is_loopback, network_of
+from homebot.support.addresses import ip_version, is_loopback, network_of
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import sys
 import pytest
 import structlog
 
-from homebot.logger import get_logger, observed_lines
+from homebot.support.logger import get_logger, observed_lines
 
 HEAD = """\
 import asyncio, structlog

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.patience import PATIENCE
 
-from homebot.output import CleanText, OutputQueue, QueuedText, clean_output, queued_output
+from homebot.support.output import CleanText, OutputQueue, QueuedText, clean_output, queued_output
 
 
 class Pipe:

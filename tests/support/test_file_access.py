@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
+from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
 
 NOBODYS_GROUP = 54_321
 

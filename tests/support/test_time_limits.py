@@ -11,7 +11,7 @@ from functools import partial
 import anyio
 import pytest
 
-from homebot.time_limits import TimeLimits
+from homebot.support.time_limits import TimeLimits
 
 pytestmark = pytest.mark.virtual_time
 

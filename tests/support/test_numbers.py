@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.numbers import finite_number, to_number
+from homebot.support.numbers import finite_number, to_number
 
 
 @pytest.mark.parametrize(
