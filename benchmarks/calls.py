@@ -14,7 +14,7 @@ __all__ = ["CallCount"]
 
 _SOURCE = f"{Path(homebot.__file__).parent}/"
 _BROKER = f"{_SOURCE}mqtt/broker/"
-_OUTSIDE = (f"{_SOURCE}mqtt/client/memory_transport.py", f"{_SOURCE}testing/", f"{_SOURCE}virtual_time.py")
+_OUTSIDE = (f"{_SOURCE}mqtt/client/memory_transport.py", f"{_SOURCE}testing/", f"{_SOURCE}support/virtual_time.py")
 
 
 class CallCount:

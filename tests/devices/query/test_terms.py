@@ -33,13 +33,19 @@ from homebot.devices.query.terms import MAX_DEPTH, MAX_TERMS
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
 
+
+def exact(number: float) -> float:
+    """Return *number* with the 15 significant digits that values carry."""
+    return float(f"{number:.15g}") if abs(number) < 1e15 else number
+
+
 _texts = st.text(max_size=8)
 _types = st.frozensets(st.sampled_from(["light", "plug", "switch"]))
 _values = (
     st.booleans()
-    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.floats(allow_nan=False, allow_infinity=False).map(exact)
     | _texts
-    | st.tuples(st.floats(0, 1), st.floats(0, 1))
+    | st.tuples(st.floats(0, 1).map(exact), st.floats(0, 1).map(exact))
 )
 _leaves: st.SearchStrategy[Query] = st.one_of(
     st.builds(TypeIs, _texts, _types, st.sampled_from(["", "window"]), st.booleans()),

@@ -254,8 +254,9 @@ async def test_a_directory_of_a_thousand_things_is_connected_to_twenty_at_a_time
         open_now, total = open_now + 1, total + 1
         most = max(most, open_now)
         try:
-            async for _ in stream:
-                pass
+            async with stream:
+                async for _ in stream:
+                    pass
         finally:
             open_now -= 1
 
