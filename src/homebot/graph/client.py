@@ -32,11 +32,7 @@ DEFAULT_TIMEOUT = 5.0
 
 
 class Client(Generic[RequestT, ResponseT]):
-    """Calls one service. Calls may run concurrently, from any task.
-
-    Attributes:
-        info: The endpoint as the graph shows it.
-    """
+    """Calls one service. Calls may run concurrently, from any task."""
 
     def __init__(
         self,
@@ -149,7 +145,6 @@ class Client(Generic[RequestT, ResponseT]):
         """Return the response of the handler, or the ServiceError that ended the call.
 
         Args:
-            run: The call.
             timeout: Seconds.
             is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
         """

@@ -30,7 +30,6 @@ class EndpointInfo:
     """One entity on the graph.
 
     Attributes:
-        kind: Its kind.
         node: Full name of the owning node; for a node its own name.
         name: Full name of its topic or service; for a node its own name.
         ros_type: Full ROS type name, empty for a node.
@@ -49,7 +48,6 @@ class GraphChange(NamedTuple):
 
     Attributes:
         change: ``added`` or ``removed``.
-        entity: The entity.
     """
 
     change: Literal["added", "removed"]

@@ -25,10 +25,7 @@ class CallbackFailure:
     """The failures of one callback.
 
     Attributes:
-        node: Full name of its node.
-        callback: A description: "handler of /topic".
         count: Number of failures since the graph was created.
-        last: The last error, as text.
         at: Time of the last error, in seconds since the Unix epoch.
     """
 

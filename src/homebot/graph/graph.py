@@ -34,11 +34,6 @@ class Graph:
     Args:
         clock: The time that nodes, timers and lifespans go by; by default that of the running loop. Timers sleep on the
             loop, so another clock must run with it.
-
-    Attributes:
-        clock: That clock.
-        failures: Unhandled exceptions of callbacks.
-        service_counts: Counters of late answers and refused calls.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:

@@ -27,12 +27,8 @@ class HandlerRun:
     """A handler that waits, from the call to its end.
 
     Attributes:
-        server: The service.
-        began: The event loop's time at the call.
-        scope: Cancelling it ends the handler.
         outcome: The response or a :class:`homebot.errors.ServiceError`; cancelled if the caller left first.
         task: The task that runs the handler, or None before it has started.
-        has_ended: Whether the handler has ended.
     """
 
     def __init__(self, server: Service[Any, Any], handler: Awaitable[object]) -> None:

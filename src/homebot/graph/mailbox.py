@@ -309,7 +309,5 @@ def keyed_queue(depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T],
 
     Args:
         depth: At least 1.
-        key: Returns the key of an item.
-        on_loss: Called with each dropped item.
     """
     return (_NewestOfEach if depth == 1 else KeyedQueue)(depth, key, on_loss)

@@ -60,18 +60,11 @@ class Node:
     """A named member of the graph.
 
     Args:
-        graph: The graph it joins.
         name: ``[A-Za-z0-9_]``, unique in its namespace.
         namespace: Where relative names of this node begin; ``/`` by default.
-        parameters: Start-up values of the node's parameters by name.
 
     Attributes:
-        graph: That graph.
-        name: That name.
         namespace: The namespace, absolute.
-        full_name: Namespace and name.
-        parameters: The node's parameters.
-        log: The node's logger.
 
     Raises:
         InvalidNameError: The name or the namespace is illegal.
@@ -101,7 +94,6 @@ class Node:
         """Return a publisher of *msg_type* on *topic*.
 
         Args:
-            msg_type: The message class.
             topic: The name; relative, absolute, or private (``~/name``).
             qos_profile: The quality of service that is offered; a number is the depth of its history.
 
@@ -139,7 +131,6 @@ class Node:
         """Return a subscription to *topic*: iterate over it, or give a *callback*.
 
         Args:
-            msg_type: The message class.
             topic: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function for each message; without one, iterate.
             qos_profile: The quality of service that is requested; a number is the depth of the queue.
@@ -190,9 +181,7 @@ class Node:
         run, handlers run in the tasks of their callers and are cancelled with them.
 
         Args:
-            srv_type: The service type.
             srv_name: The name; relative, absolute, or private (``~/name``).
-            callback: A function or coroutine function from request to response.
             concurrent: Whether up to 1,000 calls are served at once; by default they wait in line.
             cancel_with_caller: Whether a handler ends with its caller, for handlers that only wait for others.
 

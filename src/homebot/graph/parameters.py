@@ -27,8 +27,6 @@ class ParameterDescriptor(NamedTuple):
     """The constraints on a parameter.
 
     Attributes:
-        description: Text for users.
-        read_only: Whether it keeps its start-up value.
         minimum: Least allowed number, or None.
         maximum: Greatest allowed number, or None.
     """
@@ -61,9 +59,7 @@ class ParameterSet:
     """The declared parameters of one node.
 
     Args:
-        node: Full name of the node, for messages.
         overrides: Start-up values by name; they replace the defaults at declaration.
-        on_event: Called with each declared or changed parameter.
         on_failure: Called with the name of a parameter and the exception of its check.
     """
 

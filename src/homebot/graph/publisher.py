@@ -24,8 +24,6 @@ class Publisher(Generic[MessageT]):
     """Publishes messages of one type on one topic, in order, without blocking.
 
     Attributes:
-        info: The endpoint as the graph shows it.
-        qos: The quality of service that it offers.
         subscription_count: The number of matched subscriptions.
         incompatible_qos_count: The number of subscriptions that requested more than it offers.
     """

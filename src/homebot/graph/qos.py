@@ -69,7 +69,6 @@ class QoSProfile:
     Attributes:
         depth: Messages kept, at least 1. On a keyed topic: per key.
         history: KEEP_LAST drops the oldest of ``depth`` and counts it; KEEP_ALL is bounded at 65,536.
-        reliability: RELIABLE or BEST_EFFORT.
         durability: TRANSIENT_LOCAL publishers replay their last ``depth`` messages to late TRANSIENT_LOCAL joiners.
         lifespan: Seconds after which a message is no longer delivered; 0 is for ever.
         deadline: Longest gap between messages, in seconds; 0 is any. Takes part in matching only.

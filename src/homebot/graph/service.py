@@ -43,8 +43,6 @@ class ServiceSlot:
     """A service name with its type, its server and its number of users; it exists while it is used.
 
     Attributes:
-        name: Full name.
-        service_type: The type of its requests and responses.
         server: The server, or None.
         users: Number of clients and servers.
     """
@@ -81,14 +79,7 @@ class Service(Generic[RequestT, ResponseT]):
     """Serves the calls of one service name.
 
     Attributes:
-        info: The endpoint as the graph shows it.
-        callback: The function that answers a request.
-        cancel_with_caller: Whether handlers end with their callers.
-        start: Starts the task of a handler.
         room: Number of further handlers that may begin to wait; without room, calls wait in line.
-        is_exclusive: Whether one call is served at a time.
-        is_closed: Whether it stopped serving.
-        line: The calls that wait for their turn.
     """
 
     def __init__(

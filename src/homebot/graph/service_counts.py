@@ -47,14 +47,7 @@ class ServiceCounts:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class ServiceReports:
-    """Records the failures and late answers of one service.
-
-    Attributes:
-        node: Full name of the serving node.
-        service: Full name of the service.
-        failures: Counters of handler failures.
-        counts: Counters of late answers and refusals.
-    """
+    """Records the failures and late answers of one service."""
 
     node: str
     service: str

@@ -31,12 +31,7 @@ Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
 @final
 @dataclass(frozen=True, slots=True)
 class Expiring(Generic[T]):
-    """A queued message with a lifespan.
-
-    Attributes:
-        message: The message.
-        expires_at: Monotonic time after which it is not delivered.
-    """
+    """A queued message with a lifespan."""
 
     message: T
     expires_at: float
@@ -54,11 +49,8 @@ class Subscription(Generic[MessageT]):
     """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
 
     Attributes:
-        info: The endpoint as the graph shows it.
-        qos: The quality of service that it requests.
         from_node: Full name of the only publishing node that it receives; empty for all nodes, :data:`OTHERS` for all
             but its own.
-        mailbox: The waiting messages.
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
         unbegun: The number of received messages whose tasks have not started.

@@ -23,10 +23,7 @@ class Topic:
     """A named channel of one message type; it exists while it has publishers or subscriptions.
 
     Attributes:
-        name: Full name.
         message_type: Type of all its messages; a second type is refused.
-        publishers: All publishers.
-        subscriptions: All subscriptions.
     """
 
     def __init__(self, name: str, message_type: type[Message], limit: LogLimit) -> None:

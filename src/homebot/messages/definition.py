@@ -26,10 +26,8 @@ class FieldDefinition:
     """One field of a message type.
 
     Attributes:
-        name: The field's name.
         ros_type: The ROS type of one element: a primitive such as ``uint8``, or the full name of a message type.
         message: The Python class where the element is a message, else None.
-        is_array: Whether the field holds many elements.
         size: Exact number of elements of a fixed array, else None.
         bound: Greatest number of elements of a bounded array, else None.
         choices: The enumeration where the element is a text that must be one of it, else None.

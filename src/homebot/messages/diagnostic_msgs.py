@@ -12,10 +12,6 @@ class DiagnosticStatus(Message, ros_type="diagnostic_msgs/msg/DiagnosticStatus")
 
     Attributes:
         level: 0 good, 1 a warning, 2 an error, 3 stale.
-        name: The part.
-        message: How it is, in words.
-        hardware_id: Its serial number or the like.
-        values: The measured values.
     """
 
     level: Byte

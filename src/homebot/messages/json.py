@@ -80,8 +80,6 @@ def message_from_json(
     """Return the message that the JSON object *value* spells; bytes may come as base64 text or as a list.
 
     Args:
-        message_type: Its type.
-        value: The JSON object.
         ignore_unknown: Whether fields that the type lacks, those of a newer homebot, are left out and not refused.
 
     Raises:

@@ -200,8 +200,6 @@ class ServiceType(Generic[RequestT, ResponseT]):
 
     Attributes:
         ros_type: The full ROS name, ``package/srv/Name``.
-        Request: The type of a request.
-        Response: The type of a response.
     """
 
     ros_type: str

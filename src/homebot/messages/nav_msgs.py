@@ -9,14 +9,7 @@ __all__ = ["GridCells", "MapMetaData", "OccupancyGrid", "Odometry", "Path"]
 
 
 class Odometry(Message, ros_type="nav_msgs/msg/Odometry"):
-    """An estimate of the place and the speed of a robot.
-
-    Attributes:
-        header: When, and the frame of the pose.
-        child_frame_id: The frame of the speed: the robot.
-        pose: The place.
-        twist: The speed.
-    """
+    """An estimate of the place and the speed of a robot."""
 
     header: Header
     child_frame_id: str
@@ -35,11 +28,8 @@ class MapMetaData(Message, ros_type="nav_msgs/msg/MapMetaData"):
     """The size and the place of a map.
 
     Attributes:
-        map_load_time: When it was loaded.
         resolution: Metres of a cell.
-        width: Cells of a row.
         height: Rows.
-        origin: The place of the first cell's corner.
     """
 
     map_load_time: Time
@@ -53,8 +43,6 @@ class OccupancyGrid(Message, ros_type="nav_msgs/msg/OccupancyGrid"):
     """An occupancy map.
 
     Attributes:
-        header: When it was made, and its frame.
-        info: Size and place.
         data: The cells row by row: 0 free to 100 occupied, -1 unknown.
     """
 
@@ -67,10 +55,8 @@ class GridCells(Message, ros_type="nav_msgs/msg/GridCells"):
     """Cells of a map that have something in common.
 
     Attributes:
-        header: When, and the frame of the cells.
         cell_width: Metres.
         cell_height: Metres.
-        cells: The centre of each.
     """
 
     header: Header

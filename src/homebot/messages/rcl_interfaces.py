@@ -10,10 +10,8 @@ class Log(Message, ros_type="rcl_interfaces/msg/Log"):
     """One log line, as on ``/rosout``.
 
     Attributes:
-        stamp: When it was written.
         level: DEBUG 10, INFO 20, WARN 30, ERROR 40, FATAL 50.
         name: The logger: the node's full name with dots, without the leading one.
-        msg: The event and its facts in one line.
         file: Source file, or empty.
         function: Function, or empty.
         line: Line in the file, or 0.
@@ -56,15 +54,7 @@ class Parameter(Message, ros_type="rcl_interfaces/msg/Parameter"):
 
 
 class ParameterEvent(Message, ros_type="rcl_interfaces/msg/ParameterEvent"):
-    """The changes among the parameters of one node.
-
-    Attributes:
-        stamp: When.
-        node: Full name of the node.
-        new_parameters: Declared just now.
-        changed_parameters: Set to another value.
-        deleted_parameters: Undeclared.
-    """
+    """The changes among the parameters of one node."""
 
     stamp: Time
     node: str

@@ -34,12 +34,7 @@ class SetBoolRequest(Message, ros_type="std_srvs/srv/SetBool_Request"):
 
 
 class SuccessResponse(Message, ros_type="std_srvs/srv/Trigger_Response"):
-    """The result of a :class:`TriggerRequest`.
-
-    Attributes:
-        success: True when it did.
-        message: Why not, or more about it.
-    """
+    """The result of a :class:`TriggerRequest`."""
 
     success: bool
     message: str

@@ -19,11 +19,8 @@ def load_certificate(
     """Have *context* show the certificate in *cert_file*.
 
     Args:
-        context: Either side's.
-        cert_file: In PEM form, with the chain if there is one.
         key_file: Its key in PEM form, without a passphrase; None where *cert_file* holds it too.
         what: Name of the certificate in errors, such as ``client certificate``.
-        key_option: Name of the caller's setting for *key_file*.
 
     Raises:
         UsageError: A file cannot be read or has invalid content; names the file.

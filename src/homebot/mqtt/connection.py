@@ -86,9 +86,6 @@ class MqttConnection:
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
             announces nothing.
         clock: Measures how long a link was up or down.
-        random: Source of the back-off's jitter.
-        link_backoff: Delays while the broker cannot be reached.
-        refused_backoff: Delays while it refuses.
         is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
             time, the next when they have come. Some brokers drop what a client does not take in time; the embedded
             one sends what it keeps as it is taken.
@@ -216,7 +213,6 @@ class MqttConnection:
         """Check that an answer of a peer on the broker would be received, and that the peer may exist.
 
         Args:
-            heard_at: When the peer was last heard, on the monotonic clock.
             answers: Returns whether its answer would show anyway that it is there.
 
         Raises:
@@ -239,7 +235,6 @@ class MqttConnection:
         again on every later link, until `unsubscribe`.
 
         Args:
-            subscriptions: The topic filters with their options.
             every_link: Ask for them on every later link also where the broker still has them in a resumed session, for
                 the messages that it keeps. Those of QoS 0 that came while the link was down are lost otherwise.
 

@@ -39,13 +39,11 @@ class MemoryBroker(EmbeddedBroker):
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
         refuse_filters: Filters with subscriptions answered by 0x80.
-        policy: Rights to publish and subscribe.
         random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
             run the same.
 
     Attributes:
         host: A name to put into options, which nothing on a network answers to.
-        port: The usual one.
 
     Raises:
         UsageError: An argument is out of its range.

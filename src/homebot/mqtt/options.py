@@ -24,10 +24,7 @@ class MqttWill(NamedTuple):
     """The message that the broker publishes for a client that vanished.
 
     Attributes:
-        topic: Where to.
-        payload: The payload.
         qos: 0, 1 or 2.
-        retain: Whether the broker retains it.
         properties: MQTT 5 only.
     """
 
@@ -47,7 +44,6 @@ class MqttOptions:
     """Address, login and limits of one MQTT connection; checked where it is made.
 
     Attributes:
-        host: Name or IP address of the broker.
         port: TCP port, 1 to 65535.
         tls: Whether the link is encrypted and the broker's certificate verified.
         ca_file: PEM file of the authorities to trust; None trusts those of the system.

@@ -26,12 +26,7 @@ class StatusPublisher:
     """Publishes the status of a client.
 
     Args:
-        client: The client.
         topic: Where; None for nowhere.
-        url: The broker's address, without user and password.
-
-    Attributes:
-        topic: The same.
     """
 
     def __init__(self, client: MqttClient, topic: str | None, url: str) -> None:

@@ -26,7 +26,6 @@ class SubscriptionSet:
     """The set of filters that are wanted, made and refused.
 
     Args:
-        client: Makes them.
         is_paced: Whether the messages that the broker keeps are asked for a filter at a time; see `MqttConnection`.
     """
 
@@ -49,7 +48,6 @@ class SubscriptionSet:
         """Have *subscriptions* from now on; one takes the place of another to the same filter.
 
         Args:
-            subscriptions: Which.
             every_link: Whether to make them anew on each link, also where the broker still has them.
         """
         for one in subscriptions:

@@ -41,7 +41,6 @@ class SharedFilter(NamedTuple):
 
     Attributes:
         group: Name of the group that shares the messages; without ``/``, ``+`` and ``#``.
-        filter: The filter that the topics are matched against.
     """
 
     group: str

@@ -16,11 +16,6 @@ _KEY = "control.presence_guard.doors"
 def check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, source: str) -> None:
     """Check that each room is in *plan*, where that has rooms, and that no door of it is without a contact.
 
-    Args:
-        doors: The contacts on all doors of each room.
-        plan: The plan.
-        source: The file, for messages.
-
     Raises:
         ConfigError: One is not; names the key and the reason.
     """

@@ -21,11 +21,7 @@ class RuntimeHealth:
     """Answers how the runtime is.
 
     Args:
-        node: The node that answers.
-        home: The name of the home.
-        supervisor: Knows which components crashed.
         watch: Detector of a blocked event loop, or None.
-        lost_lines: Returns how many lines of the log were lost.
     """
 
     def __init__(

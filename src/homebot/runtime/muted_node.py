@@ -29,10 +29,6 @@ class MutedNode(Node):
 
     It receives nothing on topics below its own name, such as raw commands and exposed devices.
     Its services are refused, but for those that only read (:data:`homebot.devices.names.GATEWAY_READING`).
-
-    Args:
-        graph: The graph it joins.
-        name: The name of the gateway.
     """
 
     def __init__(self, graph: Graph, name: str) -> None:

@@ -44,7 +44,6 @@ class TokenTable(BaseModel):
 
     Attributes:
         token_file: File with the token in its first line, readable by its owner only.
-        scope: Rights of a client with the token.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -66,8 +65,6 @@ class PlannedComponent(Generic[ComponentT]):
     """A gateway or an app to be started.
 
     Attributes:
-        name: The name of its node.
-        kind: Its class.
         settings: Its table, checked by ``kind.Settings``.
     """
 
@@ -86,14 +83,11 @@ class Plan:
     """A configuration, understood.
 
     Attributes:
-        home: Name of the home.
         gateways: The gateways, in the order of the file.
         apps: The apps, in the order of the file.
-        discovery: The directory's settings.
         control: The control layer's settings; None for the usual ones.
         grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
             full names of their nodes.
-        door: The door's settings.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         places: The rooms and the owner's statements about devices.
     """

@@ -28,7 +28,6 @@ class RecorderStarter:
 
     Args:
         node: The node of the runtime, which runs the recorder's tasks.
-        facts: Returns the facts of the run.
     """
 
     def __init__(self, node: Node, facts: Callable[[], Awaitable[RunFacts]]) -> None:

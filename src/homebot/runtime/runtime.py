@@ -73,7 +73,6 @@ class Runtime:
     Entering starts everything and returns when it is ready; leaving stops everything in reverse order.
 
     Args:
-        config: The configuration.
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
             where the configuration has none of that name; its state is that of last midnight, UTC.
         with_door: Whether to listen for rosbridge clients, such as the command line.
@@ -93,8 +92,6 @@ class Runtime:
         detected: Motion sensors that have detected motion before, in a replay.
 
     Attributes:
-        graph: The graph on which everything meets.
-        supervisor: Restarts components that crash, and counts that.
         door: The server for rosbridge clients; None before it listens.
 
     Raises:

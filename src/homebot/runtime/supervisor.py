@@ -52,10 +52,7 @@ class ComponentCrashes:
     """The crashes of a component so far.
 
     Attributes:
-        count: How often.
-        last: The last error, as text.
         at: When that was, in seconds since the Unix epoch.
-        state: The resulting state.
     """
 
     count: int = 0
@@ -65,16 +62,7 @@ class ComponentCrashes:
 
 
 class Supervisor:
-    """Starts, restarts and gives up components.
-
-    Args:
-        clock: The time that crashes are counted by.
-
-    Attributes:
-        restarts: How often each component was started anew.
-        given_up: The components that kept crashing.
-        crashes: How each component crashed that did.
-    """
+    """Starts, restarts and gives up components."""
 
     def __init__(self, clock: Clock) -> None:
         self.crashes: dict[str, ComponentCrashes] = {}
@@ -99,8 +87,6 @@ class Supervisor:
         A component that is not ready after 10 s is not waited for any longer.
 
         Args:
-            name: The component's name.
-            work: The coroutine function to run.
             kind: Prefix of its name in the log, such as ``app``.
 
         Raises:

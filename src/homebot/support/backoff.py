@@ -58,8 +58,6 @@ class BackoffCounter:
     """Counter of consecutive failures, with the next delay.
 
     Args:
-        clock: The clock.
-        random: The source of jitter.
         steady_after: Seconds that an attempt has to last for its failure to count as the first; infinite where only
             :meth:`succeed` says so.
     """

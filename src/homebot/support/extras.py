@@ -14,8 +14,6 @@ def check_extra(what: str, extra: str, *modules: str) -> None:
 
     Args:
         what: The feature, as text: ``the gateway "mdns"``.
-        extra: The name of the extra.
-        modules: The top-level modules that it installs.
 
     Raises:
         UsageError: One is missing; names the command that installs it.

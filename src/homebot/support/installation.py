@@ -53,11 +53,7 @@ class Installation:
         self.problem = ""
 
     def id_of(self, part: str) -> str:
-        """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer.
-
-        Args:
-            part: The identified part, for example the full name of a node.
-        """
+        """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer."""
         with self._lock:
             self._load()
             return hashlib.sha256(f"homebot {self._id} {part}".encode()).hexdigest()[:_DIGITS]

@@ -14,7 +14,6 @@ def lazy_names(package: str, modules: Mapping[str, str]) -> Callable[[str], obje
 
     Args:
         package: Its ``__name__``.
-        modules: The names that each module gives, with blanks between them.
     """
     homes = {name: module for module, names in modules.items() for name in names.split()}
 

@@ -70,9 +70,6 @@ class ConsoleRenderer:
     """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
 
     Outside text cannot break the line, imitate another one or control the terminal.
-
-    Args:
-        colours: Whether warnings and worse stand out by their colour.
     """
 
     def __init__(self, *, colours: bool) -> None:

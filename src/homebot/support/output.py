@@ -51,7 +51,6 @@ class OutputQueue:
         now: The monotonic clock, in seconds.
 
     Attributes:
-        lost: Lines that were dropped since the start.
         loss_text: Returns the text that stands in the place of so many missing lines.
     """
 
@@ -154,12 +153,7 @@ class OutputQueue:
 
 
 class QueuedText(io.TextIOBase):
-    """A text stream over an :class:`OutputQueue`.
-
-    Args:
-        queue: That queue.
-        stream: The stream that it stands in for.
-    """
+    """A text stream over an :class:`OutputQueue`."""
 
     def __init__(self, queue: OutputQueue, stream: TextIO) -> None:
         self.queue = queue

@@ -65,17 +65,10 @@ class WatchedSelector(selectors.DefaultSelector):
 class LoopWatch:
     """``with LoopWatch(loop, selector) as watch``, in the thread in which the loop runs.
 
-    Args:
-        loop: The event loop.
-        selector: Its selector.
-
     Attributes:
         blocked_after: Seconds of one turn of the loop from which on it counts as blocked.
-        blocks: How often it was blocked.
         longest: How long at most, in seconds.
-        last: The code that blocked it last.
         exits: How often a task or callback outside of all parts of homebot called ``sys.exit()``.
-        exited: The last of them.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, selector: WatchedSelector) -> None:
@@ -220,9 +213,6 @@ class ProductionLoop(asyncio.SelectorEventLoop):
     """A selector loop on every platform, as the MQTT client needs ``add_reader``.
 
     asyncio lets a SystemExit of any task stop the loop. Here it ends that task alone, unless the loop runs for it.
-
-    Attributes:
-        watch: Detects callbacks that block the loop.
     """
 
     def __init__(self) -> None:

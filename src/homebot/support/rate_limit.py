@@ -14,7 +14,6 @@ class RateLimit:
 
     Args:
         per_second: How much there may be in a second; more than 0.
-        at_once: How much there may be at once.
         most_ahead: Maximum excess that is counted; more does not prolong the wait.
     """
 

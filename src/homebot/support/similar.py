@@ -18,8 +18,6 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
     Case and accents make no difference.
 
     Args:
-        name: The unknown name.
-        known: The existing names.
         cutoff: How alike they must be, from 0 to 1.
     """
     from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake

@@ -31,9 +31,6 @@ class SqliteSchema:
     Attributes:
         title: Name of the file in errors, for example ``index file``.
         version: Of the schema, kept as SQLite's ``user_version``.
-        statements: Make the tables.
-        checks: Queries that fail where a table is missing.
-        migrations: The statements that make the next version out of each.
         page_size: Bytes of a page, of which every change writes a whole one; of a new file.
     """
 
@@ -50,7 +47,6 @@ class SqliteFile:
 
     Args:
         path: Where it is; directories are made.
-        schema: Its tables.
         busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
     """
 

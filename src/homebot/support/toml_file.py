@@ -19,7 +19,6 @@ def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
     """Return the tables of the file *path*.
 
     Args:
-        path: The file.
         any_text: As for :func:`parse_toml`.
 
     Raises:
@@ -43,8 +42,6 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
     """Return the tables that *text* spells.
 
     Args:
-        text: The text.
-        source: Where it is from, for messages.
         any_text: Whether texts may hold U+0000, as those that are told to devices.
 
     Raises:

@@ -29,7 +29,6 @@ class TurnBudget:
 
     Args:
         now: The clock that measures the share, in seconds.
-        call_soon: Schedules a call in the next turn of the event loop.
     """
 
     __slots__ = ("_call_soon", "_is_running", "_is_scheduled", "_now", "_queue", "_share_ends", "_slice_ends")

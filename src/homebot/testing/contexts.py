@@ -45,7 +45,6 @@ def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextMana
 
     Args:
         loop: It does not run when the block begins, nor when it ends; in between anybody may run it.
-        context: The context manager to hold open.
     """
     value: asyncio.Future[ValueT] = loop.create_future()
     leave = asyncio.Event()

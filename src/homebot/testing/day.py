@@ -59,7 +59,6 @@ class Day:
         happenings: The events, in time order; of two at one time the first given comes first.
         start: Start in seconds after midnight, below 24 hours. Earlier events of the house itself happen too.
         length: Seconds until it ends; at most a week after the midnight.
-        source: The file, for messages.
 
     Raises:
         ConfigError: The house cannot be built, or something happens outside the day or to a device that is not there.
@@ -162,7 +161,6 @@ class Day:
 
         Args:
             house: A house with this day's :meth:`world`, on its first day and not later than the start.
-            root: First level of its topics.
 
         Returns:
             Events without effect: a command while the broker was away, a cut of a link that was down.

@@ -26,11 +26,8 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
     """Play *day* with *apps* on the wire, in virtual time, from a test without ``async``.
 
     Args:
-        day: The day.
         apps: Each a plug-in's name or ``module:Class``.
-        root: The home: first level of the topics.
         seed: The seed of random numbers on the network: the same day with the same seed is the same run.
-        heartbeat: The time after which a device repeats its last report.
 
     Returns:
         The house at the end of the day, with its ``event log``.

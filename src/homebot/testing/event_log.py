@@ -36,7 +36,6 @@ class HouseEvent:
     Attributes:
         at: Seconds since the Unix epoch, in the time of the house.
         source: Where: a message on MQTT, a message on a topic of the graph, or a change of the graph.
-        name: The topic, or the kind of entity that came or went.
         said: The payload or message, as it came; or which entity.
     """
 

@@ -16,11 +16,7 @@ __all__ = ["FakeGateway", "FakeGatewaySettings"]
 
 
 class FakeGatewaySettings(MemoryGatewaySettings):
-    """The settings of the fake.
-
-    Attributes:
-        refused: Addresses that cannot be subscribed to.
-    """
+    """The settings of the fake."""
 
     refused: tuple[str, ...] = ()
 

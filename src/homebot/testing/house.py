@@ -46,9 +46,6 @@ def house_config(apps: Sequence[str], root: str, url: str, given: Config | None 
 
     Args:
         apps: Each a plug-in's name or ``module:Class``; they come last.
-        root: The home: first level of the topics.
-        url: The test's broker.
-        given: The arguments of the test.
 
     Raises:
         UsageError: The address of a broker cannot be read.
@@ -119,13 +116,9 @@ class TestHouse:
     """A running homebot on a broker of its own, with which a test plays the devices.
 
     Args:
-        runtime: The homebot under test.
         field: The connection of the test itself, subscribed to all topics.
-        options: The options for further clients of the broker.
-        make_client: Makes such a client.
 
     Attributes:
-        runtime: The homebot under test.
         broker_url: The address of its broker, as ``mqtt://host:port``.
     """
 
@@ -186,7 +179,6 @@ class TestHouse:
         """Return the next payload that homebot or a device publishes on *topic*; the test's own messages do not count.
 
         Args:
-            topic: Any MQTT topic, without wildcards.
             within: Seconds to wait for a payload.
 
         Raises:
@@ -246,8 +238,6 @@ async def house_of(
     ``…/in``.
 
     Args:
-        apps: The apps, in addition to those of *config*.
-        root: The home: first level of the topics.
         config: Further configuration, as in ``homebot.toml``; a broker on another computer is replaced by the test's,
             and ports that are not given are free ones.
 

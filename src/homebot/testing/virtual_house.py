@@ -89,7 +89,6 @@ class VirtualHouse(TestHouse):
 
     Attributes:
         broker: The broker; a test may stop it, or cut and freeze connections.
-        clock: The clock of the house.
         simulated: The simulated house, which connects the devices of ``world`` to the broker.
     """
 
@@ -182,13 +181,11 @@ async def virtual_house_of(
     Args:
         apps: Each a plug-in's name or ``module:Class``.
         world: A simulated world that lives in it, from the midnight before *start* on; the test may play others.
-        root: The home: first level of the topics.
         start: The date and time at which the test begins; in UTC unless it has a time zone.
         seed: The seed of all random numbers: the same test with the same seed is the same run.
         heartbeat: The time after which a simulated device repeats its last report.
         config: A configuration, or tables as in ``homebot.toml``, for example the settings of apps; *apps* come last.
         record_into: Takes the lines of a recording of the whole run; None for no recording.
-        is_dry_run: Whether nothing is sent to any device.
 
     Raises:
         UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.

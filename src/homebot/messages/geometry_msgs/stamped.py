@@ -138,13 +138,7 @@ class PoseArray(Message, ros_type="geometry_msgs/msg/PoseArray"):
 
 
 class TransformStamped(Message, ros_type="geometry_msgs/msg/TransformStamped"):
-    """The way from the frame of the header to another, at a time.
-
-    Attributes:
-        header: Its frame is the parent.
-        child_frame_id: The other frame.
-        transform: The pose of the other frame in the parent.
-    """
+    """The way from the frame of the header to another, at a time."""
 
     header: Header
     child_frame_id: str
@@ -152,14 +146,7 @@ class TransformStamped(Message, ros_type="geometry_msgs/msg/TransformStamped"):
 
 
 class VelocityStamped(Message, ros_type="geometry_msgs/msg/VelocityStamped"):
-    """The speed of one body as another sees it, at a time.
-
-    Attributes:
-        header: Its frame is the one in which the speed is expressed.
-        body_frame_id: The body.
-        reference_frame_id: The other.
-        velocity: The speed.
-    """
+    """The speed of one body as another sees it, at a time."""
 
     header: Header
     body_frame_id: str

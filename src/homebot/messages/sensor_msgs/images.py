@@ -17,7 +17,6 @@ class Image(Message, ros_type="sensor_msgs/msg/Image"):
     """A picture as it is.
 
     Attributes:
-        header: When it was taken, and the optical frame of the camera.
         height: Rows.
         width: Columns.
         encoding: The meaning of a pixel, such as ``rgb8``, ``mono8`` or ``16UC1``.
@@ -39,9 +38,7 @@ class CompressedImage(Message, ros_type="sensor_msgs/msg/CompressedImage"):
     """A picture as a file.
 
     Attributes:
-        header: When it was taken, and the optical frame of the camera.
         format: ``jpeg`` or ``png``.
-        data: The content of the file.
     """
 
     header: Header
@@ -57,7 +54,6 @@ class RegionOfInterest(Message, ros_type="sensor_msgs/msg/RegionOfInterest"):
         y_offset: Its topmost row.
         height: Rows.
         width: Columns.
-        do_rectify: Whether it is still to be cut out of the rectified picture.
     """
 
     x_offset: UInt32
@@ -71,17 +67,11 @@ class CameraInfo(Message, ros_type="sensor_msgs/msg/CameraInfo"):
     """The calibration of a camera.
 
     Attributes:
-        header: That of the picture it belongs to.
         height: Rows of the sensor.
         width: Columns of the sensor.
         distortion_model: The meaning of ``d``, such as ``plumb_bob``.
-        d: Parameters of the distortion.
-        k: Matrix of the camera, row by row.
-        r: Rotation that makes the pictures of two cameras parallel.
-        p: Matrix of the rectified picture.
         binning_x: Columns that are one column of the picture; 0 is 1.
         binning_y: Rows that are one row of the picture; 0 is 1.
-        roi: The part of the sensor that is read.
     """
 
     header: Header

@@ -29,13 +29,9 @@ class Imu(Message, ros_type="sensor_msgs/msg/Imu"):
     """The motion that an inertial unit measures; the first element of a covariance is -1 where the value is unknown.
 
     Attributes:
-        header: When it was measured.
-        orientation: The direction.
         orientation_covariance: Of the direction; all zero is unknown.
         angular_velocity: Radians per second.
-        angular_velocity_covariance: Of that.
         linear_acceleration: Metres per second squared.
-        linear_acceleration_covariance: Of that.
     """
 
     header: Header
@@ -51,9 +47,7 @@ class MagneticField(Message, ros_type="sensor_msgs/msg/MagneticField"):
     """The magnetic field at a place.
 
     Attributes:
-        header: When it was measured.
         magnetic_field: Tesla.
-        magnetic_field_covariance: All zero is unknown.
     """
 
     header: Header
@@ -65,8 +59,6 @@ class JointState(Message, ros_type="sensor_msgs/msg/JointState"):
     """The joints of a robot; each list is as long as ``name``, or empty.
 
     Attributes:
-        header: When it was so.
-        name: The joints.
         position: Radians or metres.
         velocity: Radians or metres per second.
         effort: Newton metres or newtons.
@@ -83,7 +75,6 @@ class Joy(Message, ros_type="sensor_msgs/msg/Joy"):
     """The axes and buttons of a joystick.
 
     Attributes:
-        header: When they were read.
         axes: From -1 to 1.
         buttons: 1 where one is pressed.
     """
@@ -129,8 +120,6 @@ class NavSatFix(Message, ros_type="sensor_msgs/msg/NavSatFix"):
     """A position from satellites, in WGS 84.
 
     Attributes:
-        header: When and by which antenna.
-        status: Its quality.
         latitude: Degrees north.
         longitude: Degrees east.
         altitude: Metres above the ellipsoid; NaN where it is unknown.
@@ -148,13 +137,7 @@ class NavSatFix(Message, ros_type="sensor_msgs/msg/NavSatFix"):
 
 
 class TimeReference(Message, ros_type="sensor_msgs/msg/TimeReference"):
-    """The time by another clock.
-
-    Attributes:
-        header: The time by the system's clock.
-        time_ref: The time by the other one.
-        source: Its name.
-    """
+    """The time by another clock."""
 
     header: Header
     time_ref: Time

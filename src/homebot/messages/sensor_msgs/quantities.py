@@ -10,7 +10,6 @@ class Temperature(Message, ros_type="sensor_msgs/msg/Temperature"):
     """A temperature.
 
     Attributes:
-        header: When it was measured.
         temperature: Degrees Celsius.
         variance: Its variance; 0 is unknown.
     """
@@ -24,7 +23,6 @@ class RelativeHumidity(Message, ros_type="sensor_msgs/msg/RelativeHumidity"):
     """The humidity of air.
 
     Attributes:
-        header: When it was measured.
         relative_humidity: From 0 to 1.
         variance: Its variance; 0 is unknown.
     """
@@ -38,7 +36,6 @@ class Illuminance(Message, ros_type="sensor_msgs/msg/Illuminance"):
     """The brightness of a place.
 
     Attributes:
-        header: When it was measured.
         illuminance: Lux.
         variance: Its variance; 0 is unknown.
     """
@@ -52,7 +49,6 @@ class FluidPressure(Message, ros_type="sensor_msgs/msg/FluidPressure"):
     """The pressure of air or water.
 
     Attributes:
-        header: When it was measured.
         fluid_pressure: Pascals.
         variance: Its variance; 0 is unknown.
     """
@@ -66,7 +62,6 @@ class BatteryState(Message, ros_type="sensor_msgs/msg/BatteryState"):
     """The state of a battery; NaN where a number is unknown.
 
     Attributes:
-        header: When it was measured.
         voltage: Volts.
         temperature: Degrees Celsius.
         current: Amperes; negative while it is discharged.
@@ -78,11 +73,8 @@ class BatteryState(Message, ros_type="sensor_msgs/msg/BatteryState"):
         power_supply_health: 0 unknown, 1 good, 2 overheated, 3 dead, 4 overvoltage, 5 another failure, 6 cold,
             7 and 8 a timer expired.
         power_supply_technology: 0 unknown, 1 NiMH, 2 Li-ion, 3 LiPo, 4 LiFe, 5 NiCd, 6 LiMn.
-        present: Whether there is one.
         cell_voltage: Of each cell; may be empty.
         cell_temperature: Of each cell; may be empty.
-        location: The slot that it is in.
-        serial_number: Its number.
     """
 
     header: Header

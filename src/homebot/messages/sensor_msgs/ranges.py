@@ -12,7 +12,6 @@ class LaserScan(Message, ros_type="sensor_msgs/msg/LaserScan"):
     Attributes:
         header: When the first distance was measured; angles turn about the z axis of the frame.
         angle_min: The first angle in radians.
-        angle_max: The last one.
         angle_increment: Radians from one distance to the next.
         time_increment: Seconds from one distance to the next.
         scan_time: Seconds from one scan to the next.
@@ -38,7 +37,6 @@ class Range(Message, ros_type="sensor_msgs/msg/Range"):
     """One distance, as ultrasound and infrared measure it.
 
     Attributes:
-        header: When it was measured.
         radiation_type: 0 ultrasound, 1 infrared.
         field_of_view: Width of the cone in radians.
         min_range: Metres; minus infinity says that something is near for a sensor that says no more.
@@ -63,7 +61,6 @@ class PointField(Message, ros_type="sensor_msgs/msg/PointField"):
         name: Its name, such as ``x`` or ``rgb``.
         offset: Bytes from the start of the point.
         datatype: 1 int8, 2 uint8, 3 int16, 4 uint16, 5 int32, 6 uint32, 7 float32, 8 float64.
-        count: How many of them.
     """
 
     name: str
@@ -76,14 +73,10 @@ class PointCloud2(Message, ros_type="sensor_msgs/msg/PointCloud2"):
     """Many points in space, with any values.
 
     Attributes:
-        header: When they were measured.
         height: Rows; 1 where the points have no order.
-        width: Points of a row.
-        fields: The values of a point.
         is_bigendian: Whether the higher byte of a number comes first.
         point_step: Bytes of a point.
         row_step: Bytes of a row.
-        data: The points.
         is_dense: Whether none of them is invalid.
     """
 

@@ -25,8 +25,6 @@ class MultiArrayDimension(Message, ros_type="std_msgs/msg/MultiArrayDimension"):
 
     Attributes:
         label: Its name, such as ``rows``.
-        size: Elements along it.
-        stride: Elements of it and of the dimensions after it together.
     """
 
     label: str
@@ -39,7 +37,6 @@ class MultiArrayLayout(Message, ros_type="std_msgs/msg/MultiArrayLayout"):
 
     Attributes:
         dim: The outermost dimension first.
-        data_offset: Elements before the first one that counts.
     """
 
     dim: tuple[MultiArrayDimension, ...]

@@ -7,12 +7,7 @@ __all__ = ["ColorRGBA", "Header"]
 
 
 class Header(Message, ros_type="std_msgs/msg/Header"):
-    """The time and place to which the other fields of a message belong.
-
-    Attributes:
-        stamp: When that was.
-        frame_id: Name of the coordinate frame.
-    """
+    """The time and place to which the other fields of a message belong."""
 
     stamp: Time
     frame_id: str

@@ -26,16 +26,11 @@ class Backpressure:
     """The waiting packets of one publisher and the session they wait for; fills the port ``HeldPublisher``.
 
     Args:
-        state: The broker.
-        link: The publisher's connection.
         go_on: Called, not from within another call, when the wait is over; it takes the packets.
 
     Attributes:
-        packets: The waiting packets.
         messages: How many of them are messages at QoS 1 or 2.
         size: The bytes of their topics and payloads.
-        reading: Whether the socket is read.
-        paused: Whether packets wait behind one that is not done.
     """
 
     def __init__(self, state: BrokerState, link: Transport, go_on: Callable[[], None]) -> None:
@@ -60,7 +55,6 @@ class Backpressure:
         """Wait until every one of *slow* has caught up or gone.
 
         Args:
-            slow: Those to wait for.
             endless: Wait longer than the time allows, and let those go that do nothing with it.
         """
         self._is_endless = endless

@@ -100,10 +100,6 @@ class UnreadPackets:
 class UnreadMark:
     """The bytes that one connection holds unread.
 
-    Args:
-        packets: Where it counts.
-        give_up: Ends the connection.
-
     Attributes:
         size: The bytes that were noted last.
     """

@@ -44,13 +44,9 @@ class ClientPackets:
     """Carries out each packet.
 
     Args:
-        state: The broker.
-        session: The client's.
-        outbound: Where the answers go.
         on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
             :meth:`stop`.
         on_failure: The same for what it must not have sent, where that had to wait before it was looked at.
-        is_bridge: Whether the client is another broker.
     """
 
     def __init__(

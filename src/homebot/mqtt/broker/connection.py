@@ -93,15 +93,10 @@ class BrokerConnection(asyncio.BufferedProtocol):
     """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port.
 
     Args:
-        state: The broker.
-        loop: The running loop.
-        sockets: Where it counts while it is open.
         endpoint: Creates the endpoint that understands the bytes.
 
     Attributes:
         write_blocked: As for :class:`Transport`.
-        address: The far side's address.
-        peer: The state machine.
     """
 
     def __init__(

@@ -37,7 +37,6 @@ class EmbeddedBroker(ABC):
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
             is replaced.
         refuse_filters: Filters with subscriptions answered by 0x80; only without *policy*.
-        policy: Rights to publish and subscribe.
         on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Source of assigned client ids; by default unpredictable.
 

@@ -43,15 +43,9 @@ class MessageRouter:
     """Takes messages and subscriptions and brings them together.
 
     Args:
-        clock: For expiry.
         limits: Bounds of the retained messages and subscriptions.
-        counters: Counts messages that are not retained.
-        turn: The share of the broker in a turn of the event loop.
-        on_message: Called with each message.
 
     Attributes:
-        subscriptions: All subscriptions by topic.
-        retained: The retained messages.
         crowded: Connected sessions with a queue three quarters full, until it is half empty.
     """
 
@@ -116,10 +110,7 @@ class MessageRouter:
         """Add a subscription, or put it in place of the one with the same filter.
 
         Args:
-            session: The session.
-            request: The filter with its options.
             identifier: The subscription identifier; 0 is none.
-            replay: Where it is added if retained messages are owed to it.
 
         Returns:
             The granted QoS, 0x8F for too many levels, or 0x97 for too many subscriptions.

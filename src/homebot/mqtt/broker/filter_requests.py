@@ -20,11 +20,6 @@ class FilterRequests:
     """Carries out the SUBSCRIBE and UNSUBSCRIBE packets of one client, one after the other.
 
     Args:
-        state: The broker.
-        session: The session.
-        outbound: Where the answers go.
-        holding: Where all that comes waits while a packet is under way.
-        go_on: Called when a packet that took long is done.
         is_bridge: Whether the client is another broker, which is not sent what it published itself, and is told what is
             retained; before MQTT 5 it cannot ask for that.
     """
@@ -94,13 +89,7 @@ def _of_bridge(request: FilterRequest) -> FilterRequest:
 
 @final
 class _Subscribing:
-    """A SUBSCRIBE under way.
-
-    Args:
-        session: The session.
-        packet: The request.
-        retained: The retained messages, of which the client is owed some.
-    """
+    """A SUBSCRIBE under way."""
 
     def __init__(self, session: BrokerSession, packet: Subscribe, retained: RetainedMessages) -> None:
         self._session = session
@@ -137,12 +126,7 @@ class _Subscribing:
 
 @final
 class _Unsubscribing:
-    """An UNSUBSCRIBE under way.
-
-    Args:
-        session: The session.
-        packet: The request.
-    """
+    """An UNSUBSCRIBE under way."""
 
     def __init__(self, session: BrokerSession, packet: Unsubscribe) -> None:
         self._session = session

@@ -23,16 +23,9 @@ _SMALL: Final = 1024  # bytes; messages up to this are not counted, because ther
 class InFlight:
     """The messages that one client has not acknowledged.
 
-    Args:
-        window: As below, until the client connects.
-        pool: Counts the large messages among all waiting ones.
-
     Attributes:
         messages: By packet id; None once PUBREC has come. Only to be looked at, as the others.
-        resend: The ids of those that are still to be sent again.
-        window: How many there may be.
         size: The bytes of the large ones.
-        settled: How many messages the client has acknowledged, ever.
     """
 
     __slots__ = ("_last_id", "_pool", "messages", "resend", "settled", "size", "window")

@@ -31,11 +31,6 @@ _REFUSED = Receipt(ReasonCode.NOT_AUTHORIZED)
 class Inbound:
     """The reading half of one connection, as far as messages go.
 
-    Args:
-        state: The broker.
-        session: The publishing session.
-        outbound: Where the answers go.
-
     Attributes:
         gone: The client has left: a message without room is not answered, so that it is sent again.
         refusable: The client can be sent the reason why a message was not taken; from MQTT 5 on.
@@ -56,7 +51,6 @@ class Inbound:
         """Make sure that an MQTT 5 client keeps to the broker's Receive Maximum.
 
         Args:
-            packet: The newest PUBLISH.
             waiting: How many QoS 1 and 2 messages of the client the broker has not looked at yet.
 
         Raises:

@@ -29,15 +29,10 @@ class ConnectRequest(NamedTuple):
     """A client's CONNECT, with the protocol's defaults filled in.
 
     Attributes:
-        client_id: Its own, or the one assigned.
-        assigned: Whether it was assigned.
         expiry: Seconds its session is kept after the connection; infinite for ever.
         keep_alive: The longest silence in seconds; 0 is no limit.
-        keep_alive_imposed: Whether the broker shortened it.
         receive_maximum: QoS 1 and 2 messages the client takes unanswered.
         max_packet_size: The largest packet it takes, in bytes.
-        alias_maximum: How many topic aliases it takes.
-        problem_information: Whether it wants reason strings.
     """
 
     client_id: str

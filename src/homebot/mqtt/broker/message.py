@@ -26,17 +26,11 @@ class BrokerMessage:
     """One published message; its public attributes do not change.
 
     Attributes:
-        topic: Full topic name.
-        payload: The content.
-        qos: QoS of the publication.
-        retain: Whether it was published to be retained.
         properties: Properties for subscribers: no topic alias, no subscription identifiers.
-        origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
         kind: What :attr:`encoded` is for: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
             nothing is kept. Receivers alike are served from there without a call.
         encoded: First result of :meth:`parts`, for receivers without subscription identifiers.
-        holders: How many places it has in queues.
         order: Its number among the retained messages; only they have one.
         size: About its bytes (topic, payload and properties), for the bounds.
     """
@@ -97,10 +91,6 @@ class BrokerMessage:
         not take several times the memory it is counted with.
 
         Args:
-            version: Protocol version of the receiver.
-            qos: QoS of the delivery.
-            retain: The retain flag it is sent with.
-            identifiers: The subscription identifiers the receiver gave.
             now: Monotonic time; an expiring message is sent with the rest of its interval.
         """
         is_v5 = version is ProtocolVersion.V5

@@ -36,9 +36,6 @@ class Outbound:
 
     Args:
         link: Where the bytes go.
-        clock: For the rest of a message's expiry interval.
-        counters: Counts sent and oversized packets.
-        version: Protocol version of the client.
         on_too_large: Called with the topic and size of a message that the client does not take, and the client's limit.
         max_packet_size: The largest packet the client takes, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.
@@ -84,9 +81,7 @@ class Outbound:
         """Write a message; False, counted and logged, where the client does not take packets of its size.
 
         Args:
-            queued: The queued messages.
             packet_id: 1 to 65,535 at QoS 1 and 2.
-            dup: It may have been sent before.
         """
         message, qos, retain, identifiers, _ = queued
         alias = self._alias_for(message.topic) if self._alias_maximum else 0
@@ -142,9 +137,7 @@ def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> byt
     """Return the DISCONNECT for an MQTT 5 client.
 
     Args:
-        reason: Why.
         reason_string: The same for people, cut to 200 characters; left out where it is empty or does not fit.
-        max_packet_size: The largest packet the client takes.
     """
     plain = encode(Disconnect(reason))
     if not reason_string:

@@ -36,10 +36,6 @@ class PeerLog:
 
     Args:
         state: The broker, which limits their rate.
-        link: The connection.
-
-    Attributes:
-        client_id: The client's id, once logged in.
     """
 
     __slots__ = ("_link", "_state", "client_id")
@@ -108,7 +104,6 @@ class Peer:
     """The state machine of one connection; nothing the client sends makes it raise.
 
     Args:
-        state: The broker.
         link: Where bytes go; it hands on the bytes that come.
 
     Attributes:
@@ -185,12 +180,7 @@ class Peer:
             self._finish(publish_will=True)
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
-        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*.
-
-        Args:
-            reason: Reason code of DISCONNECT.
-            publish_will: Whether the client's will is published.
-        """
+        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
         self._close(reason, "", publish_will=publish_will)
 
     def make_room(self) -> None:

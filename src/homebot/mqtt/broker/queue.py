@@ -30,11 +30,8 @@ class QueuedMessage(NamedTuple):
     """A message as one client is to get it.
 
     Attributes:
-        message: The message.
         qos: QoS of the delivery, 0 to 2.
-        retain: The retain flag it is sent with.
         identifiers: The subscription identifiers of all subscriptions that matched.
-        share: Group and filter where it came by a shared subscription.
     """
 
     message: BrokerMessage
@@ -58,7 +55,6 @@ class MessageQueue:
     Args:
         max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
-        pool: Counts all queues.
     """
 
     __slots__ = (

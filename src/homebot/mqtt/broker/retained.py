@@ -69,10 +69,6 @@ class RetainedMessages:
     def after(self, order: int, most: int) -> tuple[list[BrokerMessage], int]:
         """Return the messages that came after the one with number *order*, oldest first; some may be expired.
 
-        Args:
-            order: Where to go on.
-            most: How many to look at.
-
         Returns:
             The messages, and where to go on: at least :attr:`last` where there are no more.
         """
@@ -131,10 +127,6 @@ class Replay:
     """The retained messages still owed to one SUBSCRIBE: those that were retained when it was made and still are.
 
     A message that replaced one meanwhile is left out, because it was forwarded when it came.
-
-    Args:
-        retained: Where they are.
-        is_current: Whether a subscription still stands.
     """
 
     def __init__(self, retained: RetainedMessages, is_current: Callable[[SessionSubscription], bool]) -> None:

@@ -34,11 +34,7 @@ _ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it 
 
 
 class PortTakenError(LinkError):
-    """The port is taken by another program.
-
-    Attributes:
-        port: The port that was asked for.
-    """
+    """The port is taken by another program."""
 
     def __init__(self, host: str, port: int) -> None:
         super().__init__(
@@ -61,12 +57,9 @@ class Broker(EmbeddedBroker):
         clock: As for :class:`EmbeddedBroker`, and so are all that are not named here.
         limits: All bounds.
         credentials: Passwords by user name; None lets everybody in.
-        tls: Speak TLS with this server-side context.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
         refuse_filters: Filters with subscriptions answered by 0x80.
-        policy: Rights to publish and subscribe.
         endpoint: Creates the endpoint of one connection; to wrap each :class:`Peer`.
-        on_message: Called with each message that is forwarded.
 
     Raises:
         UsageError: The address is not loopback and there is no password, or an argument is out of its range.

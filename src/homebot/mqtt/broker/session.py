@@ -40,26 +40,15 @@ class BrokerSession:
     """The state of one client id, while connected and in between.
 
     Attributes:
-        client_id: The client id.
         expiry: Seconds it is kept after the connection ends; infinite for ever.
         outbound: Where messages go, None while the client is away.
-        subscriptions: By the filter as the client gave it.
         received: Packet ids of QoS 2 messages taken from the client and not released.
-        has_ended: It is forgotten, and gets nothing any more.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
-        held_publishers: Publishers waiting for this session.
-        in_flight: Unacknowledged messages.
 
     Args:
-        client_id: As above.
-        clock: For expiry.
         limits: Bounds of the queue and of messages in flight.
-        counters: Counts dropped messages.
-        turn: The share of the broker in a turn of the event loop.
         crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
             reads it strikes it out.
-        pool: Counts the waiting messages of all sessions.
-        host: Where its client is.
     """
 
     def __init__(

@@ -15,10 +15,6 @@ class SessionSubscription(NamedTuple):
 
     Attributes:
         name: The filter as given, with ``$share/GROUP/``; the key for unsubscribing.
-        filter: The filter for matching topics.
-        qos: The highest QoS to send with.
-        no_local: Whether the client's own publications are excluded.
-        retain_as_published: Keep the retain flag.
         identifier: The subscription identifier; 0 is none.
         share: Group and filter of a shared subscription, else None.
     """

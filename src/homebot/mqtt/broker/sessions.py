@@ -24,17 +24,7 @@ __all__ = ["Sessions", "will_size"]
 
 @final
 class Sessions:
-    """All sessions by client id, with their planned ends.
-
-    Args:
-        exchange: Where wills are published and subscriptions live.
-        clock: The time to go by.
-        deadlines: Where ends and delayed wills are noted.
-        limits: How many sessions there may be.
-        counters: Counts those pushed out.
-        turn: The share of the broker in a turn of the event loop.
-        pool: Counts the waiting messages of all sessions.
-    """
+    """All sessions by client id, with their planned ends."""
 
     def __init__(
         self,
@@ -100,7 +90,6 @@ class Sessions:
         """Keep or end the *session* of a client that has left.
 
         Args:
-            session: The session.
             will: The will to publish after its delay or at the end of the session, or None.
         """
         session.detach()

@@ -37,7 +37,6 @@ class BrokerState:
     """The state that all connections of one broker share.
 
     Args:
-        clock: The time to go by.
         limits: All bounds.
         authentication: The check of logins; by default everybody may log in.
         policy: Rights to publish and subscribe; by default all.
@@ -47,15 +46,10 @@ class BrokerState:
         call_soon: Schedules a call in the next turn of the event loop; by default the next run of the deadlines.
 
     Attributes:
-        peers: Logged-in connections by client id.
         deadlines: Work by time; the carrier runs it.
         turn: The share of each turn of the event loop for all connections together.
-        waiting_logins: Connections that have not logged in.
         throttle: How long they have to wait after wrong passwords.
-        unread_logins: Their incomplete packets.
-        pool: The waiting messages of all sessions.
         unsent: The unsent bytes of all sockets.
-        unread: The incomplete packets of the others.
     """
 
     def __init__(
@@ -113,8 +107,6 @@ class BrokerState:
         """Log something an outsider caused: 20 lines per event in ten seconds, the others counted.
 
         Args:
-            event: The constant name.
-            message: The same as a sentence for people.
             facts: Further facts; texts are cut to 100 characters.
         """
         held_back = self._log_limit.allows(event)

@@ -14,26 +14,12 @@ class Counters:
     """Counts since the broker was made; only ever grow.
 
     Attributes:
-        connections_accepted: Sockets accepted.
-        connections_refused: Sockets or logins turned away.
-        connections_failed: Connections closed because of their clients.
-        connections_closed: Connections that ended for any reason.
-        messages_received: PUBLISH packets taken from clients.
-        messages_sent: PUBLISH packets written to clients.
         dropped_qos0: QoS 0 messages for a client with a full socket.
         dropped_offline: The oldest messages pushed out of the queue of an absent client.
         dropped_overrun: Messages refused for a connected client that stayed too slow, or after their publisher ended.
-        dropped_too_large: Messages larger than the client's Maximum Packet Size.
-        dropped_expired: Messages that expired before they were sent.
-        dropped_refused: Publishes a policy refused.
-        subscriptions_refused: Subscriptions refused for want of room.
-        retained_refused: Messages not retained for want of room.
-        sessions_evicted: Sessions pushed out for want of room.
-        logins_failed: Passwords that were wrong.
         logins_slowed: Attempts to log in that had to wait, after wrong passwords from their host.
         logins_pushed_out: Connections closed before their login, because others needed the place.
         unread_given_up: Connections closed because their packet stayed incomplete while there was no room for others.
-        holds: Times a publisher was held back for a slow client.
         clients_stalled: Connections closed because the client took next to nothing while publishers that cannot be
             refused waited for it.
     """
@@ -66,12 +52,7 @@ class BrokerStats(Counters):
     """A snapshot of the broker: the :class:`Counters` and its present content.
 
     Attributes:
-        clients: Clients connected now.
-        sessions: Sessions kept now, connected or not.
-        subscriptions: Subscriptions of all sessions.
-        retained_messages: Retained messages.
         retained_bytes: Their topics, payloads and properties, in bytes.
-        queued_messages: Messages waiting in all sessions.
     """
 
     clients: int
@@ -104,10 +85,6 @@ Losses = tuple[int, ...]
 def loss_text(counters: Counters, before: Losses = ()) -> str:
     """Return such as ``5 messages (3 at QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
-    Args:
-        counters: The counters.
-        before: The losses to leave out.
-
     Returns:
         The text; empty where nothing was lost.
     """
@@ -122,11 +99,7 @@ def loss_text(counters: Counters, before: Losses = ()) -> str:
 
 @final
 class LossReport:
-    """Reports the losses since the last report, and recent ones: over the last sixty reports.
-
-    Args:
-        counters: The counters.
-    """
+    """Reports the losses since the last report, and recent ones: over the last sixty reports."""
 
     def __init__(self, counters: Counters) -> None:
         self._counters = counters

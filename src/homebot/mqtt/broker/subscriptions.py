@@ -21,10 +21,6 @@ class Target(NamedTuple):
     """One receiving session of a topic: one copy for any number of matching subscriptions.
 
     Attributes:
-        session: The session.
-        qos: The highest QoS of the subscriptions.
-        retain_as_published: Whether one of them wants the retain flag kept.
-        identifiers: The identifiers of all that have one.
         matched: The subscriptions themselves where one of them has *no local*; empty otherwise.
     """
 
@@ -60,7 +56,6 @@ class ShareGroup:
     """The members of one ``$share/GROUP/FILTER``; each message goes to one of them.
 
     Attributes:
-        key: Group name and filter.
         members: Sessions in the order of joining, with their subscriptions.
     """
 
@@ -90,12 +85,7 @@ class Recipients(NamedTuple):
 
 @final
 class SubscriptionTree:
-    """All subscriptions of all sessions, by the levels of their filters.
-
-    Attributes:
-        shared: How many of them are shared subscriptions.
-        text: The length of all filters.
-    """
+    """All subscriptions of all sessions, by the levels of their filters."""
 
     def __init__(self) -> None:
         self._members: FilterTree[BrokerSession, SessionSubscription] = FilterTree()

@@ -23,8 +23,6 @@ class TlsSocket(asyncio.BufferedProtocol):
     """The protocol of the socket, and the transport of the upper protocol.
 
     Args:
-        context: The server's side of TLS.
-        user: The upper protocol.
         on_failure: Called with the reason of a failed handshake or invalid data after it.
     """
 

@@ -54,11 +54,9 @@ class BaseClient(ABC):
 
     Args:
         options: Broker, login and limits.
-        clock: Paces log lines.
 
     Attributes:
         receive: Returns all messages that are there; see `MqttClient.receive`.
-        counters: Counters of the events so far.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
@@ -198,12 +196,8 @@ class ClientLink(ABC):
 
     Args:
         options: Login and limits.
-        version: Protocol version.
-        receiver: Where messages go.
-        requests: The open requests.
 
     Attributes:
-        grant: The session as the broker granted it, once the link stands.
         transport: Carries the bytes; None before there is a connection.
     """
 

@@ -141,10 +141,6 @@ class PublishReader:
     def read(self, packet: Frame, receipt: int) -> MqttMessage:
         """Return the message in a whole packet.
 
-        Args:
-            packet: A PUBLISH.
-            receipt: Receipt for the acknowledgement.
-
         Raises:
             WireError: The packet does not follow the protocol.
         """

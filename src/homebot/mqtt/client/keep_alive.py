@@ -30,7 +30,6 @@ class KeepAlive:
         now: The time, by a clock that never goes back.
 
     Attributes:
-        due: When to look again.
         heard_at: Time of the last received bytes, set by the reader.
     """
 

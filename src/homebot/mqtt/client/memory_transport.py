@@ -25,17 +25,8 @@ class MemoryLink:
     Bytes for a client that does not read wait here without a bound of their own: from ``limits.write_buffer`` on the
     link is *choked*, and the broker writes nothing more that can wait.
 
-    Args:
-        state: The broker.
-        user: The user at the other end.
-        address: The other end in words.
-        on_closed: Told once, when the broker is through with the link.
-
     Attributes:
         write_blocked: As :class:`homebot.mqtt.broker.Transport` says.
-        address: The other end in words.
-        peer: The broker's state machine for it.
-        socket: The client's end.
     """
 
     def __init__(

@@ -65,9 +65,6 @@ class NativeClient(BaseClient):
 
     Args:
         options: Broker, login and limits.
-        dial: The way to the broker.
-        clock: Paces log lines.
-        random: Chooses the first packet identifier.
     """
 
     def __init__(
@@ -95,9 +92,6 @@ class ClientProtocol(ClientLink):
 
     Args:
         options: Login and limits.
-        version: Protocol version.
-        receiver: Where messages go.
-        requests: The client's open requests.
     """
 
     def __init__(self, options: MqttOptions, version: MqttVersion, receiver: Receiver, requests: Requests) -> None:

@@ -36,10 +36,6 @@ class PahoSocket:
         options: Broker and limits.
         tls: How to shake hands; None without TLS.
         link: Receives the transport, and passes paho's bytes to `feed`.
-
-    Attributes:
-        check_hostname: True, so that paho leaves the check to the handshake.
-        is_open: True once paho may speak.
     """
 
     check_hostname = True

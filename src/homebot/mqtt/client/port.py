@@ -39,9 +39,6 @@ class SessionGrant(NamedTuple):
 
     Attributes:
         resumed: The broker still knew this client: its subscriptions stand, and unacknowledged messages follow.
-        protocol: MQTT version of the link.
-        maximum_qos: Highest delivery level that the broker takes.
-        retain_available: Whether the broker stores messages.
         receive_maximum: Most publishes of QoS 1 and 2 that the broker wants to have open.
         maximum_packet_size: Largest packet that the broker takes, in bytes; None is without limit.
     """
@@ -70,10 +67,8 @@ class MqttCounters:
     """Counters over all links of one client since it was made.
 
     Attributes:
-        received: Messages put in the inbox.
         dropped_overflow: Messages of QoS 0 dropped because the inbox was full.
         dropped_oversize: Packets dropped because they were larger than the limit.
-        dropped_malformed: Packets dropped because they did not follow the protocol.
     """
 
     received: int = 0

@@ -34,7 +34,6 @@ class Receiver:
         clock: Paces the log lines about dropped messages, whose number the peer decides.
 
     Attributes:
-        counters: Counters since its creation.
         take: Returns all messages that are there; see `Inbox.take`.
         settle: Returns the acknowledgements to send for messages; see `DeliveryLedger.settle`.
     """

@@ -67,9 +67,6 @@ async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
 class TcpTransport(asyncio.BufferedProtocol):
     """One link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
 
-    Args:
-        user: Receives the incoming data.
-
     Attributes:
         socket: The connected socket; None before.
     """

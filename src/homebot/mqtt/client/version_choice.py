@@ -31,9 +31,6 @@ class VersionChoice:
 
     A broker that says nothing to 5 is asked with 3.1.1 the next time, and then with 5 again: it is too old to tell what
     it reads, or it was only slow. One that does not take 3.1.1 is asked with 5 at once.
-
-    Args:
-        options: The allowed versions.
     """
 
     def __init__(self, options: MqttOptions) -> None:

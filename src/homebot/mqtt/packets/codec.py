@@ -74,7 +74,6 @@ def decode(first: int, body: bytes, version: ProtocolVersion) -> Packet:
 
     Args:
         first: The first byte: type and flags.
-        body: Everything behind the fixed header.
         version: Protocol version of the connection; a CONNECT brings its own.
 
     Raises:

@@ -42,10 +42,8 @@ class Will:
     """The message the broker publishes when a client is lost.
 
     Attributes:
-        topic: Topic name without wildcards.
         payload: 0 to 65,535 bytes.
         qos: 0, 1 or 2.
-        retain: Whether the message is to be retained.
         properties: MQTT 5 only; the delay is in ``will_delay_interval``.
     """
 
@@ -62,7 +60,6 @@ class Connect:
 
     Attributes:
         client_id: May be empty; the broker then chooses one.
-        version: The protocol the whole connection will speak.
         clean_start: Forget a session kept under this id; before MQTT 5 also: keep none afterwards.
         keep_alive: The longest silence of the client, in seconds; 0 is no limit.
         username: None where absent.

@@ -39,8 +39,6 @@ class Publish(NamedTuple):
         topic: Topic name; empty where a topic alias stands for it (MQTT 5).
         payload: The content, 0 bytes or more.
         qos: 0, 1 or 2.
-        retain: Whether the message is, or is to be, retained.
-        dup: Whether it may have been sent before.
         packet_id: 1 to 65,535 at QoS 1 and 2, None at QoS 0.
         properties: MQTT 5 only.
     """
@@ -97,7 +95,6 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         data: Bytes that hold at least the whole packet.
         start: Index of the first byte behind the fixed header.
         end: Index behind the last byte of the packet.
-        version: Protocol version of the connection.
 
     Raises:
         PacketError: 0x81 malformed, 0x82 packet id 0 or a forbidden property, 0x90 a wildcard in the topic,

@@ -92,11 +92,7 @@ def by_number(*codes: ReasonCode) -> dict[int, ReasonCode]:
 
 
 class PacketError(WireError):
-    """A peer sent a packet that cannot be parsed or that MQTT does not allow.
-
-    Attributes:
-        code: The reason code to close the connection with.
-    """
+    """A peer sent a packet that cannot be parsed or that MQTT does not allow."""
 
     def __init__(self, problem: str, frame: bytes = b"", code: ReasonCode = ReasonCode.MALFORMED_PACKET) -> None:
         super().__init__(problem, frame)

@@ -40,8 +40,6 @@ class FilterRequest(NamedTuple):
     Attributes:
         filter: Topic filter, or ``$share/GROUP/FILTER``.
         qos: The highest QoS the client wants: 0, 1 or 2.
-        no_local: Exclude the client's own publications.
-        retain_as_published: Keep the retain flag of forwarded messages.
         retain_handling: Send retained messages 0: at each subscribe, 1: if the subscription is new, 2: never.
     """
 

@@ -17,16 +17,7 @@ class Lamp(ABC):
 
     A protocol without lamps has something else that is on or off, and says which capability that is.
 
-    Args:
-        key: What the gateway calls it.
-        part: The id of its part.
-        address: Where it reports raw messages.
-
     Attributes:
-        gateway: The gateway that runs there now.
-        name: What people call it.
-        service_type: The type of its part.
-        capability: The capability that is true while it is on.
         settings: All other capabilities that its part takes, each with a value to set.
     """
 

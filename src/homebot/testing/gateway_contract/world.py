@@ -31,10 +31,7 @@ class GatewayWorld:
     """The base of the suites.
 
     Attributes:
-        name: What the gateway is called.
-        time_is_virtual: Whether it costs nothing to wait.
         takes_commands: Whether devices of its protocol can be told anything; of others, all commands are refused.
-        tells_goodbye: Whether its protocol says that a device was taken away.
     """
 
     name = "gateway"

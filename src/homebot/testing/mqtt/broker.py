@@ -101,11 +101,7 @@ _TIMEOUT = 30.0
 
 @final
 class TestBroker(BrokerView):
-    """A real MQTT broker for one test, watched and ready to fail on demand.
-
-    Attributes:
-        faults: The possible faults.
-    """
+    """A real MQTT broker for one test, watched and ready to fail on demand."""
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
         super().__init__(core, thread)
@@ -122,10 +118,8 @@ class TestBroker(BrokerView):
         """Publish from outside; returns when the broker has forwarded it. ``expect`` does not see it.
 
         Args:
-            topic: Topic name.
             payload: Bytes as they are, text as UTF-8, a dict or list as JSON.
             qos: 0, 1 or 2.
-            retain: Whether the broker keeps it for later subscribers.
             properties: MQTT 5 properties.
 
         Raises:
@@ -138,7 +132,6 @@ class TestBroker(BrokerView):
         """Return the first message of a client that fits and was not returned before; wait for it if need be.
 
         Args:
-            filter: Topic filter.
             payload: None for any; bytes or text to be equal; a dict or list to be equal as JSON; or a function
                 that is given the :class:`RecordedMessage`, on the broker's thread, and says whether this is it.
             timeout: Seconds to wait.
@@ -193,11 +186,7 @@ class TestBroker(BrokerView):
 
 @final
 class BlockingTestBroker(BrokerView):
-    """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop.
-
-    Attributes:
-        faults: The possible faults.
-    """
+    """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop."""
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
         super().__init__(core, thread)
@@ -250,13 +239,7 @@ _DEFAULTS = BrokerSettings()
 def serve_broker(
     thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
 ) -> Iterator[TestBroker]:
-    """Serve a fresh broker on *thread*, for tests on an event loop; it is gone at the end of the block.
-
-    Args:
-        thread: Where it lives.
-        settings: Settings of the broker.
-        tls: Needed where *settings* ask for TLS.
-    """
+    """Serve a fresh broker on *thread*, for tests on an event loop; it is gone at the end of the block."""
     with _core(thread, settings, tls) as core:
         yield TestBroker(core, thread)
 

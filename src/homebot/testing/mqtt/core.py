@@ -33,11 +33,7 @@ class ClientView:
     """A client as the broker knows it at one moment.
 
     Attributes:
-        client_id: Its own, or the one assigned.
-        connected: False for a session that waits for its client.
-        subscriptions: The filters, as the client gave them.
         protocol: ``3.1``, ``3.1.1`` or ``5``; None while it is away.
-        queued: Messages that wait for it.
     """
 
     client_id: str
@@ -63,18 +59,8 @@ class ClientView:
 class BrokerCore:
     """A broker, its journal, its packet log and its faults. Make it on the loop it is to live on.
 
-    Args:
-        settings: The test's settings.
-        tls: Needed where the settings ask for TLS.
-
     Attributes:
-        settings: As given.
         ca_file: The authority that clients are to trust; None without TLS.
-        broker: The embedded broker, on a free loopback port.
-        journal: The messages of its clients.
-        log: The packets.
-        rules: The faults in force.
-        breaches: Violations of MQTT by clients.
 
     Raises:
         UsageError: There is no *tls*, and the settings ask for TLS.

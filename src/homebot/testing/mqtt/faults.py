@@ -31,11 +31,6 @@ class Fault:
 
     Args:
         client: Client id of the concerned connection, or None for all.
-        on_lift: Called once with the fault when it is lifted.
-
-    Attributes:
-        client: As given.
-        hits: How often it struck.
     """
 
     def __init__(self, client: str | None, on_lift: Callable[[Fault], None]) -> None:
@@ -147,12 +142,7 @@ class FaultRules:
 
 @final
 class FaultPolicy:
-    """Fills the broker's :class:`BrokerPolicy` port from the faults in force.
-
-    Args:
-        rules: The faults.
-        otherwise: Asked where no fault refuses.
-    """
+    """Fills the broker's :class:`BrokerPolicy` port from the faults in force."""
 
     def __init__(self, rules: FaultRules, otherwise: BrokerPolicy) -> None:
         self._rules = rules

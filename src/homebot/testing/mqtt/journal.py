@@ -46,12 +46,7 @@ class RecordedMessage:
     """A message that a client published through the broker; a will counts as its client's.
 
     Attributes:
-        topic: Full topic name.
-        payload: The content.
-        qos: QoS of the publication.
-        retain: Whether it was published to be retained.
         properties: The MQTT 5 properties.
-        client_id: Client id of the publisher.
     """
 
     topic: str
@@ -125,11 +120,7 @@ class _Entry:
 
 @final
 class Journal:
-    """The newest 10,000 messages in their order; each is given out once.
-
-    Attributes:
-        forgotten: How many were pushed out by newer ones.
-    """
+    """The newest 10,000 messages in their order; each is given out once."""
 
     def __init__(self) -> None:
         self.forgotten = 0

@@ -102,8 +102,6 @@ class PacketRecord:
     Attributes:
         at: Seconds since the broker started.
         direction: ``in`` from a client, ``out`` to it, ``note`` an event such as a connection that was lost.
-        client: Client id, or the address before the login.
-        what: The packet or event, in words.
     """
 
     at: float
@@ -122,9 +120,6 @@ class PacketLog:
 
     Args:
         now: The time in seconds; the log counts from its making.
-
-    Attributes:
-        total: How many there have been, the forgotten ones included.
     """
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -164,13 +159,7 @@ _NO_BREACH = (
 
 @dataclass(frozen=True, slots=True)
 class ProtocolViolation:
-    """One connection that the broker closed because its client broke the protocol.
-
-    Attributes:
-        client: Client id, or the address before the login.
-        reason: The reason code the connection was closed with.
-        problem: The problem, for people.
-    """
+    """One connection that the broker closed because its client broke the protocol."""
 
     client: str
     reason: ReasonCode
@@ -182,11 +171,7 @@ class ProtocolViolation:
 
 @final
 class ViolationLog:
-    """The first 20 unread breaches; written on the broker's thread, read in any.
-
-    Attributes:
-        untold: How many more there were.
-    """
+    """The first 20 unread breaches; written on the broker's thread, read in any."""
 
     def __init__(self) -> None:
         self.untold = 0

@@ -21,8 +21,6 @@ class TapDuties:
     """The state that every tap of one broker shares.
 
     Attributes:
-        rules: The faults in force.
-        note: Called with each packet and event: direction, client, text.
         failed: Called with each connection ended by a violation of its client: client, text; not after injected faults.
         taps: Those of the connections that are open; they add and remove themselves.
     """

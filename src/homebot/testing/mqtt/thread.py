@@ -115,7 +115,6 @@ class _Job(Generic[_T]):
     """One call; all its methods are for the thread's loop.
 
     Args:
-        function: The function to run.
         ended: Called once with the result: a function that returns or raises it.
     """
 

@@ -17,12 +17,7 @@ _VALID: Final = timedelta(days=30)  # a test run, however long, on a computer wi
 
 @dataclass(frozen=True, slots=True)
 class TestTls:
-    """A certificate for 127.0.0.1, ::1 and localhost.
-
-    Attributes:
-        ca_file: PEM file of the authority that clients are to trust.
-        context: The server's side.
-    """
+    """A certificate for 127.0.0.1, ::1 and localhost."""
 
     __test__ = False  # not a test class in spite of its name
 
@@ -34,7 +29,6 @@ class TestTls:
         """Create new keys and write the files of clients and server into *folder*.
 
         Args:
-            folder: A folder that exists.
             now: In UTC; the certificate is valid from a day before to thirty days after.
 
         Raises:

@@ -113,7 +113,6 @@ def saved_if_failing(day: Day, path: str | Path) -> Iterator[None]:
     Hypothesis runs the shrunk example last, so the file holds that one in the end.
 
     Args:
-        day: The day that the block is about.
         path: The file; a relative one is relative to the working directory.
 
     Raises:

@@ -93,15 +93,7 @@ def devices(
     kinds: tuple[str, ...],
     faults: tuple[str, ...],
 ) -> Table:
-    """Draw random devices, each as its table in the file.
-
-    Args:
-        draw: Draws.
-        rooms: Where it may be, the simplest first.
-        doors: Pairs of rooms that a door joins.
-        kinds: Possible kinds.
-        faults: Possible faults.
-    """
+    """Draw random devices, each as its table in the file."""
     kind = draw(one_of(kinds))
     room = draw(one_of(rooms))
     table: Table = {"kind": kind, "room": room}

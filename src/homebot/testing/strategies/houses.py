@@ -60,7 +60,6 @@ def houses(
         max_people: People at most, 0 to 6.
         max_errands: Errands at most, 0 to 50.
         kinds: Kinds of devices, as the files name them; None is all.
-        faults: Whether devices have faults, or which of them.
 
     Raises:
         UsageError: A bound is out of its range, or a kind or fault is not known.
