@@ -46,7 +46,7 @@ class Wire:
         self.transport = FakeTransport()
         self.tcp: FakeSocket = self.transport.get_extra_info("socket")
         self._connection = BrokerConnection(
-            BrokerState(ManualClock(), BrokerLimits()), asyncio.get_running_loop(), Sockets()
+            BrokerState(ManualClock(), BrokerLimits()), asyncio.get_running_loop(), Sockets(1_000_000)
         )
         self._connection.connection_made(self.transport)
 

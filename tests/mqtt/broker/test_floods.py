@@ -9,7 +9,6 @@ from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.broker.byte_limits import UnsentBytes
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -53,7 +52,7 @@ def test_the_sessions_for_which_most_waits_lose_their_oldest(small: BrokerState,
     for number in range(300):
         publisher.publish(f"to/flood{number % 10}", bytes(20_000), 1, 1)
         relieve(small)
-        assert small.pool.used < MIB + 30_000
+        assert small.queued.used < MIB + 30_000
     assert small.stats.dropped_offline > 200
     honest = join("honest", at=small, clean=False, present=True)
     assert [message.payload for message in honest.messages()] == [b"%d" % number for number in range(20)]
@@ -89,7 +88,7 @@ def test_the_connected_client_for_which_most_waits_is_cut_off(
         for _ in range(count):
             publisher.publish(f"to/{name}", bytes(24_000), 1, 1)
     relieve(small)
-    assert small.pool.used <= MIB
+    assert small.queued.used <= MIB
     assert small.stats.clients_stalled >= 1
     assert stuck.link.closed
     assert [client.link.closed for client in (behind, second, third)] == [False] * 3
@@ -134,7 +133,7 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join
     clock.advance(100)
     state.deadlines.run(clock.monotonic())
     assert state.stats.sessions == 0
-    assert state.pool.used == 0
+    assert state.queued.used == 0
 
 
 def test_wills_are_bounded(new_state: NewState, stranger: Stranger) -> None:
@@ -217,41 +216,10 @@ def test_nothing_is_kept_of_clients_that_take_over_each_other(state: BrokerState
     assert state.stats.connections_closed == 499
 
 
-class Slow:
-    def __init__(self) -> None:
-        self.unsent = 0
-        self.is_cut = False
-
-    def give_up(self) -> None:
-        self.is_cut = True
-
-
-def test_the_socket_for_which_most_bytes_wait_is_cut() -> None:
-    unsent = UnsentBytes(1000)
-    sockets = [Slow() for _ in range(4)]
-    for socket, size in zip(sockets, (100, 400, 300, 500), strict=True):
-        socket.unsent = size
-        unsent.note(socket, size)
-    assert [socket.is_cut for socket in sockets] == [False, False, False, True]
-    assert unsent.size == 800
-
-
-def test_sockets_that_have_caught_up_meanwhile_are_not_cut() -> None:
-    unsent = UnsentBytes(1000)
-    quick, slow = Slow(), Slow()
-    unsent.note(quick, 900)
-    slow.unsent = 500
-    unsent.note(slow, 500)
-    assert not quick.is_cut
-    assert not slow.is_cut
-    unsent.note(slow, 0)
-    assert unsent.size == 0
-
-
 def test_acknowledgements_free_what_they_acknowledge(state: BrokerState, join: Join) -> None:
     client, publisher = join("a"), join("p")
     client.subscribe("t", qos=1)
     publisher.publish("t", bytes(50_000), 1, 1)
-    assert state.pool.used > 50_000
+    assert state.queued.used > 50_000
     client.send(Puback(client.messages()[0].packet_id or 0))
-    assert state.pool.used == 0
+    assert state.queued.used == 0

@@ -1,10 +1,11 @@
-"""What the broker lost is told."""
+"""Reports of lost messages."""
 
 from __future__ import annotations
 
 from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Dial
 
+from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.broker.stats import Counters, LossReport, loss_text
 from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
@@ -22,27 +23,28 @@ def test_losses_are_told_by_their_reasons() -> None:
 def test_each_loss_is_told_once_and_remembered_for_a_while() -> None:
     counters = Counters()
     report = LossReport(counters)
-    assert (report.take(), report.lately) == ("", "")
+    assert (report.next(), report.recent) == ("", "")
     counters.dropped_overrun += 2
-    assert report.take() == "2 messages (2 for clients that stayed too slow)"
-    assert report.take() == ""
+    assert report.next() == "2 messages (2 for clients that stayed too slow)"
+    assert report.next() == ""
     for _ in range(50):
-        report.take()
-    assert report.lately == "2 messages (2 for clients that stayed too slow)"
+        report.next()
+    assert report.recent == "2 messages (2 for clients that stayed too slow)"
     for _ in range(10):
-        report.take()
-    assert report.lately == ""
+        report.next()
+    assert report.recent == ""
 
 
-async def test_a_loss_stands_in_the_log_and_in_the_brokers_own_words(dial: Dial) -> None:
+async def test_a_loss_is_logged_once_and_reported_by_the_broker(dial: Dial) -> None:
+    clock = ManualClock()
     with capture_logs() as lines:
-        async with Broker(limits=BrokerLimits(max_retained_messages=1)) as broker:
+        async with Broker(clock=clock, limits=BrokerLimits(max_retained_messages=1)) as broker:
             client = await dial(broker)
             await client.send(Publish("a", b"x", retain=True), Publish("b", b"x", retain=True))
             await client.call(Subscribe(1, (FilterRequest("c"),)))
-            assert broker._housekeeping is not None
-            broker._housekeeping._run()
-            broker._housekeeping._run()
+            for _ in range(2):
+                clock.advance(10)
+                broker.tick()
             assert broker.losses == "1 message (1 to be retained, because the limit was reached)"
         assert broker.losses == ""
     told = [line["message"] for line in lines if line["event"] == "broker.dropped"]

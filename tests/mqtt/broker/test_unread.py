@@ -66,7 +66,7 @@ def test_a_reader_does_not_keep_what_was_taken() -> None:
     assert reader.held == 0
 
 
-def test_the_packet_that_is_incomplete_longest_gives_way_to_others(new_state: NewState, join: Join) -> None:
+def test_among_incomplete_packets_of_equal_size_the_oldest_is_dropped(new_state: NewState, join: Join) -> None:
     """Honest packets are complete sooner than those that are only begun."""
     state = new_state(max_packet_size=100 * KIB, max_unread_bytes=250 * KIB)
     slow, second, third = (join(name, at=state) for name in "abc")
@@ -93,7 +93,7 @@ def test_packets_that_come_to_their_end_or_whose_client_goes_count_no_longer(new
             client.lose()
         else:
             client.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
-    assert state.unread.size == 0
+    assert state.unread.used == 0
     assert state.stats.unread_given_up == 0
 
 
@@ -102,7 +102,7 @@ def test_before_the_login_all_incomplete_packets_together_have_a_bound(new_state
     flood = [stranger(at=state) for _ in range(200)]
     for each in flood:
         each.send_bytes(encode(Connect("x" * 60_000))[: 50 * KIB])
-    assert state.unread_logins.size <= 256 * KIB
+    assert state.unread_logins.used <= 256 * KIB
     assert [each.link.closed for each in flood].count(False) == 5
     honest = stranger(at=state)
     honest.send(Connect("honest"))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import hmac
 import secrets
 from collections import Counter
-from collections.abc import Mapping
-from typing import Final, NamedTuple, Protocol, final
+from collections.abc import Iterator, Mapping
+from typing import Final, NamedTuple, final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.ports import ConnectedClient
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.addresses import network_of
 
-__all__ = ["Applicant", "Authentication", "LoginCandidate", "LoginThrottle", "WaitingLogins", "host_of"]
+__all__ = ["Applicant", "Authentication", "LoginThrottle", "WaitingLogins", "host_of"]
 
 _NOBODYS = bytes(32)
 
@@ -128,19 +129,6 @@ class LoginThrottle:
             del self._known[next(iter(self._known))]
 
 
-class LoginCandidate(Protocol):
-    """A connection before its CONNECT is accepted."""
-
-    @property
-    def address(self) -> str:
-        """The far side."""
-        ...
-
-    def make_room(self) -> None:
-        """End the connection: another one needs its place."""
-        ...
-
-
 @final
 class WaitingLogins:
     """The connections that have not logged in, oldest first.
@@ -154,18 +142,21 @@ class WaitingLogins:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._candidates: dict[LoginCandidate, None] = {}
+        self._candidates: dict[ConnectedClient, None] = {}
 
     def __len__(self) -> int:
         return len(self._candidates)
 
-    def add(self, candidate: LoginCandidate) -> None:
+    def __iter__(self) -> Iterator[ConnectedClient]:
+        return iter(self._candidates)
+
+    def add(self, candidate: ConnectedClient) -> None:
         """Add a connection that was opened."""
         if len(self._candidates) >= self._most:
             self._make_room()
         self._candidates[candidate] = None
 
-    def discard(self, candidate: LoginCandidate) -> None:
+    def discard(self, candidate: ConnectedClient) -> None:
         """Remove a connection that has logged in, or has gone."""
         self._candidates.pop(candidate, None)
 

@@ -13,6 +13,7 @@ from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.ports import ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
+from homebot.support.byte_account import ByteAccount
 
 __all__ = ["BrokerConnection", "Sockets"]
 
@@ -25,12 +26,14 @@ class Sockets:
     """The open sockets; those that only wait for their end make room for new ones.
 
     Attributes:
+        unsent: The bytes that wait for all sockets.
         read_buffer: Where bytes arrive, one place for all: they are taken before the next socket is read.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, max_unsent: int) -> None:
         self.read_buffer = memoryview(bytearray(_READ_AT_MOST))
         self._open: dict[BrokerConnection, None] = {}
+        self.unsent = ByteAccount(max_unsent, self._open.keys, BrokerConnection.count_unsent, BrokerConnection.give_up)
         self._ending: dict[BrokerConnection, None] = {}  # the oldest first
         self._empty: anyio.Event | None = None
 
@@ -119,7 +122,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._out_size = 0
         self._large = 0  # bytes of the one message that fills the socket's buffer
         self._closing = False
-        self._is_slow = False
+        self._counted = 0  # bytes, among those that wait for all sockets
         self._lingering: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -143,17 +146,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Handle bytes that came; a fault of ours costs this connection only."""
-        try:
-            self.peer.receive(bytes(self._buffer[:nbytes]))
-        except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
-            self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
-            self._state.warn(
-                "broker.internal_error",
-                f"the broker failed on a packet from {self.peer.client_text} and disconnected it: {error!r}",
-                address=self.address,
-                error=repr(error),
-                exc_info=True,
-            )
+        self._state.receive(self.peer, bytes(self._buffer[:nbytes]), self.address)
         if nbytes < len(self._buffer) and not self._out:
             self._acknowledge()
 
@@ -166,7 +159,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._closing = True
         if self._lingering is not None:
             self._lingering.cancel()
-        self._note_unsent(0)
+        self._discount_unsent()
         self.peer.lost()
         self._sockets.lost(self)
 
@@ -178,7 +171,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         """Go on: the socket's buffer is almost empty again."""
         self.write_blocked = False
         self._large = 0
-        self._note_unsent(self.unsent)
+        self.count_unsent()
         self.peer.writable()
 
     def write(self, data: bytes) -> None:
@@ -258,6 +251,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             unsent=self.unsent,
         )
         self.abort()
+        self._discount_unsent()
 
     def note_bad_tls(self, reason: str) -> None:
         """Log that the client did not speak TLS as it should."""
@@ -269,10 +263,19 @@ class BrokerConnection(asyncio.BufferedProtocol):
             reason=reason,
         )
 
-    def _note_unsent(self, size: int) -> None:
-        if size >= _WORTH_COUNTING or self._is_slow:
-            self._is_slow = size >= _WORTH_COUNTING
-            self._state.unsent.note(self, size if self._is_slow else 0)
+    def count_unsent(self) -> int:
+        """Count the bytes that wait for the socket among those of all; return them."""
+        size = self.unsent
+        if size < _WORTH_COUNTING:
+            size = 0
+        change, self._counted = size - self._counted, size
+        if change:
+            self._sockets.unsent.add(change)
+        return size
+
+    def _discount_unsent(self) -> None:
+        self._sockets.unsent.add(-self._counted)
+        self._counted = 0
 
     def _acknowledge(self) -> None:
         """Have TCP acknowledge received data, which gets no MQTT response.
@@ -290,6 +293,4 @@ class BrokerConnection(asyncio.BufferedProtocol):
             if len(data) > self._state.limits.write_buffer and not self.write_blocked:
                 self._large = len(data)
             self._transport.write(data)
-            unsent = self._transport.get_write_buffer_size()
-            if unsent:
-                self._note_unsent(unsent)
+            self.count_unsent()

@@ -7,12 +7,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping
 from random import Random
 from types import TracebackType
-from typing import Self
+from typing import Self, final
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import UsageError
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.housekeeping import DeadlineTimer
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.ports import BrokerPolicy, policy_of
@@ -63,7 +62,7 @@ class EmbeddedBroker(ABC):
         self._on_message = on_message
         self._random = random
         self._state: BrokerState | None = None
-        self._timer: DeadlineTimer | None = None
+        self._timer: _DeadlineTimer | None = None
 
     @property
     @abstractmethod
@@ -129,7 +128,7 @@ class EmbeddedBroker(ABC):
                 _call_soon,
             )
         await self._open(self._state)
-        self._timer = DeadlineTimer(self._state)
+        self._timer = _DeadlineTimer(self._state)
         self._timer.start()
         _log.debug("broker.listening", url=self.url)
 
@@ -169,3 +168,40 @@ class EmbeddedBroker(ABC):
 
 def _call_soon(call: Callable[[], None]) -> None:
     asyncio.get_running_loop().call_soon(call)
+
+
+@final
+class _DeadlineTimer:
+    """One timer of the running event loop, set to the earliest deadline; works from :meth:`start` on."""
+
+    def __init__(self, state: BrokerState) -> None:
+        self._state = state
+        self._timer: asyncio.TimerHandle | None = None
+
+    def start(self) -> None:
+        """Do overdue work and wait for the next."""
+        self._state.deadlines.wake = self._wake_at
+        self.tick()
+
+    def tick(self) -> None:
+        """Do the work due by the broker's clock."""
+        state = self._state
+        try:
+            state.deadlines.run(state.clock.monotonic())
+        finally:
+            earliest = state.deadlines.earliest
+            if earliest is not None:
+                self._wake_at(earliest)
+
+    def stop(self) -> None:
+        """Run nothing more."""
+        self._state.deadlines.wake = None
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _wake_at(self, when: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        delay = max(0.0, when - self._state.clock.monotonic())
+        self._timer = asyncio.get_running_loop().call_later(delay, self.tick)

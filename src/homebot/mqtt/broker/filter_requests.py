@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import final
 
 from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.retained import Replay, RetainedMessages
+from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.packets import FilterRequest, ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
+from homebot.mqtt.packets import FilterRequest, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]
 
@@ -40,40 +40,43 @@ class FilterRequests:
         self._holding = holding
         self._resume = go_on
         self._is_bridge = is_bridge
-        self._current: _Subscribing | _Unsubscribing | None = None
+        self._work: Generator[None, None, Suback | Unsuback] | None = None
 
     @property
     def active(self) -> bool:
         """True if a packet is under way."""
-        return self._current is not None
+        return self._work is not None
 
     def subscribe(self, packet: Subscribe) -> None:
         """Begin with a SUBSCRIBE."""
         if self._is_bridge:
             packet = packet._replace(filters=tuple(map(_of_bridge, packet.filters)))
-        self._current = _Subscribing(self._session, packet, self._state.exchange.retained)
+        self._work = self._add_filters(packet)
         self._go_on()
 
     def unsubscribe(self, packet: Unsubscribe) -> None:
         """Begin with an UNSUBSCRIBE."""
-        self._current = _Unsubscribing(self._session, packet)
+        self._work = self._remove_filters(packet)
         self._go_on()
 
     def stop(self) -> None:
         """Stop after the client has left; finished work stays."""
-        self._current = None
+        self._work = None
         self._state.turn.forget(self._go_on)
 
     def _go_on(self) -> None:
-        """Take as many filters as may be taken now."""
-        if self._current is None:
+        """Handle as many filters as this turn has time for."""
+        if self._work is None:
             return
-        answer = self._current.go_on(self._state)
-        if answer is None:
+        try:
+            next(self._work)
+        except StopIteration as finished:
+            answer: Suback | Unsuback = finished.value
+        else:
             self._holding.paused = True
             self._state.turn.defer(self._go_on)
             return
-        self._current = None
+        self._work = None
         self._outbound.send(answer)
         session = self._session
         session.pump()
@@ -81,64 +84,42 @@ class FilterRequests:
             self._holding.wait_for((session,))
         self._resume()
 
+    def _add_filters(self, packet: Subscribe) -> Generator[None, None, Suback]:
+        """Subscribe to each filter; pause when the turn has no more time."""
+        session, state = self._session, self._state
+        replay = Replay(state.exchange.retained, session.has)
+        is_queued = False
+        reasons = []
+        identifier = (*packet.properties.subscription_identifiers, 0)[0]
+        for request in packet.filters:
+            while not state.turn.has_time():
+                if is_queued:
+                    session.replay_grew(replay)
+                else:  # now, so that nothing that comes meanwhile overtakes it
+                    session.replay(replay)
+                    is_queued = True
+                yield
+            reason = state.policy.subscribe(session.client_id, request.filter)
+            if not reason.failed:
+                reason = state.exchange.subscribe(session, request, identifier, replay)
+            reasons.append(reason)
+        replay.complete = True
+        if is_queued:
+            session.replay_grew(replay)
+        elif replay.size:
+            session.replay(replay)
+        return Suback(packet.packet_id, tuple(reasons))
+
+    def _remove_filters(self, packet: Unsubscribe) -> Generator[None, None, Unsuback]:
+        """Unsubscribe from each filter; pause when the turn has no more time."""
+        reasons = []
+        for name in packet.filters:
+            while not self._state.turn.has_time():
+                yield
+            reasons.append(self._state.exchange.unsubscribe(self._session, name))
+        return Unsuback(packet.packet_id, tuple(reasons))
+
 
 def _of_bridge(request: FilterRequest) -> FilterRequest:
     is_shared = request.filter.startswith("$share/")
     return request._replace(no_local=not is_shared, retain_as_published=True)
-
-
-@final
-class _Subscribing:
-    """A SUBSCRIBE under way."""
-
-    def __init__(self, session: BrokerSession, packet: Subscribe, retained: RetainedMessages) -> None:
-        self._session = session
-        self._packet = packet
-        self._replay = Replay(retained, session.has)
-        self._is_queued = False
-        self._reasons: list[ReasonCode] = []
-
-    def go_on(self, state: BrokerState) -> Suback | None:
-        """Take as many filters as may be taken now; the answer, or None where some are left."""
-        session, requests, reasons = self._session, self._packet.filters, self._reasons
-        identifier = (*self._packet.properties.subscription_identifiers, 0)[0]
-        while len(reasons) < len(requests):
-            if not state.turn.has_time():
-                self._queue()  # now, so that nothing that comes meanwhile overtakes it
-                return None
-            request = requests[len(reasons)]
-            reason = state.policy.subscribe(session.client_id, request.filter)
-            if not reason.failed:
-                reason = state.exchange.subscribe(session, request, identifier, self._replay)
-            reasons.append(reason)
-        self._replay.complete = True
-        if self._replay.size:
-            self._queue()
-        return Suback(self._packet.packet_id, tuple(reasons))
-
-    def _queue(self) -> None:
-        if self._is_queued:
-            self._session.replay_grew(self._replay)
-        else:
-            self._session.replay(self._replay)
-            self._is_queued = True
-
-
-@final
-class _Unsubscribing:
-    """An UNSUBSCRIBE under way."""
-
-    def __init__(self, session: BrokerSession, packet: Unsubscribe) -> None:
-        self._session = session
-        self._packet = packet
-        self._reasons: list[ReasonCode] = []
-
-    def go_on(self, state: BrokerState) -> Unsuback | None:
-        """Take as many filters as may be taken now; the answer, or None where some are left."""
-        names, reasons = self._packet.filters, self._reasons
-        while len(reasons) < len(names):
-            if not state.turn.has_time():
-                return None
-            name = names[len(reasons)]
-            reasons.append(state.exchange.unsubscribe(self._session, name))
-        return Unsuback(self._packet.packet_id, tuple(reasons))

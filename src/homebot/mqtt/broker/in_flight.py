@@ -7,9 +7,9 @@ Receive Maximum. When the client comes back to its session, everything in flight
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from typing import Final, final
 
-from homebot.mqtt.broker.byte_limits import QueuePool
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
@@ -28,15 +28,15 @@ class InFlight:
         size: The bytes of the large ones.
     """
 
-    __slots__ = ("_last_id", "_pool", "messages", "resend", "settled", "size", "window")
+    __slots__ = ("_count_bytes", "_last_id", "messages", "resend", "settled", "size", "window")
 
-    def __init__(self, window: int, pool: QueuePool) -> None:
+    def __init__(self, window: int, count: Callable[[int], None]) -> None:
         self.messages: dict[int, QueuedMessage | None] = {}
         self.resend: deque[int] = deque()
         self.window = window
         self.size = 0
         self.settled = 0
-        self._pool = pool
+        self._count_bytes = count
         self._last_id = 0
 
     @property
@@ -135,10 +135,7 @@ class InFlight:
         message = queued.message
         if message.size > _SMALL:
             self.size += sign * message.size
-            if sign > 0:
-                self._pool.hold(message)
-            else:
-                self._pool.release(message)
+            (message.hold if sign > 0 else message.release)(self._count_bytes)
 
     def _cancel_resend(self, packet_id: int) -> None:
         if packet_id in self.resend:  # it was answered before it was sent again

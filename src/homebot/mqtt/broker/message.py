@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import ceil
-from typing import final
+from typing import Final, final
 
 from homebot.mqtt.packets import NO_PROPERTIES, PacketType, Properties, ProtocolVersion
 from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["BULKY", "BrokerMessage", "size_of"]
+__all__ = ["BULKY", "ENTRY", "BrokerMessage", "size_of"]
 
 _PAIR = 160  # bytes that a user property takes beside its text
-BULKY = 8 * 1024
+BULKY: Final = 8 * 1024
 """Bytes of a message whose copies are not made all at once, and that is not kept encoded while it waits: it would take
 twice the memory it is counted with."""
 
+ENTRY: Final = 200
+"""Bytes that a place in a queue takes, about."""
+
+_OVERHEAD = 600  # bytes that a message takes beside its topic, payload and properties, about
 _MAX_ENCODED = 7  # and the first: two versions at three QoS, and some for subscription identifiers
 _NOTHING = (b"", b"")
 
@@ -111,6 +116,16 @@ class BrokerMessage:
             if not retain and (self.size < BULKY or not self.holders):
                 self._keep(key, parts)
         return parts
+
+    def hold(self, count: Callable[[int], None]) -> None:
+        """Count one more place of the message in a queue; in many places it counts once."""
+        count(ENTRY if self.holders else ENTRY + _OVERHEAD + self.size)
+        self.holders += 1
+
+    def release(self, count: Callable[[int], None]) -> None:
+        """Count one place less."""
+        self.holders -= 1
+        count(-ENTRY if self.holders else -ENTRY - _OVERHEAD - self.size)
 
     def forget_encoded(self) -> None:
         """Free the bytes kept by :meth:`parts` after the last receiver."""

@@ -7,7 +7,6 @@ from typing import final
 
 from homebot.mqtt.broker import login
 from homebot.mqtt.broker.authentication import host_of
-from homebot.mqtt.broker.byte_limits import UnreadMark
 from homebot.mqtt.broker.client_packets import ClientPackets
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.outbound import Outbound, goodbye, unread_connect_answer
@@ -27,75 +26,12 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["Peer", "PeerLog"]
-
-
-@final
-class PeerLog:
-    """Warnings of one connection.
-
-    Args:
-        state: The broker, which limits their rate.
-    """
-
-    __slots__ = ("_link", "_state", "client_id")
-
-    def __init__(self, state: BrokerState, link: Transport) -> None:
-        self._state = state
-        self._link = link
-        self.client_id: str | None = None
-
-    @property
-    def client_text(self) -> str:
-        """Name of the client in the log."""
-        return _client_text(self.client_id, self._link.address)
-
-    def failed(self, error: PacketError) -> None:
-        """Log the end of the connection caused by the client."""
-        self._state.warn(
-            "broker.connection_failed",
-            f"the broker cut off {self.client_text}: {short(error.problem)}",
-            address=self._link.address,
-            client_id=self.client_id,
-            code=error.code.name.lower(),
-            problem=error.problem,
-        )
-
-    def refused(self, client_id: str, reason: ReasonCode) -> None:
-        """Log that *client_id* was not let in."""
-        self._state.warn(
-            "broker.login_refused",
-            f"the broker refused {_client_text(client_id, self._link.address)}: {reason.text}",
-            address=self._link.address,
-            client_id=client_id,
-            reason=reason.name.lower(),
-        )
-
-    def pushed_out(self) -> None:
-        """Log that it had to go before its login."""
-        address = self._link.address
-        self._state.warn(
-            "broker.login_pushed_out",
-            f"the broker closed the connection of {address}, without CONNECT: too many are waiting to log in",
-            address=address,
-        )
-
-    def too_large(self, topic: str, size: int, limit: int) -> None:
-        """Log that the client missed a message."""
-        self._state.warn(
-            "broker.message_too_large",
-            f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
-            f"the client accepts at most {limit}",
-            address=self._link.address,
-            client_id=self.client_id,
-            topic=topic,
-            size=size,
-            limit=limit,
-        )
+__all__ = ["Peer"]
 
 
 _CONNECT = b"\x10"
 _MOST_DEFERRED = 16 * 1024  # bytes that wait for a later turn
+_CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
 
@@ -107,6 +43,8 @@ class Peer:
         link: Where bytes go; it hands on the bytes that come.
 
     Attributes:
+        client_id: The client id, once logged in.
+        unread: The bytes of an incomplete packet.
         failure: The client's fault that ended the connection, or None.
     """
 
@@ -115,7 +53,7 @@ class Peer:
         self._link = link
         self._reader = PacketReader(ProtocolVersion.V311, state.limits.max_connect_size)
         self._client: _Client | None = None
-        self._log = PeerLog(state, link)
+        self.client_id: str | None = None
         self._connect: Connect | None = None  # that has to wait
         self._retry: Deadline | None = None
         self.failure: PacketError | None = None
@@ -124,13 +62,9 @@ class Peer:
         self._is_deferred = self._is_lost = False
         self._received_at = state.clock.monotonic()
         self._silence = state.deadlines.at(self._received_at + state.limits.connect_timeout, self._no_connect)
-        self._unread = UnreadMark(state.unread_logins, self._give_up_unread)
+        self.unread = 0  # bytes of an incomplete packet, as counted
+        self._unread_of_all = state.unread_logins
         state.waiting_logins.add(self)
-
-    @property
-    def client_id(self) -> str | None:
-        """Client id, once logged in."""
-        return self._log.client_id
 
     @property
     def address(self) -> str:
@@ -140,7 +74,7 @@ class Peer:
     @property
     def client_text(self) -> str:
         """Name of the client in the log."""
-        return self._log.client_text
+        return _client_text(self.client_id, self.address)
 
     @property
     def will_bytes(self) -> int:
@@ -198,8 +132,8 @@ class Peer:
         except PacketError as error:
             self._fail(error)
             return
-        if not self._closed and (self._reader.missing or self._unread.size or self._client is None):
-            self._unread.note(self._reader.held)
+        if not self._closed and (self._reader.missing or self.unread or self._client is None):
+            self._count_unread(self._reader.held)
 
     def _defer(self) -> None:
         self._is_deferred = True
@@ -277,23 +211,29 @@ class Peer:
             state.clock,
             state.counters,
             packet.version,
-            self._log.too_large,
+            self._warn_too_large,
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
         packets = ClientPackets(state, session, outbound, self._leave, self._fail, is_bridge=packet.is_bridge)
         self._client = _Client(wanted, session, outbound, packets, packet.will)
-        self._log.client_id = wanted.client_id
+        self.client_id = wanted.client_id
         state.peers[wanted.client_id] = self
         state.waiting_logins.discard(self)
-        self._unread.move(state.unread)
+        self._count_unread(0)
+        self._unread_of_all = state.unread
         outbound.send(login.connack(wanted, state, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
 
     def _refuse(self, packet: Connect, reason: ReasonCode) -> None:
         self._state.counters.connections_refused += 1
-        self._log.refused(packet.client_id, reason)
+        self._warn(
+            "broker.login_refused",
+            f"the broker refused {_client_text(packet.client_id, self.address)}: {reason.text}",
+            client_id=packet.client_id,
+            reason=reason.name.lower(),
+        )
         self._shut(encode(Connack(reason=reason), packet.version))
 
     def _expect_signs_of_life(self) -> None:
@@ -316,16 +256,26 @@ class Peer:
             return
         self._fail(PacketError("no CONNECT was received in time", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
 
-    def _give_up_unread(self) -> None:
+    def refuse_unread(self) -> None:
+        """End the connection: its incomplete packet needs too much room."""
         self._state.counters.unread_given_up += 1
         if self._client is None:
             self._push_out()
         else:
             self._fail(PacketError("a packet stayed incomplete for too long", code=ReasonCode.QUOTA_EXCEEDED))
 
+    def _count_unread(self, size: int) -> None:
+        if self._client is not None and size < _CUT_BY_A_READ:
+            size = 0
+        change, self.unread = size - self.unread, size
+        self._unread_of_all.add(change)
+
     def _push_out(self) -> None:
         """Close without a reason: a client without a password is not owed one, and many may have to go at once."""
-        self._log.pushed_out()
+        self._warn(
+            "broker.login_pushed_out",
+            f"the broker closed the connection of {self.address}, without CONNECT: too many are waiting to log in",
+        )
         self._finish(publish_will=False)
         self._link.close(linger=False)
 
@@ -338,7 +288,7 @@ class Peer:
         state = self._state
         state.counters.connections_failed += 1
         self.failure = error
-        self._log.failed(error)
+        self._warn_failure(error)
         if self._client is None:
             self._shut(unread_connect_answer(error))
         else:
@@ -358,6 +308,27 @@ class Peer:
         self._finish(publish_will=publish_will)
         self._link.close(linger=True)
 
+    def _warn_failure(self, error: PacketError) -> None:
+        self._warn(
+            "broker.connection_failed",
+            f"the broker cut off {self.client_text}: {short(error.problem)}",
+            code=error.code.name.lower(),
+            problem=error.problem,
+        )
+
+    def _warn_too_large(self, topic: str, size: int, limit: int) -> None:
+        self._warn(
+            "broker.message_too_large",
+            f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
+            f"the client accepts at most {limit}",
+            topic=topic,
+            size=size,
+            limit=limit,
+        )
+
+    def _warn(self, event: str, message: str, **facts: object) -> None:
+        self._state.warn(event, message, **{"address": self.address, "client_id": self.client_id, **facts})
+
     def _finish(self, *, publish_will: bool) -> None:
         if self._closed:
             return
@@ -369,14 +340,14 @@ class Peer:
         if self._retry is not None:
             self._retry.cancel()
         self._state.waiting_logins.discard(self)
-        self._unread.note(0)
+        self._count_unread(0)
         self._reader = _NOTHING_MORE
         self._state.turn.forget(self._go_on_later)
         if client is not None:
             error = client.packets.stop()
             if error is not None:
                 self.failure = error
-                self._log.failed(error)
+                self._warn_failure(error)
             del self._state.peers[client.session.client_id]
             self._state.sessions.detach(client.session, client.will if publish_will else None)
 

@@ -84,11 +84,29 @@ class ConnectionHandler(Protocol):
 
 
 class ConnectedClient(Protocol):
-    """The connection of a client that is logged in, as all connections of the broker know it; a peer fills it."""
+    """The connection of a client as the rest of the broker sees it; a peer implements it."""
+
+    @property
+    def address(self) -> str:
+        """The far side."""
+        ...
+
+    @property
+    def unread(self) -> int:
+        """The bytes of an incomplete packet."""
+        ...
 
     @property
     def will_bytes(self) -> int:
         """The size of its will."""
+        ...
+
+    def make_room(self) -> None:
+        """End the connection before its login: another one needs its place."""
+        ...
+
+    def refuse_unread(self) -> None:
+        """End the connection: its incomplete packet needs too much room."""
         ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:

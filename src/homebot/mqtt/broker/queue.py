@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Final, NamedTuple, final
 
-from homebot.mqtt.broker.byte_limits import ENTRY, QueuePool
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import Replay
 
@@ -58,19 +58,19 @@ class MessageQueue:
     """
 
     __slots__ = (
+        "_count",
         "_high_bytes",
         "_high_messages",
         "_max_bytes",
         "_max_messages",
-        "_pool",
         "_qos0",
         "_replays",
         "messages",
         "size",
     )
 
-    def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
-        self._pool = pool
+    def __init__(self, max_messages: int, max_bytes: int, count: Callable[[int], None]) -> None:
+        self._count = count
         self.messages: deque[QueuedMessage | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with the counted size of each
         self.size = 0
@@ -118,18 +118,14 @@ class MessageQueue:
         self.size += message.size
         if not qos:
             self._qos0 += 1
-        if message.holders:  # as hold(), which costs a call for each receiver
-            message.holders += 1
-            self._pool.used += ENTRY
-        else:
-            self._pool.hold(message)
+        message.hold(self._count)
 
     def append_replay(self, replay: Replay) -> None:
         """Add the retained messages of new subscriptions at the end, beyond any bound."""
         self.messages.append(replay)
         self._replays.append((replay, replay.size))
         self.size += replay.size
-        self._pool.add(replay.size)
+        self._count(replay.size)
         self._qos0 += 1
 
     def count_again(self, replay: Replay) -> None:
@@ -138,7 +134,7 @@ class MessageQueue:
             size = self._replays.pop()[1]
             self._replays.append((replay, replay.size))
             self.size += replay.size - size
-            self._pool.add(replay.size - size)
+            self._count(replay.size - size)
 
     def popleft(self) -> QueuedMessage | Replay:
         """Take the first."""
@@ -146,18 +142,14 @@ class MessageQueue:
         if type(first) is Replay:
             size = self._replays.popleft()[1]
             self.size -= size
-            self._pool.add(-size)
+            self._count(-size)
             self._qos0 -= 1
         else:
             message, qos, _, _, _ = first
             self.size -= message.size
             if not qos:
                 self._qos0 -= 1
-            if message.holders > 1:
-                message.holders -= 1
-                self._pool.used -= ENTRY
-            else:
-                self._pool.release(message)
+            message.release(self._count)
         return first
 
     def drop_qos0(self) -> None:

@@ -7,20 +7,21 @@ import errno
 import socket
 import ssl
 from collections.abc import Callable, Collection, Mapping
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
 from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker.connection import BrokerConnection, Sockets
+from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.embedded import EmbeddedBroker
-from homebot.mqtt.broker.housekeeping import Housekeeping
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.ports import BrokerPolicy, ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.stats import LossReport
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.addresses import ip_version, is_loopback
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
+_REPORT_INTERVAL: Final = 10.0  # seconds between two reports of losses
 _ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it may let wait
 
 
@@ -92,8 +94,9 @@ class Broker(EmbeddedBroker):
         self._tls = tls
         self._endpoint = endpoint
         self._server: asyncio.Server | None = None
-        self._sockets = Sockets()
-        self._housekeeping: Housekeeping | None = None
+        self._sockets = Sockets(self._limits.max_all_unsent_bytes)
+        self._losses: LossReport | None = None
+        self._next_report: Deadline | None = None
 
     def __repr__(self) -> str:
         return f"Broker({self.url!r})"
@@ -117,7 +120,7 @@ class Broker(EmbeddedBroker):
     @property
     def losses(self) -> str:
         """Messages that were lost in the last ten minutes, as text; empty where none was, or it does not run."""
-        return "" if self._housekeeping is None else self._housekeeping.losses
+        return "" if self._losses is None else self._losses.recent
 
     async def _open(self, state: BrokerState) -> None:
         loop = asyncio.get_running_loop()
@@ -132,8 +135,8 @@ class Broker(EmbeddedBroker):
             lambda: self._new_connection(state, loop), sock=sock, backlog=_ACCEPTED_IN_A_TURN
         )
         sock.listen(_BACKLOG)
-        self._housekeeping = Housekeeping(state)
-        self._housekeeping.start()
+        self._losses = LossReport(state.counters)
+        self._plan_report(state)
 
     async def _close(self, *, abrupt: bool) -> None:
         if self._server is not None:
@@ -147,9 +150,18 @@ class Broker(EmbeddedBroker):
         for connection in self._sockets:
             connection.abort()
         await self._sockets.wait_until_gone()
-        if self._housekeeping is not None:
-            self._housekeeping.stop()
-            self._housekeeping = None
+        self._losses = None
+        if self._next_report is not None:
+            self._next_report.cancel()
+
+    def _plan_report(self, state: BrokerState) -> None:
+        when = state.clock.monotonic() + _REPORT_INTERVAL
+        self._next_report = state.deadlines.at(when, lambda: self._report_losses(state))
+
+    def _report_losses(self, state: BrokerState) -> None:
+        if self._losses is not None and (lost := self._losses.next()):
+            state.warn("broker.dropped", f"the broker dropped {lost} in the last {_REPORT_INTERVAL:g} s")
+        self._plan_report(state)
 
     def _new_connection(self, state: BrokerState, loop: asyncio.AbstractEventLoop) -> BrokerConnection | TlsSocket:
         connection = BrokerConnection(state, loop, self._sockets, self._endpoint)

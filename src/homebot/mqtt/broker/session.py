@@ -6,11 +6,10 @@ everything in flight is sent again before the queue.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final, Protocol, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.byte_limits import QueuePool
 from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
@@ -59,7 +58,7 @@ class BrokerSession:
         counters: Counters,
         turn: TurnBudget,
         crowded: dict[BrokerSession, None] | None = None,
-        pool: QueuePool | None = None,
+        count_bytes: Callable[[int], None] = lambda _: None,
         host: str = "",
     ) -> None:
         self.client_id = client_id
@@ -75,10 +74,9 @@ class BrokerSession:
         self._clock = clock
         self._limits = limits
         self._counters = counters
-        self._pool = QueuePool(limits.max_all_queued_bytes) if pool is None else pool
-        self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes, self._pool)
+        self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes, count_bytes)
         self.host = host
-        self.in_flight = InFlight(limits.max_inflight, self._pool)
+        self.in_flight = InFlight(limits.max_inflight, count_bytes)
         self._settled = 0
 
     @property

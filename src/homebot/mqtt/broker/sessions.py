@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import inf
 from typing import final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.byte_limits import QueuePool
 from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
@@ -34,7 +33,7 @@ class Sessions:
         limits: BrokerLimits,
         counters: Counters,
         turn: TurnBudget,
-        pool: QueuePool,
+        count_bytes: Callable[[int], None],
     ) -> None:
         self._exchange = exchange
         self._clock = clock
@@ -42,7 +41,7 @@ class Sessions:
         self._limits = limits
         self._counters = counters
         self._turn = turn
-        self._pool = pool
+        self._count_bytes = count_bytes
         self._sessions: dict[str, BrokerSession] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
 
@@ -62,10 +61,6 @@ class Sessions:
         """The size of the wills that wait for their time."""
         return sum(will_size(absence.will) for absence in self._away.values())
 
-    def largest(self) -> BrokerSession | None:
-        """Return the one for which most bytes wait."""
-        return max(self._sessions.values(), key=lambda session: session.size, default=None)
-
     def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[BrokerSession, bool]:
         """Return the session for a client that has just connected, and whether it was kept from before.
 
@@ -81,7 +76,14 @@ class Sessions:
             self._counters.sessions_evicted += 1
             self.end(self._least_missed())
         session = BrokerSession(
-            client_id, self._clock, self._limits, self._counters, self._turn, self._exchange.crowded, self._pool, host
+            client_id,
+            self._clock,
+            self._limits,
+            self._counters,
+            self._turn,
+            self._exchange.crowded,
+            self._count_bytes,
+            host,
         )
         self._sessions[client_id] = session
         return session, False

@@ -12,21 +12,21 @@ from typing import final
 from homebot.clock import Clock
 from homebot.log import LogLimit, more_like_this
 from homebot.mqtt.broker.authentication import Authentication, LoginThrottle, WaitingLogins
-from homebot.mqtt.broker.byte_limits import QueuePool, UnreadPackets, UnsentBytes
 from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.ports import BrokerPolicy, ConnectedClient, RefusedFilters
+from homebot.mqtt.broker.ports import BrokerPolicy, ConnectedClient, ConnectionHandler, RefusedFilters
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.packets import ReasonCode
+from homebot.support.byte_account import ByteAccount
 from homebot.support.logger import get_logger
 from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["BrokerState", "short"]
 
-_CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
 _LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()
@@ -49,7 +49,9 @@ class BrokerState:
         deadlines: Work by time; the carrier runs it.
         turn: The share of each turn of the event loop for all connections together.
         throttle: How long they have to wait after wrong passwords.
-        unsent: The unsent bytes of all sockets.
+        queued: The bytes of messages that wait for sessions; a message that waits for many counts once.
+        unread: The bytes of incomplete packets, of logged-in clients.
+        unread_logins: The same before the login.
     """
 
     def __init__(
@@ -76,12 +78,20 @@ class BrokerState:
         self.peers: dict[str, ConnectedClient] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
         self.throttle = LoginThrottle(clock)
-        self.unread_logins = UnreadPackets(max(limits.max_unread_login_bytes, limits.max_connect_size))
-        self.pool = QueuePool(limits.max_all_queued_bytes)
-        self.pool.on_overrun = self._plan_relief
+        self.queued = ByteAccount(
+            limits.max_all_queued_bytes, lambda: self.sessions, lambda session: session.size, self._relieve
+        )
+        self.queued.on_overrun = self._plan_relief
         self._is_relief_planned = False
-        self.unsent = UnsentBytes(limits.max_all_unsent_bytes)
-        self.unread = UnreadPackets(max(limits.max_unread_bytes, limits.max_packet_size), _CUT_BY_A_READ)
+        self.unread_logins = ByteAccount(
+            max(limits.max_unread_login_bytes, limits.max_connect_size),
+            lambda: self.waiting_logins,
+            _unread,
+            _refuse_unread,
+        )
+        self.unread = ByteAccount(
+            max(limits.max_unread_bytes, limits.max_packet_size), self.peers.values, _unread, _refuse_unread
+        )
         self._log_limit = LogLimit(clock, burst=_WARNINGS)
         self._clear()
 
@@ -115,6 +125,20 @@ class BrokerState:
         known = {key: short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
         _log.warning(event, message=f"{message}{more_like_this(held_back)}", held_back=held_back, **known)
 
+    def receive(self, peer: ConnectionHandler, data: bytes, address: str) -> None:
+        """Pass *data* to *peer*; an error of the broker costs this connection only."""
+        try:
+            peer.receive(data)
+        except Exception as error:  # noqa: BLE001 - it must not reach the other connections
+            peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
+            self.warn(
+                "broker.internal_error",
+                f"the broker failed on a packet from {peer.client_text} and disconnected it: {error!r}",
+                address=address,
+                error=repr(error),
+                exc_info=True,
+            )
+
     @property
     def will_bytes(self) -> int:
         """The size of the wills of all clients, and of those that wait for their time."""
@@ -127,36 +151,43 @@ class BrokerState:
         """Plan to make room soon, in a later turn than the current flood."""
         if not self._is_relief_planned:
             self._is_relief_planned = True
-            self.deadlines.at(self.clock.monotonic(), self._relieve)
+            self.deadlines.at(self.clock.monotonic(), self._relieve_queues)
 
-    def _relieve(self) -> None:
-        """Make room: the session for which most waits loses its connection first, then its oldest messages."""
+    def _relieve_queues(self) -> None:
         self._is_relief_planned = False
-        while self.pool.is_overrun:
-            session = self.sessions.largest()
-            if session is None or not session.size:
-                return
-            if session.outbound is not None:
-                self.counters.clients_stalled += 1
-                self.warn(
-                    "broker.client_stalled",
-                    f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, "
-                    "more than for any other, and there is no room for the others",
-                    client_id=session.client_id,
-                    queued=session.queued,
-                )
-                self.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
-            elif session.queued:
-                session.shrink()
-            else:
-                self.counters.sessions_evicted += 1
-                self.sessions.end(session.client_id)
+        self.queued.relieve()
+
+    def _relieve(self, session: BrokerSession) -> None:
+        """Make room: a session loses its connection first, then its oldest messages."""
+        if session.outbound is not None:
+            self.counters.clients_stalled += 1
+            self.warn(
+                "broker.client_stalled",
+                f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, "
+                "more than for any other, and there is no room for the others",
+                client_id=session.client_id,
+                queued=session.queued,
+            )
+            self.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
+        elif session.queued:
+            session.shrink()
+        else:
+            self.counters.sessions_evicted += 1
+            self.sessions.end(session.client_id)
 
     def _clear(self) -> None:
         self.exchange = MessageRouter(self.clock, self.limits, self.counters, self.turn, self._on_message)
         self.sessions = Sessions(
-            self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.turn, self.pool
+            self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.turn, self.queued.add
         )
+
+
+def _unread(client: ConnectedClient) -> int:
+    return client.unread
+
+
+def _refuse_unread(client: ConnectedClient) -> None:
+    client.refuse_unread()
 
 
 def short(text: str) -> str:

@@ -106,11 +106,11 @@ class LossReport:
         self._before: deque[Losses] = deque([_losses(counters)], maxlen=_KEPT)
 
     @property
-    def lately(self) -> str:
+    def recent(self) -> str:
         """Recent losses as text; empty where there are none."""
         return loss_text(self._counters, self._before[0])
 
-    def take(self) -> str:
+    def next(self) -> str:
         """Return the losses since the last call as text; empty where there are none."""
         text = loss_text(self._counters, self._before[-1])
         self._before.append(_losses(self._counters))

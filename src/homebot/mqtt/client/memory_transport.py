@@ -13,7 +13,6 @@ from typing import final
 from homebot.errors import LinkError
 from homebot.mqtt.broker import BrokerState, Peer
 from homebot.mqtt.client.transport import TransportUser
-from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["MemoryLink", "MemorySocket"]
 
@@ -98,17 +97,7 @@ class MemoryLink:
     def _take_up(self, data: bytes) -> None:
         if self._closing:
             return
-        try:
-            self.peer.receive(data)
-        except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
-            self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
-            self._state.warn(
-                "broker.internal_error",
-                f"the broker failed on a packet from {self.peer.client_text} and disconnected it: {error!r}",
-                address=self.address,
-                error=repr(error),
-                exc_info=True,
-            )
+        self._state.receive(self.peer, data, self.address)
         if not self._up.size:
             self._user.drained()
 
