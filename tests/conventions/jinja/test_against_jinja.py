@@ -9,8 +9,6 @@ from hypothesis import strategies as st
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 
 from homebot.conventions.jinja import TemplateError, compile_template
-from homebot.conventions.jinja.syntax import parse
-from homebot.conventions.jinja.template import Path, PayloadContext
 
 ENVIRONMENT = ImmutableSandboxedEnvironment(extensions=["jinja2.ext.loopcontrols"])
 
@@ -114,15 +112,6 @@ def block(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 
 TEMPLATES = st.recursive(EXPRESSIONS.map("{{{{ {} }}}}".format) | st.just("text "), block, max_leaves=4)
 
-PATHS = st.builds(
-    "{{{{ {}{}{} }}}}".format,
-    st.sampled_from(["value", "value_json"]),
-    st.lists(
-        KEYS.map(".{}".format) | KEYS.map("['{}']".format) | KEYS.map('[ "{}" ]'.format) | st.just("[0]"), max_size=3
-    ).map("".join),
-    st.sampled_from(["", " | is_defined", ""]),
-)
-
 
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(template=TEMPLATES, content=JSON)
@@ -143,25 +132,3 @@ def test_what_jinja_renders_is_rendered_alike_and_what_it_refuses_is_refused(tem
 
     assert compiled.problem == ""
     assert rendered == expected
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(source=PATHS, content=JSON)
-def test_the_short_way_gives_what_the_long_way_gives(source: str, content: object) -> None:
-    payload = PayloadContext(json.dumps(content))
-    path = Path.parse(source)
-    assert path is not None
-    variables = {"value": payload.value, "value_json": payload.value_json}
-    long_way: str | None
-    try:
-        long_way = parse(source).render(variables, None).strip()
-    except TemplateError:
-        long_way = None
-
-    rendered: str | None
-    try:
-        rendered = compile_template(source).render_value(payload)
-    except TemplateError:
-        rendered = None
-
-    assert rendered == long_way

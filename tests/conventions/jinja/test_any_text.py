@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
-from homebot.conventions.jinja.methods import METHODS
 from homebot.conventions.jinja.tests import CHECKS
+from homebot.conventions.jinja.texts import METHODS
 
 PIECES = st.sampled_from(
     [

@@ -8,7 +8,7 @@ import pytest
 
 from homebot.conventions.jinja import PayloadContext, TemplateError, compile_template
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_ITEMS, MAX_STEPS, MAX_TEXT
+from homebot.conventions.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
 
 PAYLOAD = PayloadContext(json.dumps({"l": list(range(MAX_ITEMS - 2)), "s": "b" * 100}))
 

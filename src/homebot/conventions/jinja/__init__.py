@@ -1,6 +1,6 @@
-"""Templates that strangers announce, in the language of Jinja2 as Home Assistant has it: a bounded subset."""
+"""Templates of announcements, in a bounded subset of Jinja2 as Home Assistant has it."""
 
-from homebot.conventions.jinja.limits import NotDefinedError, TemplateError, UndefinedValueError
 from homebot.conventions.jinja.template import PayloadContext, Template, compile_template
+from homebot.conventions.jinja.values import NotDefinedError, TemplateError, UndefinedValueError
 
 __all__ = ["NotDefinedError", "PayloadContext", "Template", "TemplateError", "UndefinedValueError", "compile_template"]

@@ -1,15 +1,23 @@
-"""One rendering of a template: the values of its names, its output, and the work left to it."""
+"""Programs of templates, and their renderings: the values of names, the output, and the remaining work. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import datetime
-from typing import final
+from typing import TypeAlias, final
 
-from homebot.conventions.jinja.limits import MAX_NUMBER_BITS, MAX_STEPS, MAX_TEXT, TemplateError
-from homebot.conventions.jinja.values import UNDEFINED, text, weigh
+from homebot.conventions.jinja.values import (
+    MAX_NUMBER_BITS,
+    MAX_STEPS,
+    MAX_TEXT,
+    UNDEFINED,
+    TemplateError,
+    text,
+    weigh,
+)
 
-__all__ = ["Run"]
+__all__ = ["Evaluate", "Program", "Run"]
 
 
 @final
@@ -39,19 +47,20 @@ class Run:
         return self._names.get(name, UNDEFINED)
 
     def assign(self, name: str, value: object) -> None:
-        """Let *name* mean *value* in the innermost scope."""
+        """Assign *value* to *name* in the innermost scope."""
         self._scopes[-1][name] = value
 
-    def enter(self) -> None:
+    @contextmanager
+    def scope(self) -> Iterator[None]:
         """Open a scope: its assignments end with it."""
         self._scopes.append({})
-
-    def leave(self) -> None:
-        """Close the innermost scope."""
-        self._scopes.pop()
+        try:
+            yield
+        finally:
+            self._scopes.pop()
 
     def spend(self, steps: int) -> None:
-        """Count work that is about to be done, or has just been.
+        """Count work.
 
         Raises:
             TemplateError: It is too much.
@@ -61,13 +70,11 @@ class Run:
             raise TemplateError("it does too much work")
 
     def handle(self, value: object) -> object:
-        """Return *value*, its size counted as work.
+        """Return *value*, with its size counted as work.
 
         Raises:
             TemplateError: It is larger than a value may be.
         """
-        if value.__class__ in _SMALL:
-            return value
         if isinstance(value, (str, bytes)):
             if len(value) > MAX_TEXT:
                 raise TemplateError(f"a text has more than {MAX_TEXT} characters")
@@ -96,14 +103,50 @@ class Run:
         self._parts.append(part)
 
     def written(self, start: int = 0) -> str:
-        """Take the output from *start*, a :meth:`mark`, on."""
-        taken = "".join(self._parts[start:])
+        """Remove and return the output from *start*, a :meth:`mark`, on."""
+        output = "".join(self._parts[start:])
         del self._parts[start:]
-        return taken
+        return output
 
     def mark(self) -> int:
-        """Return where the output stands, for :meth:`written`."""
+        """Return the current end of the output, for :meth:`written`."""
         return len(self._parts)
 
 
-_SMALL = frozenset({bool, float, type(None)})
+Evaluate: TypeAlias = Callable[[Run], object]
+"""Evaluates an expression, or executes a statement."""
+
+_MOST_SHOWN = 80
+
+
+@final
+class Program:
+    """A compiled template.
+
+    Args:
+        body: Its work.
+        names: The names that it looks up.
+        weight: The work of one execution of all of it, in steps.
+    """
+
+    __slots__ = ("_body", "_weight", "names")
+
+    def __init__(self, body: Evaluate, names: frozenset[str], weight: int) -> None:
+        self._body = body
+        self._weight = weight
+        self.names = names
+
+    def render(self, variables: Mapping[str, object], now: datetime | None) -> str:
+        """Return its output; see :meth:`Template.render`."""
+        run = Run(variables, now)
+        try:
+            run.spend(self._weight)
+            self._body(run)
+        except RecursionError:
+            raise TemplateError("a value is nested too deeply") from None
+        except (TypeError, ArithmeticError) as error:
+            raise TemplateError(f"the values do not fit the template: {str(error)[:_MOST_SHOWN]}") from error
+        except (ValueError, LookupError, AttributeError) as error:
+            # Their messages may show a value, which may be the code of a lock.
+            raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
+        return run.written()

@@ -1,6 +1,6 @@
-"""All filters and functions of the language by name, those of time, and those of Home Assistant alone.
+"""All filters and functions by name, those of time, and the names of Home Assistant alone. Pure.
 
-The clock and the time zone are those of the caller; functions that need them fail without them.
+Clock and time zone are given by the caller; functions that need them fail without them.
 """
 
 from __future__ import annotations
@@ -11,15 +11,13 @@ from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import TemplateError
 from homebot.conventions.jinja.lists import LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
-from homebot.conventions.jinja.methods import strftime_format
-from homebot.conventions.jinja.numbers import MISSING, NUMBER_CONSTANTS, NUMBER_FILTERS, NUMBER_FUNCTIONS, ORDER
+from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS, ORDER
 from homebot.conventions.jinja.patterns import find_all, find_all_index, matches, replaces, searches
-from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS
-from homebot.conventions.jinja.values import Namespace, Undefined, real, text
+from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
+from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined, real, text
 
-__all__ = ["CONSTANTS", "FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
+__all__ = ["FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
 
 def _now(run: Run) -> datetime:
@@ -43,29 +41,32 @@ def _from_timestamp(value: object) -> datetime:
     return datetime.fromtimestamp(real(value), UTC)
 
 
+def _or_default(default: object, name: str, convert: Callable[[], object]) -> object:
+    """Return the converted time, or the *default* for a value that is none."""
+    try:
+        return convert()
+    except (ValueError, TypeError, OverflowError, OSError, re.error):
+        if default is MISSING:
+            raise TemplateError(f"{name} is given a value that is not a time, and no default") from None
+        return default
+
+
 def _timestamp_custom(
     run: Run, value: object, date_format: object = "%Y-%m-%d %H:%M:%S", local: object = True, default: object = MISSING
 ) -> object:
-    try:
-        moment = _from_timestamp(value)
-    except (ValueError, TypeError, OverflowError, OSError):
-        return _or_default(default, "timestamp_custom")
+    moment = _or_default(default, "timestamp_custom", lambda: _from_timestamp(value))
+    if not isinstance(moment, datetime):
+        return moment
     return (_local(run, moment) if local else moment).strftime(strftime_format(text(date_format)))
 
 
 def _timestamp_local(run: Run, value: object, default: object = MISSING) -> object:
-    try:
-        moment = _from_timestamp(value)
-    except (ValueError, TypeError, OverflowError, OSError):
-        return _or_default(default, "timestamp_local")
-    return _local(run, moment).isoformat()
+    moment = _or_default(default, "timestamp_local", lambda: _from_timestamp(value))
+    return _local(run, moment).isoformat() if isinstance(moment, datetime) else moment
 
 
 def _timestamp_utc(_: Run, value: object, default: object = MISSING) -> object:
-    try:
-        return _from_timestamp(value).isoformat()
-    except (ValueError, TypeError, OverflowError, OSError):
-        return _or_default(default, "timestamp_utc")
+    return _or_default(default, "timestamp_utc", lambda: _from_timestamp(value).isoformat())
 
 
 def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
@@ -74,21 +75,14 @@ def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
     try:
         return datetime.fromtimestamp(real(value), UTC)
     except (ValueError, TypeError, OverflowError, OSError):
-        pass
-    if not isinstance(value, str):
-        return _or_default(default, "as_datetime")
-    try:
-        return datetime.fromisoformat(value)
-    except ValueError:
-        return None if default is MISSING else default
+        if not isinstance(value, str):
+            return _or_default(default, "as_datetime", lambda: _from_timestamp(value))
+    return _or_default(None if default is MISSING else default, "as_datetime", lambda: datetime.fromisoformat(value))
 
 
 def _strptime(_: Run, value: object, date_format: object, default: object = MISSING) -> object:
-    template = strftime_format(text(date_format))
-    try:
-        return datetime.strptime(_short(value), template)  # noqa: DTZ007 - without a zone, as it is in Home Assistant
-    except (ValueError, TypeError, re.error):
-        return _or_default(default, "strptime")
+    layout = strftime_format(text(date_format))
+    return _or_default(default, "strptime", lambda: datetime.strptime(_short(value), layout))  # noqa: DTZ007 - without a zone, as in Home Assistant
 
 
 def _short(value: object) -> str:
@@ -103,11 +97,13 @@ _LONGEST_MOMENT = 255
 def _as_timestamp(run: Run, value: object, default: object = MISSING) -> object:
     if isinstance(value, Undefined):
         value.fail()
-    try:
-        moment = value if isinstance(value, datetime) else datetime.fromisoformat(text(value))
-        return (_local(run, moment) if moment.tzinfo is None else moment).timestamp()
-    except ValueError:
-        return _or_default(default, "as_timestamp")
+    if isinstance(value, datetime):
+        return _aware(run, value).timestamp()
+    return _or_default(default, "as_timestamp", lambda: _aware(run, datetime.fromisoformat(text(value))).timestamp())
+
+
+def _aware(run: Run, moment: datetime) -> datetime:
+    return _local(run, moment) if moment.tzinfo is None else moment
 
 
 def _as_local(run: Run, value: object) -> datetime:
@@ -120,12 +116,6 @@ def _timedelta(_: Run, **parts: float) -> timedelta:
     return timedelta(**parts)
 
 
-def _or_default(default: object, filter_: str) -> object:
-    if default is MISSING:
-        raise TemplateError(f"{filter_} is given a value that is not a time, and no default")
-    return default
-
-
 _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_datetime": _as_datetime,
     "as_local": _as_local,
@@ -136,16 +126,6 @@ _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "utcnow": _utc_now,
 }
 """By name; each takes the run first."""
-
-_TIME_FILTERS: Final[dict[str, Callable[..., object]]] = {
-    "as_datetime": _as_datetime,
-    "as_local": _as_local,
-    "as_timestamp": _as_timestamp,
-    "timestamp_custom": _timestamp_custom,
-    "timestamp_local": _timestamp_local,
-    "timestamp_utc": _timestamp_utc,
-}
-"""By name; each takes the run and the value first."""
 
 
 def _contains(_: Run, value: object, one: object) -> object:
@@ -169,14 +149,14 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
     return [run.handle(mapped(run, run.handle(one), *arguments[1:], **named)) for one in values]
 
 
-CONSTANTS: Final[dict[str, float]] = NUMBER_CONSTANTS
-"""Meanings of these names where the template and its variables say nothing else."""
-
 FILTERS: Final[dict[str, Callable[..., object]]] = {
     **LIST_FILTERS,
     **NUMBER_FILTERS,
     **TEXT_FILTERS,
-    **_TIME_FILTERS,
+    **{name: _TIME_FUNCTIONS[name] for name in ("as_datetime", "as_local", "as_timestamp")},
+    "timestamp_custom": _timestamp_custom,
+    "timestamp_local": _timestamp_local,
+    "timestamp_utc": _timestamp_utc,
     "contains": _contains,
     "map": _map,
     "regex_findall": find_all,
@@ -196,35 +176,10 @@ FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 }
 """By name; each takes the run first."""
 
-HOME_ASSISTANT: Final = frozenset(
-    {
-        "area_devices",
-        "area_entities",
-        "area_id",
-        "area_name",
-        "areas",
-        "closest",
-        "config_entry_id",
-        "device_attr",
-        "device_entities",
-        "device_id",
-        "distance",
-        "expand",
-        "has_value",
-        "integration_entities",
-        "is_device_attr",
-        "is_hidden_entity",
-        "is_state",
-        "is_state_attr",
-        "relative_time",
-        "state_attr",
-        "state_translated",
-        "states",
-        "this",
-        "time_since",
-        "time_until",
-        "today_at",
-        "trigger",
-    }
-)
+_HOME_ASSISTANT = """
+area_devices area_entities area_id area_name areas closest config_entry_id device_attr device_entities device_id
+distance expand has_value integration_entities is_device_attr is_hidden_entity is_state is_state_attr relative_time
+state_attr state_translated states this time_since time_until today_at trigger
+"""
+HOME_ASSISTANT: Final = frozenset(_HOME_ASSISTANT.split())
 """Names that only mean something inside Home Assistant."""

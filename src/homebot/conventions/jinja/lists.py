@@ -7,10 +7,9 @@ from collections.abc import Callable
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_ITEMS, TemplateError
-from homebot.conventions.jinja.methods import join
 from homebot.conventions.jinja.tests import CHECKS
-from homebot.conventions.jinja.values import UNDEFINED, Undefined, item, text, whole
+from homebot.conventions.jinja.texts import join
+from homebot.conventions.jinja.values import MAX_ITEMS, UNDEFINED, TemplateError, Undefined, item, text, whole
 
 __all__ = ["LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "values_of"]
 
@@ -69,13 +68,11 @@ def _extreme(choose: Callable[..., object]) -> Callable[..., object]:
     return extreme
 
 
-def _extreme_of(choose: Callable[..., object]) -> Callable[..., object]:
-    extreme = _extreme(choose)
+_LEAST, _MOST = _extreme(min), _extreme(max)
 
-    def function(run: Run, *values: object, **named: object) -> object:
-        return extreme(run, values[0] if len(values) == 1 else values, **named)
 
-    return function
+def _of_arguments(extreme: Callable[..., object]) -> Callable[..., object]:
+    return lambda run, *values, **named: extreme(run, values[0] if len(values) == 1 else values, **named)
 
 
 def _unique(run: Run, value: object, case_sensitive: object = False, attribute: object = None) -> object:
@@ -121,16 +118,12 @@ def _join(run: Run, value: object, separator: object = "", attribute: object = N
     return join(text(separator), [text(run.handle(one)) for one in found])
 
 
-def _last(run: Run, value: object) -> object:
-    if isinstance(value, str):
-        return value[-1:] or UNDEFINED
-    return (values_of(run, value) or [UNDEFINED])[-1]
+def _end(index: int) -> Callable[..., object]:
+    def end(run: Run, value: object) -> object:
+        values = value if isinstance(value, str) else values_of(run, value)
+        return values[index] if values else UNDEFINED
 
-
-def _first(run: Run, value: object) -> object:
-    if isinstance(value, str):
-        return value[:1] or UNDEFINED
-    return (values_of(run, value) or [UNDEFINED])[0]
+    return end
 
 
 def _reverse(run: Run, value: object) -> object:
@@ -183,14 +176,14 @@ _python_sorted: Callable[..., object] = sorted
 LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "count": _length,
     "dictsort": _dictionary_sort,
-    "first": _first,
+    "first": _end(0),
     "items": _items,
     "join": _join,
-    "last": _last,
+    "last": _end(-1),
     "length": _length,
     "list": _of(list),
-    "max": _extreme(max),
-    "min": _extreme(min),
+    "max": _MOST,
+    "min": _LEAST,
     "reject": _selecting(expected=False, of_attribute=False),
     "rejectattr": _selecting(expected=False, of_attribute=True),
     "reverse": _reverse,
@@ -204,8 +197,8 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
 
 LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "dict": _dictionary,
-    "max": _extreme_of(max),
-    "min": _extreme_of(min),
+    "max": _of_arguments(_MOST),
+    "min": _of_arguments(_LEAST),
     "range": _range,
     "tuple": _of(tuple),
 }

@@ -1,6 +1,6 @@
-"""Arithmetic as Python has it, where no result can be large, and filters and functions of numbers.
+"""Arithmetic as in Python with bounded results, and filters and functions of numbers. Pure.
 
-Bounds on numbers are checked by :meth:`Run.handle`. A filter with a *default* gives it for a value that is no number,
+Bounds on numbers are checked by :meth:`Run.handle`. A filter with a *default* returns it for a value that is no number,
 and fails without one; an undefined value fails with one too.
 
 Source: ``homeassistant/helpers/template.py`` of Home Assistant 2025.4.4.
@@ -14,12 +14,20 @@ from collections.abc import Callable
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_ITEMS, MAX_NUMBER_BITS, MAX_NUMERAL, MAX_TEXT, TemplateError
-from homebot.conventions.jinja.methods import percent
-from homebot.conventions.jinja.values import Undefined, real, text, whole
+from homebot.conventions.jinja.texts import percent
+from homebot.conventions.jinja.values import (
+    MAX_ITEMS,
+    MAX_NUMBER_BITS,
+    MAX_NUMERAL,
+    MAX_TEXT,
+    TemplateError,
+    Undefined,
+    real,
+    text,
+    whole,
+)
 
-__all__ = ["BINARY", "MISSING", "NUMBER_CONSTANTS", "NUMBER_FILTERS", "NUMBER_FUNCTIONS", "ORDER", "is_number"]
-
+__all__ = ["BINARY", "CONSTANTS", "MISSING", "NUMBER_FILTERS", "NUMBER_FUNCTIONS", "ORDER", "is_number"]
 
 Binary = Callable[..., object]
 
@@ -84,60 +92,69 @@ def _container(many: object) -> list[object] | str | tuple[object, ...] | dict[o
 
 
 MISSING: Final = object()
-"""Stands for a default that was not given."""
+"""Stands for a default that is not given."""
 
 _MOST_DECIMALS = 300
+_LONGEST_FLAG = 32
+_FLAGS: Final[dict[str | None, bool]] = {
+    **dict.fromkeys(("1", "true", "yes", "on", "enable"), True),
+    **dict.fromkeys(("0", "false", "no", "off", "disable"), False),
+}
 
 
 def is_number(_: Run, value: object) -> bool:
-    """Return whether *value* is a number with an end, or the text of one."""
+    """Return whether *value* is a finite number, or the text of one."""
     try:
         return math.isfinite(real(value))
     except (ValueError, TypeError):
         return False
 
 
-def _or_default(value: object, default: object, filter_: str) -> object:
-    if default is MISSING:
-        raise TemplateError(f"{filter_} is given a {type(value).__name__} that it cannot convert, and no default")
-    return default
+def _or_default(value: object, default: object, name: str, convert: Callable[[], object]) -> object:
+    """Return the converted *value*, or the *default* if it cannot be converted."""
+    try:
+        return convert()
+    except (ValueError, TypeError):
+        if default is MISSING:
+            kind = type(value).__name__
+            raise TemplateError(f"{name} is given a {kind} that it cannot convert, and no default") from None
+        return default
 
 
 def _float(_: Run, value: object, default: object = MISSING) -> object:
-    try:
-        return real(value)
-    except (ValueError, TypeError):
-        return _or_default(value, default, "float")
+    return _or_default(value, default, "float", lambda: real(value))
 
 
 def _int(_: Run, value: object, default: object = MISSING, base: object = 10) -> object:
     if isinstance(value, Undefined):
         value.fail()
-    if isinstance(value, str) and len(value) > MAX_NUMERAL:
-        return _or_default(value, default, "int")
-    try:
-        return int(value, whole(base)) if isinstance(value, str) else int(real(value)) if _inexact(value) else value
-    except (ValueError, TypeError):
-        pass
-    try:
-        # So that "42.23" gives 42.
-        return int(real(value))
-    except (ValueError, TypeError, OverflowError):
-        return _or_default(value, default, "int")
 
+    def convert() -> object:
+        if isinstance(value, int) and not isinstance(value, bool):
+            return value
+        if isinstance(value, str) and len(value) <= MAX_NUMERAL:
+            try:
+                return int(value, whole(base))
+            except (ValueError, TypeError):
+                pass  # 42.23 gives 42
+        number = real(value)
+        if isinstance(value, str) and not math.isfinite(number):
+            raise ValueError("an infinite number is no whole one")
+        return int(number)
 
-def _inexact(value: object) -> bool:
-    return isinstance(value, bool) or not isinstance(value, int)
+    return _or_default(value, default, "int", convert)
 
 
 def _bool(_: Run, value: object, default: object = MISSING) -> object:
-    if isinstance(value, str):
-        text = value[:_LONGEST_FLAG].lower().strip()
-        if text in _YES or text in _NO:
-            return text in _YES
-    elif isinstance(value, (bool, int, float)):
-        return value != 0
-    return _or_default(value, default, "bool")
+    def convert() -> bool:
+        flag = value[:_LONGEST_FLAG].lower().strip() if isinstance(value, str) else None
+        if flag in _FLAGS:
+            return _FLAGS[flag]
+        if isinstance(value, (bool, int, float)):
+            return value != 0
+        raise TypeError("no flag")
+
+    return _or_default(value, default, "bool", convert)
 
 
 def _round(
@@ -146,28 +163,26 @@ def _round(
     places = whole(precision)
     if abs(places) > _MOST_DECIMALS:
         raise TemplateError(f"a number is rounded to more than {_MOST_DECIMALS} places")
-    try:
-        multiplier = float(10**places)
-        number = real(value)
-        if method == "ceil":
-            number = math.ceil(number * multiplier) / multiplier
-        elif method == "floor":
-            number = math.floor(number * multiplier) / multiplier
-        elif method == "half":
-            number = round(number * 2) / 2
-        else:
-            number = round(number, places)
+
+    def convert() -> float:
+        multiplier, number = float(10**places), real(value)
+        match method:
+            case "ceil":
+                number = math.ceil(number * multiplier) / multiplier
+            case "floor":
+                number = math.floor(number * multiplier) / multiplier
+            case "half":
+                number = round(number * 2) / 2
+            case _:
+                number = round(number, places)
         return int(number) if places == 0 else number
-    except (ValueError, TypeError):
-        return _or_default(value, default, "round")
+
+    return _or_default(value, default, "round", convert)
 
 
 def _with_amount(operate: Callable[[float, float], object], name: str) -> Callable[..., object]:
     def calculate(_: Run, value: object, amount: object, default: object = MISSING) -> object:
-        try:
-            return operate(real(value), _amount(amount))
-        except (ValueError, TypeError):
-            return _or_default(value, default, name)
+        return _or_default(value, default, name, lambda: operate(real(value), _amount(amount)))
 
     return calculate
 
@@ -182,19 +197,13 @@ def _amount(value: object) -> float:
 
 def _of_number(calculate: Callable[[float], float], name: str) -> Callable[..., object]:
     def filter_(_: Run, value: object, default: object = MISSING) -> object:
-        try:
-            return calculate(real(value))
-        except (ValueError, TypeError):
-            return _or_default(value, default, name)
+        return _or_default(value, default, name, lambda: calculate(real(value)))
 
     return filter_
 
 
 def _log(_: Run, value: object, base: object = math.e, default: object = MISSING) -> object:
-    try:
-        return math.log(real(value), real(base))
-    except (ValueError, TypeError):
-        return _or_default(value, default, "log")
+    return _or_default(value, default, "log", lambda: math.log(real(value), real(base)))
 
 
 def _abs(_: Run, value: object) -> object:
@@ -208,11 +217,16 @@ def _bitwise(operate: Callable[[int, int], int]) -> Callable[..., object]:
 
 
 def _average(_: Run, values: object, default: object = MISSING) -> object:
-    if not isinstance(values, (list, tuple)) or not values:
-        return _or_default(values, default, "average")
-    if not all(isinstance(one, (int, float)) for one in values):
-        return _or_default(values, default, "average")
-    return math.fsum(values) / len(values)
+    def convert() -> float:
+        if (
+            not isinstance(values, (list, tuple))
+            or not values
+            or not all(isinstance(one, (int, float)) for one in values)
+        ):
+            raise TypeError("no numbers")
+        return math.fsum(values) / len(values)
+
+    return _or_default(values, default, "average", convert)
 
 
 def _iif(_: Run, value: object, if_true: object = True, if_false: object = False, if_none: object = MISSING) -> object:
@@ -227,16 +241,8 @@ def _ordinal(_: Run, value: object) -> str:
     return shown + ("th" if tens in range(11, 14) else {1: "st", 2: "nd", 3: "rd"}.get(ones, "th"))
 
 
-_LONGEST_FLAG = 32
-_YES = frozenset({"1", "true", "yes", "on", "enable"})
-_NO = frozenset({"0", "false", "no", "off", "disable"})
-
-_CURVES: Final = {
-    name: _of_number(getattr(math, name), name) for name in ("acos", "asin", "atan", "cos", "sin", "sqrt", "tan")
-}
-
 NUMBER_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
-    **_CURVES,
+    **{name: _of_number(getattr(math, name), name) for name in ("acos", "asin", "atan", "cos", "sin", "sqrt", "tan")},
     "bool": _bool,
     "float": _float,
     "iif": _iif,
@@ -249,16 +255,16 @@ NUMBER_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 NUMBER_FILTERS: Final[dict[str, Callable[..., object]]] = {
     **NUMBER_FUNCTIONS,
     "abs": _abs,
-    "add": _with_amount(lambda value, amount: value + amount, "add"),
+    "add": _with_amount(operator.add, "add"),
     "average": _average,
-    "bitwise_and": _bitwise(lambda first, second: first & second),
-    "bitwise_or": _bitwise(lambda first, second: first | second),
-    "bitwise_xor": _bitwise(lambda first, second: first ^ second),
-    "multiply": _with_amount(lambda value, amount: value * amount, "multiply"),
+    "bitwise_and": _bitwise(operator.and_),
+    "bitwise_or": _bitwise(operator.or_),
+    "bitwise_xor": _bitwise(operator.xor),
+    "multiply": _with_amount(operator.mul, "multiply"),
     "ordinal": _ordinal,
     "round": _round,
 }
 """By name; each takes the run and the value first."""
 
-NUMBER_CONSTANTS: Final[dict[str, float]] = {"e": math.e, "pi": math.pi, "tau": math.tau}
-"""Meanings of these names where the template and its variables say nothing else."""
+CONSTANTS: Final[dict[str, float]] = {"e": math.e, "pi": math.pi, "tau": math.tau}
+"""Meanings of names that are not defined otherwise."""

@@ -14,8 +14,7 @@ import warnings
 from functools import lru_cache
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_TEXT, TemplateError
-from homebot.conventions.jinja.values import text, whole
+from homebot.conventions.jinja.values import MAX_TEXT, TemplateError, text, whole
 
 __all__ = ["find_all", "find_all_index", "matches", "replaces", "searches"]
 

@@ -1,30 +1,52 @@
-"""Reads templates with Jinja's own parser, and lets through a listed part of its language. Only here is Jinja known.
+"""Compiler of templates: Jinja's parser, and a listed part of its language as bounded functions.
 
-Source: Jinja 3.1 documentation, The Abstract Syntax Tree. Of Jinja nothing but its lexer and parser is used: templates
-are executed by :mod:`expressions` and :mod:`statements`.
+Only here is Jinja used.
+
+A function, a method and an operator count the size of their values before, if it decides their cost, and the size of
+their result after.
+
+Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 """
 
 from __future__ import annotations
 
 import operator
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from typing import Final, TypeAlias, final
 
 import jinja2
 from jinja2 import nodes
 
-from homebot.conventions.jinja import expressions, statements
-from homebot.conventions.jinja.expressions import Evaluate
-from homebot.conventions.jinja.functions import CONSTANTS, FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.conventions.jinja.limits import MAX_DEPTH, MAX_FOR_DEPTH, MAX_TOKENS, TemplateError
-from homebot.conventions.jinja.methods import METHODS
-from homebot.conventions.jinja.statements import Assign, Execute, Program
+from homebot.conventions.jinja.evaluation import Evaluate, Program, Run
+from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
+from homebot.conventions.jinja.lists import values_of
+from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
 from homebot.conventions.jinja.tests import CHECKS
-from homebot.conventions.jinja.values import UNDEFINED
+from homebot.conventions.jinja.texts import METHODS, method_of
+from homebot.conventions.jinja.values import (
+    MAX_DEPTH,
+    MAX_FOR_DEPTH,
+    MAX_TOKENS,
+    UNDEFINED,
+    Namespace,
+    TemplateError,
+    Undefined,
+    item,
+    text,
+    whole,
+)
 
 __all__ = ["parse"]
+
+_Assign: TypeAlias = Callable[[Run, object], None]
+_Function: TypeAlias = Callable[..., object]
+_Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
+
+_ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
+_MOST_SHOWN = 60
+_LARGEST_LITERAL = 64
 
 
 def parse(source: str) -> Program:
@@ -36,20 +58,20 @@ def parse(source: str) -> Program:
     """
     _check_brackets(source)
     tree = _tree(source)
-    reader = _SyntaxReader()
+    compiler = _Compiler()
     try:
-        body = reader.statements(tree.body)
+        body = compiler.block(tree.body)
     except RecursionError:
         raise TemplateError("is nested too deeply") from None
-    missing = (reader.referenced - reader.assigned) & HOME_ASSISTANT
+    missing = (compiler.referenced - compiler.assigned) & HOME_ASSISTANT
     if missing:
         raise TemplateError(f"uses `{min(missing)}`, which only Home Assistant has")
-    return Program(body, frozenset(reader.referenced), reader.weight)
+    return Program(body, frozenset(compiler.referenced), compiler.weight)
 
 
 @final
-class _SyntaxReader:
-    """Goes through Jinja's tree once; *weight* counts its nodes."""
+class _Compiler:
+    """Visitor of Jinja's tree; *weight* counts its nodes."""
 
     def __init__(self) -> None:
         self.referenced: set[str] = set()
@@ -59,164 +81,243 @@ class _SyntaxReader:
         self._loops = 0
         self._in_loop = False
 
-    def statements(self, body: Iterable[nodes.Node]) -> tuple[Execute, ...]:
-        return tuple([self._statement(node) for node in body])
+    def block(self, body: Iterable[nodes.Node]) -> Evaluate:
+        """Compile statements into one."""
+        statements = self._all(body)
 
-    def _statement(self, node: nodes.Node) -> Execute:
-        read = _STATEMENTS.get(type(node))
-        if read is None:
+        def execute(run: Run) -> None:
+            for statement in statements:
+                statement(run)
+
+        return execute
+
+    def _compile(self, node: nodes.Node) -> Evaluate:
+        visit: Callable[[nodes.Node], Evaluate] | None = getattr(self, f"visit_{type(node).__name__.lower()}", None)
+        if visit is None:
             raise TemplateError(f"uses {_described(node)}, which is not supported")
-        self._enter()
-        statement = read(self, node)
-        self._depth -= 1
-        return statement
-
-    def expression(self, node: nodes.Node) -> Evaluate:
-        read = _EXPRESSIONS.get(type(node))
-        if read is None:
-            raise TemplateError(f"uses {_described(node)}, which is not supported")
-        self._enter()
-        expression = read(self, node)
-        self._depth -= 1
-        return expression
-
-    def _enter(self) -> None:
         self.weight += 1
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise TemplateError("is nested too deeply")
+        evaluate = visit(node)
+        self._depth -= 1
+        return evaluate
 
-    def _expressions(self, many: Iterable[nodes.Node]) -> list[Evaluate]:
-        return [self.expression(node) for node in many]
+    def _all(self, many: Iterable[nodes.Node]) -> tuple[Evaluate, ...]:
+        return tuple([self._compile(node) for node in many])
 
-    def _target(self, node: nodes.Node) -> Assign:
-        self.weight += 1
-        if isinstance(node, nodes.Name):
-            self.assigned.add(node.name)
-            return statements.to_name(node.name)
-        if isinstance(node, nodes.NSRef):
-            return statements.to_attribute(node.name, node.attr)
-        if isinstance(node, nodes.Tuple):
-            return statements.to_several([self._target(one) for one in node.items])
-        raise TemplateError(f"assigns to {_described(node)}, which is not supported")
+    # Statements
 
-    def output(self, node: nodes.Output) -> Execute:
-        return statements.output(self._expressions(node.nodes))
+    def visit_output(self, node: nodes.Output) -> Evaluate:
+        values = self._all(node.nodes)
 
-    def data(self, node: nodes.TemplateData) -> Evaluate:
-        return expressions.constant(node.data)
+        def execute(run: Run) -> None:
+            for value in values:
+                run.write(value(run))
 
-    def if_(self, node: nodes.If) -> Execute:
-        cases = [(self.expression(one.test), self.statements(one.body)) for one in (node, *node.elif_)]
-        return statements.choice(cases, self.statements(node.else_))
+        return execute
 
-    def for_(self, node: nodes.For) -> Execute:
+    def visit_if(self, node: nodes.If) -> Evaluate:
+        cases = [(self._compile(one.test), self.block(one.body)) for one in (node, *node.elif_)]
+        otherwise = self.block(node.else_)
+
+        def execute(run: Run) -> None:
+            for test, body in cases:
+                if test(run):
+                    body(run)
+                    return
+            otherwise(run)
+
+        return execute
+
+    def visit_for(self, node: nodes.For) -> Evaluate:
         if node.recursive:
             raise TemplateError("uses a recursive loop, which is not supported")
         self._loops += 1
         if self._loops > MAX_FOR_DEPTH:
             raise TemplateError(f"has more than {MAX_FOR_DEPTH} nested loops")
-        values = self.expression(node.iter)
+        values = self._compile(node.iter)
         before = self.weight
         target = self._target(node.target)
-        test = None if node.test is None else self.expression(node.test)
-        around, self._in_loop = self._in_loop, True
-        body = self.statements(node.body)
-        self._in_loop = around
+        test = None if node.test is None else self._compile(node.test)
+        body = self._body(node.body, in_loop=True)
         weight = self.weight - before
         self._loops -= 1
-        return statements.loop(target, values, test, body, self.statements(node.else_), weight)
+        otherwise = self.block(node.else_)
 
-    def assign(self, node: nodes.Assign) -> Execute:
-        return statements.assignment(self._target(node.target), self.expression(node.node))
+        def execute(run: Run) -> None:
+            chosen = _chosen(run, values_of(run, values(run)), target, test, weight)
+            for index, value in enumerate(chosen):
+                run.spend(weight)
+                with run.scope():
+                    run.assign("loop", _position(chosen, index))
+                    target(run, value)
+                    try:
+                        body(run)
+                    except _ContinueLoop:
+                        continue
+                    except _BreakLoop:
+                        break
+            if not chosen:
+                otherwise(run)
 
-    def assign_block(self, node: nodes.AssignBlock) -> Execute:
+        return execute
+
+    def visit_break(self, node: nodes.Node) -> Evaluate:
+        return self._jump(node, _BreakLoop)
+
+    def visit_continue(self, node: nodes.Node) -> Evaluate:
+        return self._jump(node, _ContinueLoop)
+
+    def _jump(self, node: nodes.Node, jump: type[Exception]) -> Evaluate:
+        if not self._in_loop:
+            raise TemplateError(f"uses {_described(node)} outside a loop")
+
+        def execute(_: Run) -> None:
+            raise jump
+
+        return execute
+
+    def visit_assign(self, node: nodes.Assign) -> Evaluate:
+        target, value = self._target(node.target), self._compile(node.node)
+        return lambda run: target(run, value(run))
+
+    def visit_assignblock(self, node: nodes.AssignBlock) -> Evaluate:
         if node.filter is not None:
             raise TemplateError("uses a filter on a block, which is not supported")
-        around, self._in_loop = self._in_loop, False
-        body = self.statements(node.body)
+        body = self._body(node.body, in_loop=False)
+        target = self._target(node.target)
+
+        def execute(run: Run) -> None:
+            start = run.mark()
+            with run.scope():
+                body(run)
+            target(run, run.written(start))
+
+        return execute
+
+    def _body(self, body: Iterable[nodes.Node], *, in_loop: bool) -> Evaluate:
+        around, self._in_loop = self._in_loop, in_loop
+        compiled = self.block(body)
         self._in_loop = around
-        return statements.block_assignment(self._target(node.target), body)
+        return compiled
 
-    def break_(self, node: nodes.Node) -> Execute:
-        self._must_be_in_loop(node)
-        return statements.break_loop
+    def _target(self, node: nodes.Node) -> _Assign:
+        self.weight += 1
+        if isinstance(node, nodes.Name):
+            name = node.name
+            self.assigned.add(name)
+            return lambda run, value: run.assign(name, value)
+        if isinstance(node, nodes.NSRef):
+            return _attribute_target(node.name, node.attr)
+        if isinstance(node, nodes.Tuple):
+            return _tuple_target([self._target(one) for one in node.items])
+        raise TemplateError(f"assigns to {_described(node)}, which is not supported")
 
-    def continue_(self, node: nodes.Node) -> Execute:
-        self._must_be_in_loop(node)
-        return statements.continue_loop
+    # Expressions
 
-    def name(self, node: nodes.Name) -> Evaluate:
-        self.referenced.add(node.name)
-        return expressions.name(node.name, CONSTANTS.get(node.name, UNDEFINED))
+    def visit_templatedata(self, node: nodes.TemplateData) -> Evaluate:
+        return _constant(node.data)
 
-    def constant(self, node: nodes.Const) -> Evaluate:
-        value: object = node.value
-        if isinstance(value, int) and value.bit_length() > _LARGEST_LITERAL:
+    def visit_const(self, node: nodes.Const) -> Evaluate:
+        if isinstance(node.value, int) and node.value.bit_length() > _LARGEST_LITERAL:
             raise TemplateError("has a number that is too large")
-        return expressions.constant(value)
+        return _constant(node.value)
 
-    def list_(self, node: nodes.List) -> Evaluate:
-        return expressions.listing(self._expressions(node.items), list)
+    def visit_name(self, node: nodes.Name) -> Evaluate:
+        name = node.name
+        self.referenced.add(name)
+        otherwise = CONSTANTS.get(name, UNDEFINED)
 
-    def tuple_(self, node: nodes.Tuple) -> Evaluate:
-        return expressions.listing(self._expressions(node.items), tuple)
+        def evaluate(run: Run) -> object:
+            value = run.lookup(name)
+            return otherwise if isinstance(value, Undefined) else value
 
-    def mapping(self, node: nodes.Dict) -> Evaluate:
-        return expressions.mapping([(self.expression(one.key), self.expression(one.value)) for one in node.items])
+        return evaluate
 
-    def attribute(self, node: nodes.Getattr) -> Evaluate:
-        return expressions.lookup(self.expression(node.node), expressions.constant(node.attr))
+    def visit_list(self, node: nodes.List) -> Evaluate:
+        items = self._all(node.items)
+        return lambda run: run.handle([one(run) for one in items])
 
-    def item(self, node: nodes.Getitem) -> Evaluate:
-        value = self.expression(node.node)
-        if isinstance(node.arg, nodes.Slice):
-            bounds = (node.arg.start, node.arg.stop, node.arg.step)
-            return expressions.part(
-                value, [expressions.constant(None) if one is None else self.expression(one) for one in bounds]
-            )
-        return expressions.lookup(value, self.expression(node.arg))
+    def visit_tuple(self, node: nodes.Tuple) -> Evaluate:
+        items = self._all(node.items)
+        return lambda run: run.handle(tuple([one(run) for one in items]))
 
-    def condition(self, node: nodes.CondExpr) -> Evaluate:
-        no = expressions.constant(UNDEFINED) if node.expr2 is None else self.expression(node.expr2)
-        return expressions.condition(self.expression(node.test), self.expression(node.expr1), no)
+    def visit_dict(self, node: nodes.Dict) -> Evaluate:
+        items = [(self._compile(one.key), self._compile(one.value)) for one in node.items]
+        return lambda run: run.handle({key(run): value(run) for key, value in items})
 
-    def binary(self, node: nodes.BinExpr) -> Evaluate:
-        return expressions.binary(type(node).__name__, self.expression(node.left), self.expression(node.right))
+    def visit_getattr(self, node: nodes.Getattr) -> Evaluate:
+        value, key = self._compile(node.node), node.attr
+        return lambda run: item(value(run), key)
 
-    def and_(self, node: nodes.And) -> Evaluate:
-        return expressions.conjunction(self.expression(node.left), self.expression(node.right))
+    def visit_getitem(self, node: nodes.Getitem) -> Evaluate:
+        value = self._compile(node.node)
+        if not isinstance(node.arg, nodes.Slice):
+            key = self._compile(node.arg)
+            return lambda run: item(value(run), key(run))
+        bounds = (node.arg.start, node.arg.stop, node.arg.step)
+        compiled = [_constant(None) if one is None else self._compile(one) for one in bounds]
+        return lambda run: run.handle(_part(value(run), [bound(run) for bound in compiled]))
 
-    def or_(self, node: nodes.Or) -> Evaluate:
-        return expressions.disjunction(self.expression(node.left), self.expression(node.right))
+    def visit_condexpr(self, node: nodes.CondExpr) -> Evaluate:
+        no = _constant(UNDEFINED) if node.expr2 is None else self._compile(node.expr2)
+        test, yes = self._compile(node.test), self._compile(node.expr1)
+        return lambda run: yes(run) if test(run) else no(run)
 
-    def not_(self, node: nodes.Not) -> Evaluate:
-        return expressions.negation(self.expression(node.node))
+    def _binary(self, node: nodes.BinExpr) -> Evaluate:
+        operate, left, right = BINARY[type(node).__name__], self._compile(node.left), self._compile(node.right)
+        return lambda run: run.handle(operate(run.handle(left(run)), run.handle(right(run))))
 
-    def negative(self, node: nodes.Neg) -> Evaluate:
-        return expressions.sign(operator.neg, self.expression(node.node))
+    visit_add = visit_sub = visit_mul = visit_div = visit_floordiv = visit_mod = visit_pow = _binary
 
-    def positive(self, node: nodes.Pos) -> Evaluate:
-        return expressions.sign(operator.pos, self.expression(node.node))
+    def visit_and(self, node: nodes.And) -> Evaluate:
+        left, right = self._compile(node.left), self._compile(node.right)
+        return lambda run: left(run) and right(run)
 
-    def compare(self, node: nodes.Compare) -> Evaluate:
-        others = [(one.op, self.expression(one.expr)) for one in node.ops]
-        return expressions.comparison(self.expression(node.expr), others)
+    def visit_or(self, node: nodes.Or) -> Evaluate:
+        left, right = self._compile(node.left), self._compile(node.right)
+        return lambda run: left(run) or right(run)
 
-    def concatenation(self, node: nodes.Concat) -> Evaluate:
-        return expressions.concatenation(self._expressions(node.nodes))
+    def _unary(self, node: nodes.UnaryExpr) -> Evaluate:
+        operate, value = _UNARY[type(node)], self._compile(node.node)
+        return lambda run: operate(value(run))
 
-    def filter_(self, node: nodes.Filter) -> Evaluate:
+    visit_not = visit_neg = visit_pos = _unary
+
+    def visit_compare(self, node: nodes.Compare) -> Evaluate:
+        """Compile a chain of comparisons, as in Python."""
+        steps = [(ORDER[one.op], self._compile(one.expr)) for one in node.ops]
+        first = self._compile(node.expr)
+
+        def evaluate(run: Run) -> object:
+            left = first(run)
+            result: object = True
+            for compare, value in steps:
+                right = value(run)
+                result = compare(_counted(run, left), _counted(run, right))
+                if not result:
+                    break
+                left = right
+            return result
+
+        return evaluate
+
+    def visit_concat(self, node: nodes.Concat) -> Evaluate:
+        values = self._all(node.nodes)
+        return lambda run: run.handle("".join([text(run.handle(value(run))) for value in values]))
+
+    def visit_filter(self, node: nodes.Filter) -> Evaluate:
         if node.node is None or node.name not in FILTERS:
             raise TemplateError(f"uses the filter `{node.name[:_MOST_SHOWN]}`, which is not supported")
         return self._call(FILTERS[node.name], [node.node, *node.args], node)
 
-    def check(self, node: nodes.Test) -> Evaluate:
+    def visit_test(self, node: nodes.Test) -> Evaluate:
         if node.name not in CHECKS:
             raise TemplateError(f"uses the test `{node.name[:_MOST_SHOWN]}`, which is not supported")
         return self._call(CHECKS[node.name], [node.node, *node.args], node)
 
-    def called(self, node: nodes.Call) -> Evaluate:
+    def visit_call(self, node: nodes.Call) -> Evaluate:
         called = node.node
         if isinstance(called, nodes.Name):
             if called.name in HOME_ASSISTANT:
@@ -228,76 +329,108 @@ class _SyntaxReader:
             raise TemplateError("calls something that is not a function")
         if not any(called.attr in methods for methods in METHODS.values()):
             raise TemplateError(f"uses the method `{called.attr[:_MOST_SHOWN]}()`, which is not supported")
-        owner = self.expression(called.node)
-        self._refuse_unpacking(node)
-        return expressions.call_method(owner, called.attr, self._expressions(node.args), self._named(node))
+        method = called.attr
 
-    def _call(
-        self,
-        function: expressions.Function,
-        arguments: Iterable[nodes.Node],
-        node: nodes.Call | nodes.Filter | nodes.Test,
-    ) -> Evaluate:
-        self._refuse_unpacking(node)
-        return expressions.call(function, self._expressions(arguments), self._named(node))
+        def call_method(_: Run, owner: object, *values: object, **named: object) -> object:
+            if isinstance(owner, Undefined):
+                owner.fail()
+            return method_of(owner, method)(owner, *values, **named)
 
-    def _named(self, node: nodes.Call | nodes.Filter | nodes.Test) -> list[tuple[str, Evaluate]]:
-        return [(one.key, self.expression(one.value)) for one in node.kwargs if isinstance(one, nodes.Keyword)]
+        return self._call(call_method, [called.node, *node.args], node)
 
-    def _must_be_in_loop(self, node: nodes.Node) -> None:
-        if not self._in_loop:
-            raise TemplateError(f"uses {_described(node)} outside a loop")
-
-    def _refuse_unpacking(self, node: nodes.Call | nodes.Filter | nodes.Test) -> None:
+    def _call(self, function: _Function, arguments: Iterable[nodes.Node], node: _Calling) -> Evaluate:
+        """Compile a call of a function that takes the run first."""
         if node.dyn_args is not None or node.dyn_kwargs is not None:
             raise TemplateError("calls with `*` or `**`, which is not supported")
+        compiled = self._all(arguments)
+        named = [(one.key, self._compile(one.value)) for one in node.kwargs if isinstance(one, nodes.Keyword)]
+
+        def evaluate(run: Run) -> object:
+            values = [run.handle(one(run)) for one in compiled]
+            return run.handle(function(run, *values, **{key: run.handle(one(run)) for key, one in named}))
+
+        return evaluate
 
 
-_ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
-_MOST_SHOWN = 60
-_LARGEST_LITERAL = 64
+class _BreakLoop(Exception):
+    """Ends the innermost loop."""
 
-_ReadExpression: TypeAlias = Callable[..., Evaluate]
-_ReadStatement: TypeAlias = Callable[..., Execute]
 
-_EXPRESSIONS: Final[dict[type[nodes.Node], _ReadExpression]] = {
-    nodes.Add: _SyntaxReader.binary,
-    nodes.And: _SyntaxReader.and_,
-    nodes.Call: _SyntaxReader.called,
-    nodes.Compare: _SyntaxReader.compare,
-    nodes.Concat: _SyntaxReader.concatenation,
-    nodes.CondExpr: _SyntaxReader.condition,
-    nodes.Const: _SyntaxReader.constant,
-    nodes.Dict: _SyntaxReader.mapping,
-    nodes.Div: _SyntaxReader.binary,
-    nodes.Filter: _SyntaxReader.filter_,
-    nodes.FloorDiv: _SyntaxReader.binary,
-    nodes.Getattr: _SyntaxReader.attribute,
-    nodes.Getitem: _SyntaxReader.item,
-    nodes.List: _SyntaxReader.list_,
-    nodes.Mod: _SyntaxReader.binary,
-    nodes.Mul: _SyntaxReader.binary,
-    nodes.Name: _SyntaxReader.name,
-    nodes.Neg: _SyntaxReader.negative,
-    nodes.Not: _SyntaxReader.not_,
-    nodes.Or: _SyntaxReader.or_,
-    nodes.Pos: _SyntaxReader.positive,
-    nodes.Pow: _SyntaxReader.binary,
-    nodes.Sub: _SyntaxReader.binary,
-    nodes.TemplateData: _SyntaxReader.data,
-    nodes.Test: _SyntaxReader.check,
-    nodes.Tuple: _SyntaxReader.tuple_,
+class _ContinueLoop(Exception):
+    """Ends a turn of the innermost loop."""
+
+
+_UNARY: Final[dict[type[nodes.Node], _Function]] = {
+    nodes.Not: operator.not_,
+    nodes.Neg: operator.neg,
+    nodes.Pos: operator.pos,
 }
 
-_STATEMENTS: Final[dict[type[nodes.Node], _ReadStatement]] = {
-    nodes.Assign: _SyntaxReader.assign,
-    nodes.AssignBlock: _SyntaxReader.assign_block,
-    nodes.Break: _SyntaxReader.break_,
-    nodes.Continue: _SyntaxReader.continue_,
-    nodes.For: _SyntaxReader.for_,
-    nodes.If: _SyntaxReader.if_,
-    nodes.Output: _SyntaxReader.output,
-}
+
+def _constant(value: object) -> Evaluate:
+    return lambda _: value
+
+
+def _attribute_target(name: str, attribute: str) -> _Assign:
+    def assign(run: Run, value: object) -> None:
+        owner = run.lookup(name)
+        if not isinstance(owner, Namespace):
+            raise TemplateError("only a namespace has attributes that can be set")
+        owner.attributes[attribute] = value
+
+    return assign
+
+
+def _tuple_target(targets: Sequence[_Assign]) -> _Assign:
+    def assign(run: Run, value: object) -> None:
+        for target, one in zip(targets, values_of(run, value), strict=True):
+            target(run, one)
+
+    return assign
+
+
+def _chosen(run: Run, values: list[object], target: _Assign, test: Evaluate | None, weight: int) -> list[object]:
+    """Return the values of a loop that pass its *test*."""
+    if test is None:
+        return values
+    chosen = []
+    for value in values:
+        run.spend(weight)
+        with run.scope():
+            target(run, value)
+            if test(run):
+                chosen.append(value)
+    return chosen
+
+
+def _position(values: list[object], index: int) -> dict[str, object]:
+    """Return the variable ``loop``."""
+    count = len(values)
+    return {
+        "index": index + 1,
+        "index0": index,
+        "revindex": count - index,
+        "revindex0": count - index - 1,
+        "first": index == 0,
+        "last": index == count - 1,
+        "length": count,
+        "previtem": values[index - 1] if index else UNDEFINED,
+        "nextitem": values[index + 1] if index < count - 1 else UNDEFINED,
+    }
+
+
+def _part(many: object, bounds: Sequence[object]) -> object:
+    """Return a slice of a list or text."""
+    if isinstance(many, Undefined):
+        many.fail()
+    if not isinstance(many, (str, bytes, list, tuple)):
+        raise TypeError(f"a {type(many).__name__} cannot be indexed")
+    start, stop, step = (None if bound is None else whole(bound) for bound in bounds)
+    return many[start:stop:step]
+
+
+def _counted(run: Run, value: object) -> object:
+    return run.handle(value) if isinstance(value, (list, tuple, dict)) else value
 
 
 def _tree(source: str) -> nodes.Template:

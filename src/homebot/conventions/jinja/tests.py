@@ -1,4 +1,4 @@
-"""The tests of the language: the words that may follow ``is``."""
+"""The tests of the language: the words after ``is``. Pure."""
 
 from __future__ import annotations
 
@@ -35,23 +35,19 @@ def _contains(_: Run, value: object, one: object) -> object:
     return ORDER["in"](one, value)
 
 
+_ORDERS: Final = {
+    "eq": ("==", "eq", "equalto"),
+    "ne": ("!=", "ne"),
+    "lt": ("<", "lt", "lessthan"),
+    "lteq": ("<=", "le"),
+    "gt": (">", "gt", "greaterthan"),
+    "gteq": (">=", "ge"),
+    "in": ("in",),
+}
+"""Names of each comparison."""
+
 CHECKS: Final[dict[str, Callable[..., object]]] = {
-    "==": _order("eq"),
-    "eq": _order("eq"),
-    "equalto": _order("eq"),
-    "!=": _order("ne"),
-    "ne": _order("ne"),
-    "<": _order("lt"),
-    "lt": _order("lt"),
-    "lessthan": _order("lt"),
-    "<=": _order("lteq"),
-    "le": _order("lteq"),
-    ">": _order("gt"),
-    "gt": _order("gt"),
-    "greaterthan": _order("gt"),
-    ">=": _order("gteq"),
-    "ge": _order("gteq"),
-    "in": _order("in"),
+    **{name: _order(operator) for operator, names in _ORDERS.items() for name in names},
     "boolean": _kind(bool),
     "contains": _contains,
     "datetime": _kind(datetime),

@@ -1,4 +1,7 @@
-"""Filters that make texts of values, or values of texts."""
+"""Texts: the methods of values, both ways of Python to format a text, and filters between values and texts. Pure.
+
+No width and no result is large.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,138 @@ import binascii
 import json
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from datetime import datetime, timedelta
+from string import Formatter
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import NotDefinedError, TemplateError
-from homebot.conventions.jinja.methods import METHODS, percent, replace
-from homebot.conventions.jinja.values import Undefined, text, whole
+from homebot.conventions.jinja.values import (
+    MAX_ITEMS,
+    MAX_TEXT,
+    NotDefinedError,
+    TemplateError,
+    Undefined,
+    text,
+    whole,
+)
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 
-__all__ = ["TEXT_FILTERS", "TEXT_FUNCTIONS"]
+__all__ = ["METHODS", "TEXT_FILTERS", "TEXT_FUNCTIONS", "join", "method_of", "percent", "replace", "strftime_format"]
+
+
+def percent(template: str, values: object) -> str:
+    """Return ``template % values``; a width may have two digits."""
+    for width in _PERCENT.findall(template):
+        if "*" in width or _LARGE.search(width):
+            raise TemplateError("a text is formatted to a large width")
+    return template % values
+
+
+def _braces(template: str, values: tuple[object, ...], named: dict[str, object]) -> str:
+    """Return ``template.format(*values, **named)``, with plain fields only."""
+    for _, field, width, _ in Formatter().parse(template):
+        if field is not None and not _FIELD.fullmatch(field):
+            raise TemplateError("a text is formatted with more than plain values")
+        if width and ("{" in width or _LARGE.search(width)):
+            raise TemplateError("a text is formatted to a large width")
+    return template.format(*values, **named)
+
+
+def strftime_format(template: str) -> str:
+    """Return *template*, a format of times; it must be short, with plain fields only."""
+    if len(template) > _LONGEST_TIME or not _TIME.fullmatch(template):
+        raise TemplateError("a time is formatted with more than plain fields")
+    return template
+
+
+_PERCENT = re.compile(r"%(?:\([^)]*\))?[-+ #0]*([0-9*]*(?:\.[0-9*]*)?)")
+_LARGE = re.compile(r"[0-9]{3}")
+_FIELD = re.compile(r"[A-Za-z0-9_]{0,32}")
+_LONGEST_TIME = 64
+_TIME = re.compile(r"(?:[^%]|%-?[A-Za-z%])*")
+
+
+def method_of(value: object, method: str) -> Callable[..., object]:
+    """Return the method of that name of *value*; it takes the value first."""
+    for kind, methods in METHODS.items():
+        if isinstance(value, kind) and method in methods:
+            return methods[method]
+    raise TemplateError(f"a {type(value).__name__} has no method {method}()")
+
+
+def replace(value: str, old: str, new: str, count: int = -1) -> str:
+    """Return ``value.replace(old, new, count)`` of limited length."""
+    times = value.count(old)
+    if count >= 0:
+        times = min(times, count)
+    if len(value) + times * (len(new) - len(old)) > MAX_TEXT:
+        raise TemplateError(f"a text has more than {MAX_TEXT} characters")
+    return value.replace(old, new, count)
+
+
+def join(separator: str, values: Iterable[str]) -> str:
+    """Return ``separator.join(values)`` of limited length."""
+    values = list(values)
+    if len(separator) * len(values) + sum(map(len, values)) > MAX_TEXT:
+        raise TemplateError(f"a text has more than {MAX_TEXT} characters")
+    return separator.join(values)
+
+
+def _splitting(split: Callable[..., list[str]]) -> Callable[..., list[str]]:
+    def splitted(value: str, separator: str | None = None, maxsplit: int = -1) -> list[str]:
+        return split(value, separator, MAX_ITEMS if maxsplit < 0 else min(maxsplit, MAX_ITEMS))
+
+    return splitted
+
+
+def _padding(pad: Callable[..., str]) -> Callable[..., str]:
+    def padded(value: str, width: int, *fill: str) -> str:
+        if width > MAX_TEXT:
+            raise TemplateError(f"a text has more than {MAX_TEXT} characters")
+        return pad(value, width, *fill)
+
+    return padded
+
+
+def _strftime(value: datetime, template: str) -> str:
+    return value.strftime(strftime_format(template))
+
+
+_TEXT_METHODS = (
+    "capitalize count endswith find index isalnum isalpha isdecimal isdigit islower isnumeric isupper lower lstrip "
+    "partition removeprefix removesuffix rfind rpartition rstrip splitlines startswith strip swapcase title upper"
+)
+
+METHODS: Final[dict[type, dict[str, Callable[..., object]]]] = {
+    str: {
+        **{name: getattr(str, name) for name in _TEXT_METHODS.split()},
+        **{name: _padding(getattr(str, name)) for name in ("center", "ljust", "rjust", "zfill")},
+        **{name: _splitting(getattr(str, name)) for name in ("split", "rsplit")},
+        "format": lambda value, *values, **named: _braces(value, values, named),
+        "join": join,
+        "replace": replace,
+    },
+    dict: {
+        "get": dict.get,
+        "items": lambda value: list(value.items()),
+        "keys": list,
+        "values": lambda value: list(value.values()),
+    },
+    list: {"count": list.count, "index": list.index},
+    tuple: {"count": tuple.count, "index": tuple.index},
+    float: {"is_integer": float.is_integer},
+    datetime: {
+        "isoformat": datetime.isoformat,
+        "isoweekday": datetime.isoweekday,
+        "strftime": _strftime,
+        "timestamp": datetime.timestamp,
+        "weekday": datetime.weekday,
+    },
+    timedelta: {"total_seconds": timedelta.total_seconds},
+}
+"""By the type of the value, by name."""
 
 
 def _default(_: Run, value: object, default: object = "", boolean: object = False) -> object:

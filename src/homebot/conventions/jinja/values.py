@@ -1,21 +1,80 @@
-"""The values a template handles: look-up and text of each, in bounded work."""
+"""Values, errors and limits of templates from outside: look-up and text of each value in bounded work. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import datetime
-from typing import NoReturn, final
+from typing import Final, NoReturn, final
 
-from homebot.conventions.jinja.limits import MAX_ITEMS, MAX_NUMERAL, MAX_TEXT, TemplateError, UndefinedValueError
+from homebot.errors import WireError
 
-__all__ = ["UNDEFINED", "Namespace", "Undefined", "item", "real", "text", "weigh", "whole"]
+__all__ = [
+    "MAX_DEPTH",
+    "MAX_FOR_DEPTH",
+    "MAX_ITEMS",
+    "MAX_NUMBER_BITS",
+    "MAX_NUMERAL",
+    "MAX_SOURCE",
+    "MAX_STEPS",
+    "MAX_TEXT",
+    "MAX_TOKENS",
+    "UNDEFINED",
+    "Namespace",
+    "NotDefinedError",
+    "TemplateError",
+    "Undefined",
+    "UndefinedValueError",
+    "item",
+    "real",
+    "text",
+    "weigh",
+    "whole",
+]
+
+MAX_SOURCE: Final = 8192
+"""Longest source, in characters."""
+
+MAX_TOKENS: Final = 1024
+"""Most tokens of a source. Jinja's parser needs about 15 microseconds for each."""
+
+MAX_DEPTH: Final = 64
+"""Deepest nesting of brackets in a source, and of operations; far from Python's recursion limit."""
+
+MAX_FOR_DEPTH: Final = 4
+"""Deepest nesting of loops."""
+
+MAX_STEPS: Final = 10_000
+"""Most work of one rendering. A step is about a microsecond: an operation, four values of a list, or 256 characters."""
+
+MAX_TEXT: Final = 65_536
+"""Longest text, also the rendered one, in characters."""
+
+MAX_ITEMS: Final = 4096
+"""Most values in a list or mapping, with those in its items."""
+
+MAX_NUMBER_BITS: Final = 256
+"""Largest whole number in bits."""
+
+MAX_NUMERAL: Final = 400
+"""Longest text that is read as a number, in characters: any finite float has fewer digits."""
+
+
+class TemplateError(WireError):
+    """A template gives no text: it is unsupported, or fails with these values, or would do too much work."""
+
+
+class UndefinedValueError(TemplateError):
+    """A template uses a missing value; Jinja's ``UndefinedError``."""
+
+
+class NotDefinedError(UndefinedValueError):
+    """A message lacks a value that the template checks by ``is_defined``: it is for another reader, and no fault."""
 
 
 class Undefined:
-    """The value of a name, a key or an index that has none.
+    """A missing value: false, empty and equal to its like, with an empty text.
 
-    It is false, empty and equal to its like, and its text is empty. Arithmetic, order, and looking into it raise
-    :class:`UndefinedValueError`.
+    Arithmetic, order, and look-up in it raise :class:`UndefinedValueError`.
 
     Source: Jinja 3.1 documentation, Undefined Types, ``Undefined``.
     """
@@ -27,9 +86,6 @@ class Undefined:
 
     def __repr__(self) -> str:
         return "Undefined"
-
-    def __bool__(self) -> bool:
-        return False
 
     def __len__(self) -> int:
         return 0
@@ -68,10 +124,13 @@ class Namespace:
         return "<Namespace>"
 
 
+_TIME_PARTS = frozenset({"year", "month", "day", "hour", "minute", "second", "microsecond"})
+
+
 def item(value: object, key: object) -> object:
     """Return the value at *key* in *value*: a key, an index, or a part of a time; UNDEFINED if there is none.
 
-    Jinja would go on to look for an attribute of that name. We do not: a field missing in a message is undefined.
+    Unlike in Jinja, attributes are not looked up: a field missing in a message is undefined.
 
     Raises:
         TemplateError: *value* is undefined itself.
@@ -106,7 +165,7 @@ def text(value: object) -> str:
 
 
 def weigh(value: object) -> int:
-    """Return how many values *value* is made of, itself counted, with one more for every 256 characters.
+    """Return the number of values in *value*, itself counted, with one more for every 256 characters.
 
     Raises:
         TemplateError: There are more than a template may handle.
@@ -121,11 +180,9 @@ def weigh(value: object) -> int:
         elif isinstance(one, (dict, list, tuple)):
             if count + len(waiting) + len(one) > MAX_ITEMS:
                 raise TemplateError(f"a list or mapping has more than {MAX_ITEMS} values")
+            waiting.extend(one)
             if isinstance(one, dict):
-                waiting.extend(one.keys())
                 waiting.extend(one.values())
-            else:
-                waiting.extend(one)
     if characters > MAX_TEXT:
         raise TemplateError(f"a text has more than {MAX_TEXT} characters")
     return count + characters // 256
@@ -135,22 +192,21 @@ def real(value: object) -> float:
     """Return ``float(value)``.
 
     Raises:
-        TypeError: *value* has no number.
-        ValueError: Its text is none.
+        TypeError: It is of another kind.
+        ValueError: Its text is no number.
         TemplateError: It is undefined.
     """
     if isinstance(value, Undefined):
         value.fail()
-    if isinstance(value, str):
-        if len(value) > MAX_NUMERAL:
-            raise ValueError(f"a text of {len(value)} characters is no number")
-    elif not isinstance(value, (int, float)):
+    if not isinstance(value, (str, int, float)):
         raise TypeError(f"a {type(value).__name__} is no number")
+    if isinstance(value, str) and len(value) > MAX_NUMERAL:
+        raise ValueError(f"a text of {len(value)} characters is no number")
     return float(value)
 
 
 def whole(value: object) -> int:
-    """Return *value*, which must be a whole number already.
+    """Return *value*, which must be a whole number.
 
     Raises:
         TypeError: It is none.
@@ -161,6 +217,3 @@ def whole(value: object) -> int:
     if not isinstance(value, int):
         raise TypeError(f"a {type(value).__name__} is not a whole number")
     return value
-
-
-_TIME_PARTS = frozenset({"year", "month", "day", "hour", "minute", "second", "microsecond"})
