@@ -108,7 +108,7 @@ def test_the_app_that_crashes_is_told_and_how_to_see_where(
 
 def recording_of(app: RecordedApp) -> bytes:
     """A whole recording of a run of *app*."""
-    header = line_text(RecordingLine(0, HEADER.with_checked(apps=(app,)))).encode()
+    header = line_text(RecordingLine(0, HEADER.model_copy(update={"apps": (app,)}))).encode()
     return b"\n".join([header, *WHOLE.split(b"\n")[1:]])
 
 

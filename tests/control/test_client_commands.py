@@ -107,7 +107,7 @@ async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(open_home: Open
         hold = home.app.create_client(HoldPart, HOLD_PART)
         answer = await hold.call(wanted)
         assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
-        answer = await hold.call(wanted.with_checked(issuer="/app"))
+        answer = await hold.call(wanted.model_copy(update={"issuer": "/app"}))
         assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
 
 

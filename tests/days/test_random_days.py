@@ -125,7 +125,7 @@ def test_a_hand_in_the_very_moment_is_known_to_who_answers_it_alone() -> None:
     _, lived = off_over_anna({"silent": {"since": 21_000.0}})
     (command,) = (replace(one, is_switched=True) for one in lived.commands)
     assert is_unseen(command, lived)
-    caused = [one.with_checked(trigger=Trigger(kind="report", device=one.device)) for one in lived.entries]
+    caused = [one.model_copy(update={"trigger": Trigger(kind="report", device=one.device)}) for one in lived.entries]
     assert not is_unseen(command, replace(lived, entries=caused))
 
 

@@ -102,8 +102,8 @@ def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
         "day, line 1: field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot"
     )
     with pytest.raises(UsageError, match=rf"^{re.escape(problem)}$"):
-        read_recording(lines((0, HEADER.with_checked(format=3))), "day")
-    assert read_recording(lines((0, HEADER.with_checked(format=1))), "day").header.format == 1
+        read_recording(lines((0, HEADER.model_copy(update={"format": 3}))), "day")
+    assert read_recording(lines((0, HEADER.model_copy(update={"format": 1}))), "day").header.format == 1
 
 
 def test_a_header_of_a_newer_version_is_refused_for_its_version_whatever_else_it_holds() -> None:
@@ -114,7 +114,7 @@ def test_a_header_of_a_newer_version_is_refused_for_its_version_whatever_else_it
 
 def test_fields_of_a_newer_homebot_are_left_out_at_every_depth() -> None:
     setting = Setting(capability="on_off", value=Value.of(True))
-    command = COMMAND.with_checked(settings=(setting, setting))
+    command = COMMAND.model_copy(update={"settings": (setting, setting)})
     newer = json.loads(line_text(RecordingLine(1, command)))
     message = newer["message"]
     for place in (newer, message, message["trigger"], *message["settings"], message["settings"][1]["value"]):

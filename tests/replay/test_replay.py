@@ -87,8 +87,8 @@ def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
         source = Path(homebot.apps.lights_out.__file__).with_name(f"{name}.py").read_text("utf-8")
         files[name] = tmp_path / f"mine_{name}.py"
         files[name].write_text(source.replace(f"class {kind}(", "class MyApp("))
-    apps = [one.with_checked(kind=f"mine_{one.name}:MyApp") for one in evening.header.apps]
-    mine = replace(evening, header=evening.header.with_checked(apps=tuple(apps)))
+    apps = [one.model_copy(update={"kind": f"mine_{one.name}:MyApp"}) for one in evening.header.apps]
+    mine = replace(evening, header=evening.header.model_copy(update={"apps": tuple(apps)}))
     diff = diff_of(mine, [str(files["follow_me"]), str(files["lights_out"])])
     assert texts(mine, diff) == []
     assert diff.same == len(mine.commands)

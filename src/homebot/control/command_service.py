@@ -92,7 +92,7 @@ class CommandService:
                 )
             )
             if result.outcome == "no_answer" and (why_away := await self._why_away(device)):
-                result = result.with_checked(text=f"{result.text}; {why_away}")
+                result = result.model_copy(update={"text": f"{result.text}; {why_away}"})
         commanded.append(CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result))
 
     async def _why_away(self, device: Device) -> str:

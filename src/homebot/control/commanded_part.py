@@ -36,4 +36,4 @@ def no_part_result(device_id: str, part_id: str, device: Device | None, command_
     else:
         known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
         text = f"{device_id} has no part {part_id or 'without an id'}; it has {known}"
-    return result_of(Gone(command_id=command_id)).with_checked(text=text)
+    return result_of(Gone(command_id=command_id)).model_copy(update={"text": text})

@@ -231,9 +231,9 @@ class Control:
             notes += self._executor.witnesses.notes()
         if self._settings.presence_guard is not None:
             notes += self._judge.notes()
-        health = self._journal.health().with_checked(notes=notes)
+        health = self._journal.health().model_copy(update={"notes": notes})
         problems = () if self._names is None else await self._names.problems()
-        return health.with_checked(troubles=health.troubles + problems) if problems else health
+        return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
 
     async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return entries of the journal."""

@@ -327,7 +327,7 @@ def _shown(request: CommandRequest, device: Device | None, part: DevicePart | No
 
 @lru_cache(maxsize=1024)
 def _request_for(device_id: str) -> FindDevicesRequest:
-    return FindDevicesRequest.of_checked(ids=(device_id,), service_type="", query=())
+    return FindDevicesRequest(ids=(device_id,), service_type="", query=())
 
 
 def _settings_text(command: IssuedCommand) -> str:

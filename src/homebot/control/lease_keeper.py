@@ -101,9 +101,11 @@ class LeaseKeeper:
         part = None if device is None else commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseResponse(held=False, result=no_part_result(request.device, request.part, device))
-        request = request.with_checked(part=part.id, setting=_setting_of(request.setting, part))
+        request = request.model_copy(update={"part": part.id, "setting": _setting_of(request.setting, part)})
         if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
-            return self._refused(request.with_checked(setting=shown[0]), "a code is given once, and nothing to hold")
+            return self._refused(
+                request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
+            )
         refused = self._executor.preview(_command_of(request), device, part)
         if refused is not None:  # before it holds: it would block others meanwhile
             return self._refused(request, refused.reason, refused.policy)
@@ -139,7 +141,7 @@ class LeaseKeeper:
         lease = self._release(_key(request))
         if lease is not None:
             self._log("control.released", lease, f"is no longer held {held_text(lease.value)} by {request.by}")
-        return response.with_checked(held=False)
+        return response.model_copy(update={"held": False})
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
         """Return the parts that are held."""

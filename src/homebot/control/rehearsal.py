@@ -51,4 +51,4 @@ def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> Comm
     """Return the result of a command in a rehearsal, which says so; one that succeeds has the *wanted* values."""
     if not assumed.succeeded:
         return result_of(assumed)
-    return result_of(assumed, wanted).with_checked(text=f"not sent, and taken for done ({assumed.text})")
+    return result_of(assumed, wanted).model_copy(update={"text": f"not sent, and taken for done ({assumed.text})"})

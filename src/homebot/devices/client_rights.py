@@ -180,7 +180,7 @@ def without_taught_room(device: Device) -> Device:
     configuration or by a command, and one that the device announces of itself are not touched.
     """
     conventions = {one.convention for one in device.facts if one.name == "area"} if device.area else set()
-    return device.with_checked(area="", outer_areas=()) if conventions == {TAG} else device
+    return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
 
 
 def _parse(text: str) -> Query:

@@ -48,11 +48,8 @@ class Setting(Message):
     @staticmethod
     @lru_cache(maxsize=256, typed=True)
     def of(capability: str, plain: PlainValue) -> "Setting":
-        """Return the setting of *capability* to *plain*, without a look at them; see :meth:`Message.of_checked`.
-
-        The last ones are remembered: a desired value is reported, and comes again.
-        """
-        return Setting.of_checked(capability=capability, value=Value.of(plain))
+        """Return the setting of *capability* to *plain*; cached, because a desired value is reported and repeated."""
+        return Setting(capability=capability, value=Value.of(plain))
 
 
 class CommandRequest(Message):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 from homebot.devices import outcomes
 from homebot.devices.command_messages import CommandResult, Setting
@@ -23,21 +23,11 @@ _NO_FACTS: Final[Mapping[str, object]] = {
 """Defaults of the fields that belong to another outcome."""
 
 _GRADES: Final = {int(grade): grade for grade in Evidence}
-_CONFIRMED: Final = CommandResult.of_checked(command_id="", outcome="confirmed", text="", reported=(), **_NO_FACTS)
 
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and the reported values of the device."""
-    if isinstance(outcome, outcomes.Confirmed):  # as most are
-        return _CONFIRMED.with_checked(
-            command_id=outcome.command_id,
-            text=outcome.text,
-            reported=reported,
-            latency=outcome.latency,
-            evidence=int(outcome.evidence),
-            witness=outcome.witness,
-        )
-    fields = {  # in the order in which programs are shown them
+    fields: dict[str, Any] = {  # in the order in which programs are shown them
         "command_id": outcome.command_id,
         "outcome": "gone",
         "text": outcome.text,
@@ -45,6 +35,13 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
         **_NO_FACTS,
     }
     match outcome:
+        case outcomes.Confirmed():
+            fields |= {
+                "outcome": "confirmed",
+                "latency": outcome.latency,
+                "evidence": int(outcome.evidence),
+                "witness": outcome.witness,
+            }
         case outcomes.AlreadySo():
             fields["outcome"] = "already_so"
         case outcomes.Contradicted():
@@ -57,7 +54,7 @@ def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandRe
             fields |= {"outcome": "superseded", "by": outcome.by}
         case outcomes.Refused():
             fields |= {"outcome": "refused", "policy": outcome.policy, "reason": outcome.reason}
-    return CommandResult.of_checked(**fields)
+    return CommandResult(**fields)
 
 
 def outcome_of(result: CommandResult) -> Outcome:

@@ -15,7 +15,6 @@ from homebot.graph import Client, Node
 
 __all__ = ["CommandSender"]
 
-_command_of, _value_of = Command.of_checked, Value.of  # looked up once, as `of_checked` says
 
 _ANSWERS_WITHIN: Final = 5.0
 """Seconds that a gateway has for its answer beyond the time in which it may carry the command out."""
@@ -61,9 +60,9 @@ class CommandSender:
         """
         routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
         problem, unable = f"its gateway {routes[0].gateway} is not running", ""
-        is_away, sent = False, _value_of(value)
+        is_away, sent = False, Value.of(value)
         for route in routes:
-            command = _command_of(
+            command = Command(
                 key=route.key,
                 part=route.part,
                 capability=capability,

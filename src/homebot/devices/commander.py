@@ -27,7 +27,6 @@ __all__ = ["Commander"]
 
 NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
 
-_request_of, _setting_of = CommandRequest.of_checked, Setting.of  # looked up once, as `of_checked` says
 
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
@@ -75,7 +74,7 @@ class Commander:
             return Gone()
         settings = _checked(tracked.device, part, values, transition, code)
         trigger = current_trigger()
-        request = _request_of(
+        request = CommandRequest(
             device=tracked.device.id,
             part=part.id,
             settings=settings,
@@ -137,5 +136,5 @@ def _checked(
     settings = []
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)
-        settings.append(_setting_of(capability, value))
+        settings.append(Setting.of(capability, value))
     return tuple(settings)

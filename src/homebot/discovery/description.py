@@ -23,7 +23,6 @@ from homebot.places import NO_AREAS, HousePlan, OwnerFact
 
 __all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_approvals", "with_stated_facts"]
 
-_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
 
 MAX_FACTS = 200
 """Facts of one device that are published; those of the preferred announcements first."""
@@ -107,8 +106,8 @@ def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
         part = parts[number].part
         names = (part.name, *about) if len(relays) == 1 else (part.name,)
         if not part.category and any(matching_words(name, SIREN) for name in names):
-            siren = part.with_checked(service_type="siren", advertised="", guessed=True)
-            parts[number] = parts[number].with_checked(part=siren)
+            siren = part.model_copy(update={"service_type": "siren", "advertised": "", "guessed": True})
+            parts[number] = parts[number].model_copy(update={"part": siren})
     return merged._replace(parts=tuple(parts))
 
 
@@ -168,14 +167,14 @@ def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) ->
     found = [digests.get((route.gateway, route.key, route.part), "") for route in part.routes]
     if not any(found):
         return part
-    routes = [route.with_checked(approved=digest) for route, digest in zip(part.routes, found, strict=True)]
-    return part.with_checked(routes=tuple(routes))
+    routes = [route.model_copy(update={"approved": digest}) for route, digest in zip(part.routes, found, strict=True)]
+    return part.model_copy(update={"routes": tuple(routes)})
 
 
 def _owner_fact(name: str, value: str, place: PartPlace, approval: Approval) -> Fact:
     gateway, key, _ = place
     said_at = Time.from_seconds(approval.said_at)
-    return _fact_of(name=name, value=value, gateway=gateway, convention=OWNER, key=key, said_at=said_at)
+    return Fact(name=name, value=value, gateway=gateway, convention=OWNER, key=key, said_at=said_at)
 
 
 def _stated_fact(fact: OwnerFact) -> Fact:
@@ -183,7 +182,7 @@ def _stated_fact(fact: OwnerFact) -> Fact:
     if fact.name == "taught_area":
         name, convention = "area", TAG
         gateway, _, key = fact.source.partition("/")
-    return _fact_of(
+    return Fact(
         name=name,
         value=fact.value,
         gateway=gateway,
@@ -253,7 +252,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return _fact_of(
+    return Fact(
         name=name,
         value=value,
         gateway=sighting.gateway,

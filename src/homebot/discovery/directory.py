@@ -327,7 +327,7 @@ class Directory:
             self._settings_changed = anyio.Event()
             changed = self.index.settings.take()
             while some := tuple(islice(changed, _FEW)):
-                self._settings.publish(ChangedSettings.of_checked(changes=some))
+                self._settings.publish(ChangedSettings(changes=some))
                 await anyio.lowlevel.checkpoint()
 
     def _publish_some(self, at_most: int) -> bool:

@@ -68,7 +68,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            Endpoint.of_checked(
+            Endpoint(
                 gateway=gateway,
                 key=key,
                 address=address,
@@ -105,7 +105,7 @@ def sorted_routes(
     for part in parts:
         routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
         is_same = routes == part.routes
-        found.append(part if is_same else DevicePart.of_checked(id=part.id, part=part.part, routes=routes))
+        found.append(part if is_same else DevicePart(id=part.id, part=part.part, routes=routes))
     return tuple(found)
 
 

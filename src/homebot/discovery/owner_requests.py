@@ -51,4 +51,4 @@ class OwnerRequests:
             from homebot.messages.json import message_to_text  # noqa: PLC0415 - only recorders subscribe
 
             at = Time.from_seconds(self._node.graph.clock.now())
-            self._publisher.publish(OwnerRequest.of_checked(at=at, service=name, request=message_to_text(request)))
+            self._publisher.publish(OwnerRequest(at=at, service=name, request=message_to_text(request)))

@@ -55,7 +55,6 @@ from homebot.graph import Node
 
 __all__ = ["DirectoryServices"]
 
-_found_of = FindDevicesResponse.of_checked  # looked up once, as `of_checked` says
 
 _FEW = 10
 """Changes published, and devices made findable, before others get their turn."""
@@ -130,7 +129,7 @@ class DirectoryServices:
             device = self._index.get(device_id)
             if device is not None:  # else it is named, but unknown
                 devices.append(device)
-        return _found_of(devices=tuple(devices), sequence=self._index.sequence)
+        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.sequence)
 
     def _matching(self, request: FindDevicesRequest) -> list[str]:
         """Return the ids of the devices that match *request*, sorted."""

@@ -71,4 +71,4 @@ class SettingChanges:
 
 
 def _changed(entry: Entry, part: DevicePart, capability: str, value: Value, at: Time) -> ChangedSetting:
-    return ChangedSetting.of_checked(device=entry.id, part=part.id, capability=capability, value=value, told_at=at)
+    return ChangedSetting(device=entry.id, part=part.id, capability=capability, value=value, told_at=at)

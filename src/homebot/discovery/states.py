@@ -227,4 +227,4 @@ def _of_part(part_id: str, reading: Reading) -> Reading:
     """Return *reading* as one of the part of the device, which an announcement may call otherwise."""
     if part_id == reading.part:
         return reading
-    return Reading.of_checked(part=part_id, capability=reading.capability, value=reading.value)
+    return Reading(part=part_id, capability=reading.capability, value=reading.value)

@@ -60,7 +60,7 @@ class Repetitions:
         if last is None or not _is_same(last, message):
             return message
         kind, gateway, key, stream = source
-        return Repetition.of_checked(of=kind, gateway=gateway, key=key, stream=stream, at=_at(message))
+        return Repetition(of=kind, gateway=gateway, key=key, stream=stream, at=_at(message))
 
     def whole(self, message: Message) -> Message:
         """Return the message that a :class:`Repetition` stands for, and any other as it is.
@@ -76,9 +76,11 @@ class Repetitions:
         match self._last.get(source):
             case Sighting() as last:
                 expires_at = _time(_nanoseconds(message.at) + _lasts(last))
-                again: Sighting | Report = last.with_checked(seen_at=message.at, expires_at=expires_at, heard_at=0.0)
+                again: Sighting | Report = last.model_copy(
+                    update={"seen_at": message.at, "expires_at": expires_at, "heard_at": 0.0}
+                )
             case Report() as last:
-                again = last.with_checked(received_at=message.at, heard_at=0.0)
+                again = last.model_copy(update={"received_at": message.at, "heard_at": 0.0})
             case _:
                 raise UsageError(f"repeats a {message.of} of {message.key[:60]!r}, and there is none before")
         self._put(source, again)
@@ -123,4 +125,4 @@ def _nanoseconds(time: Time) -> int:
 
 
 def _time(nanoseconds: int) -> Time:
-    return Time.of_checked(sec=nanoseconds // _SECOND, nanosec=nanoseconds % _SECOND)
+    return Time(sec=nanoseconds // _SECOND, nanosec=nanoseconds % _SECOND)

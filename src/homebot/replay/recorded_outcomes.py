@@ -44,7 +44,7 @@ class RecordedOutcomes:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
         if found.result is None or _was_sent(found.result):
             return None
-        return outcome_of(found.result.with_checked(command_id=command.id))
+        return outcome_of(found.result.model_copy(update={"command_id": command.id}))
 
 
 def _was_sent(result: CommandResult) -> bool:

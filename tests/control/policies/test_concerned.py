@@ -57,7 +57,7 @@ def command_of(facts: dict[str, Any]) -> IssuedCommand:
         values={} if facts["on"] is None else {"on_off": facts["on"]},
         approved="digest" if facts["is_approved"] else "",
     )
-    device = device.with_checked(name=facts["name"], tags=facts["tags"])
+    device = device.model_copy(update={"name": facts["name"], "tags": facts["tags"]})
     return make_command(device, {"on_off": facts["wanted"]}, facts["issuer"], facts["scope"])
 
 

@@ -33,7 +33,7 @@ def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePar
     if MAY_BE_CODE.isdisjoint(one.capability for one in settings) or not takes_code(device, part.part):
         return settings
     given = Value.of(CODE_GIVEN)
-    return tuple(one.with_checked(value=given) if one.capability in MAY_BE_CODE else one for one in settings)
+    return tuple(one.model_copy(update={"value": given}) if one.capability in MAY_BE_CODE else one for one in settings)
 
 
 def takes_code(device: Device, part: Part) -> bool:

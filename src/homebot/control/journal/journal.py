@@ -54,7 +54,6 @@ _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
 """Seconds after a command at least: the directory tells of a change a little later than the gateway."""
 
-_setting_of = Setting.of  # looked up once, as `of_checked` says
 
 _MOST_NAMES = 500
 _LONGEST = 500
@@ -120,7 +119,7 @@ class CommandJournal:
         """Return the newest entries that fit, and the names of their devices."""
         response = with_newer(await self.store.read(request), self._folding.waiting(), request)
         ids = {one.device for one in response.entries} | {one.trigger.device for one in response.entries}
-        return response.with_checked(names=await self._names(sorted(ids - {""})))
+        return response.model_copy(update={"names": await self._names(sorted(ids - {""}))})
 
     async def _names(self, device_ids: list[str]) -> tuple[KeyValue, ...]:
         """Return the names of those that the directory knows; none where it does not answer."""
@@ -178,7 +177,7 @@ class CommandJournal:
 
     def reported(self, command: IssuedCommand, capability: str, value: PlainValue) -> None:
         """Note that the device reported a value of what it was commanded."""
-        self.note("reported", command, settings=(_setting_of(capability, value),))
+        self.note("reported", command, settings=(Setting.of(capability, value),))
 
     def decided(self, command_id: str, issuer: str, place: _Part, result: CommandResult) -> None:
         """Note the outcome of a command that *issuer* gave to the part *place*."""
@@ -188,7 +187,7 @@ class CommandJournal:
     def changed(self, change: ChangedSetting, command_id: str) -> None:
         """Note *change*, which the raw command *command_id* explains; empty where nothing does."""
         at = change.told_at.to_seconds()
-        settings = (Setting.of_checked(capability=change.capability, value=change.value),)
+        settings = (Setting(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
         self._keep(JournalNote(kind, at, change.device, change.part, command_id, settings=settings))
 

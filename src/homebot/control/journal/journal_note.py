@@ -45,7 +45,7 @@ class JournalNote:
 
     def entry(self) -> JournalEntry:
         """Return the entry; each call makes a new one."""
-        return JournalEntry.of_checked(
+        return JournalEntry(
             kind=self.kind,
             at=self.stamp,
             device=self.device,

@@ -84,7 +84,7 @@ class TrackedDevice:
     def current(self) -> Device:
         """Return the device with the newest values of its parts."""
         states = tuple([_state_of(*told[1:]) for told in self._values.values()])
-        return self.device.with_checked(states=states)
+        return self.device.model_copy(update={"states": states})
 
     def _take_states(self, states: Iterable[State], sequence: int) -> None:
         for state in states:
@@ -104,7 +104,7 @@ class _JustReported(NamedTuple):
 
     def state(self) -> State:
         at = Time.from_seconds(self.at)
-        return State.of_checked(
+        return State(
             part=self.part,
             capability=self.capability,
             value=self.value,

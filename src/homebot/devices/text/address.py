@@ -65,7 +65,7 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
 
 
 def _by_routes(part: DevicePart, routes: list[Route]) -> DevicePart:
-    return part.with_checked(routes=tuple(routes)) if routes and len(routes) < len(part.routes) else part
+    return part.model_copy(update={"routes": tuple(routes)}) if routes and len(routes) < len(part.routes) else part
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:

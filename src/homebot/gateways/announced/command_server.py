@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import anyio.lowlevel
 
@@ -31,9 +31,6 @@ says no.
 
 FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
-
-
-_ACCEPTED: Final = SendCommandResponse.of_checked(success=True, message="", problem="", unable=False)
 
 
 class CommandServer:
@@ -82,7 +79,7 @@ class CommandServer:
                 raise
             return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
         self._counters.commands += 1
-        return _ACCEPTED
+        return SendCommandResponse(success=True, message="", problem="", unable=False)
 
     def _check_approved(self, command: Command) -> None:
         """Refuse a command if its part is described anew since the owner approved it."""

@@ -76,7 +76,7 @@ class GatewayDevice:
         if self.authenticated:
             given["authenticated"] = True
         if given:
-            stored.template = stored.template.with_checked(**given)
+            stored.template = stored.template.model_copy(update=given)
 
 
 class _NoCodec:
