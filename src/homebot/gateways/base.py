@@ -102,8 +102,6 @@ class Gateway(ABC):
 
     Attributes:
         Settings: The model of its table.
-        node: That node.
-        context: Services of its host.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
         acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
@@ -137,9 +135,6 @@ class Gateway(ABC):
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
         """Look for the resources in *settings*, such as files, before anything is started; nothing is connected.
-
-        Args:
-            settings: An instance of :attr:`Settings`.
 
         Raises:
             UsageError: The gateway could not work with them; names the key if there is one.
@@ -203,12 +198,7 @@ class Gateway(ABC):
             self.log_state(news, before)
 
     def log_state(self, state: GatewayState, before: GatewayState | None) -> None:
-        """Log that the gateway became unavailable, or works again; of more than five such lines in 10 s, five.
-
-        Args:
-            state: The state that was published now.
-            before: The one before; None at first.
-        """
+        """Log that the gateway became unavailable, or works again; of more than five such lines in 10 s, five."""
         is_down, was_down = state.state == "unavailable", before is not None and before.state == "unavailable"
         if (is_down or was_down) and self._state_lines.allows("state") is not None:
             if is_down:

@@ -12,7 +12,6 @@ from homebot.errors import WireError
 
 __all__ = ["EventStreamParser", "ServerEvent"]
 
-_MOST_RETRY = 3600.0
 _BOM = "\ufeff"
 
 
@@ -23,36 +22,22 @@ class ServerEvent:
     Attributes:
         kind: Its type; ``message`` where the server names none.
         data: Its data; lines are joined by line feeds.
-        id: The id to go on from after a break: that of this event, or of the last one that had any.
     """
 
     kind: str
     data: str
-    id: str
 
 
 class EventStreamParser:
-    """Makes events of the bytes of a stream, however they are cut.
-
-    Args:
-        max_event: Longest event, in bytes.
-
-    Attributes:
-        last_id: The id of the last event that had one.
-        retry: Seconds after which the server wants to be asked again when the stream has ended; None if it does not
-            say.
-    """
+    """Makes events of the bytes of a stream, however they are cut."""
 
     def __init__(self, max_event: int) -> None:
-        self.last_id = ""
-        self.retry: float | None = None
         self._max_event = max_event
         self._decoder = codecs.getincrementaldecoder("utf-8")(errors="replace")
         self._rest = ""
         self._kind = ""
         self._data: list[str] = []
         self._size = 0
-        self._id = ""
         self._is_start = True
         self._ended_with_return = False
 
@@ -92,17 +77,12 @@ class EventStreamParser:
                 self._kind = value
             case "data":
                 self._data.append(value)
-            case "id" if "\0" not in value:
-                self._id = value
-            case "retry" if value.isascii() and value.isdigit() and len(value) < 10:
-                self.retry = min(int(value) / 1000, _MOST_RETRY)
             case _:
-                pass  # a comment begins with a colon; the standard has unknown fields ignored
+                pass  # ids and pauses are for resumption; comments and unknown fields are ignored
         return None
 
     def _dispatch(self) -> ServerEvent | None:
-        self.last_id = self._id
-        event = ServerEvent(self._kind or "message", "\n".join(self._data), self.last_id) if self._data else None
+        event = ServerEvent(self._kind or "message", "\n".join(self._data)) if self._data else None
         self._kind, self._size = "", 0
         self._data.clear()
         return event

@@ -17,7 +17,6 @@ def http_origin(address: str, port: int, scheme: Literal["http", "https"] = "htt
 
     Args:
         address: Its IP address, with the scope where it is link-local, or its name.
-        port: Its port.
         scheme: ``https`` for TLS.
 
     Raises:
@@ -31,7 +30,6 @@ def parse_url(url: str, *schemes: str) -> URL:
     """Return *url* where it is a whole address.
 
     Args:
-        url: The address, which may be from outside.
         schemes: Those that are allowed; by default ``http`` and ``https``.
 
     Raises:

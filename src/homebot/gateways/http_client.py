@@ -29,10 +29,8 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
-from homebot.gateways.http_events import EventStream
-from homebot.gateways.http_login import HttpLogin, authentication
-from homebot.gateways.http_redirects import follow_own_redirects, staying_at
-from homebot.gateways.http_websocket import WebSocket
+from homebot.gateways.http_middlewares import HttpLogin, authentication, follow_own_redirects, staying_at
+from homebot.gateways.http_streams import EventStream, WebSocket
 
 __all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
 
@@ -59,7 +57,6 @@ class HttpAnswer:
     Attributes:
         status: The status; 304 where the content is still that of the ETag which was sent.
         content_type: The media type in lower case, without parameters; empty if there is none.
-        body: All of it.
         headers: All header fields, names in lower case; those that occur several times are joined by commas.
     """
 
@@ -82,7 +79,6 @@ class HttpClient:
 
     Args:
         guard: The guard of this computer's addresses, redirects included; None for addresses that the owner configured.
-        login: Credentials for one of the servers.
         tls: The check of server certificates under the scheme ``https``; by default against the certificate
             authorities of this computer.
         time_limit: Seconds; see the methods.
@@ -175,10 +171,7 @@ class HttpClient:
         """Send a request, and return the answer.
 
         Args:
-            method: ``GET``, ``PUT``, ``POST``, ``DELETE``, …
             url: Where; ``http`` or ``https``, without a user or a password.
-            body: The body; None for none.
-            content_type: Its media type.
             accept: The media types that are understood; empty for any.
             etag: The entity tag of the content that is known; the answer has status 304 and no body where that is still
                 the same. Empty for none.
@@ -209,24 +202,19 @@ class HttpClient:
 
     @asynccontextmanager
     async def websocket(
-        self, url: str, *, protocols: tuple[str, ...] = (), max_bytes: int | None = None, heartbeat: float = HEARTBEAT
+        self, url: str, *, max_bytes: int | None = None, heartbeat: float = HEARTBEAT
     ) -> AsyncIterator[WebSocket]:
         """Keep a WebSocket open inside the block.
 
         Args:
             url: Where; ``http``, ``https``, ``ws`` or ``wss``.
-            protocols: Subprotocols that are understood, the best first.
             max_bytes: Longest frame that may come; by default that of the client.
             heartbeat: Seconds of silence after which it is asked whether it is still there.
-
-        Raises:
-            LinkError, RefusedError, WireError: As :meth:`request`.
         """
         where = parse_url(url, "http", "https", "ws", "wss")
         async with self._within("WebSocket", where, self._time_limit):
             opened = await self._opened().ws_connect(
                 where,
-                protocols=protocols,
                 autoping=False,  # it would answer all that came without a pause
                 heartbeat=heartbeat,
                 max_msg_size=self._max_bytes if max_bytes is None else max_bytes,
@@ -239,22 +227,17 @@ class HttpClient:
                 await opened.close()
 
     @asynccontextmanager
-    async def events(self, url: str, *, last_id: str = "", max_bytes: int | None = None) -> AsyncIterator[EventStream]:
+    async def events(self, url: str, *, max_bytes: int | None = None) -> AsyncIterator[EventStream]:
         """Keep a stream of server-sent events open inside the block.
 
         Args:
-            url: Where.
-            last_id: The id of the last event that came before; the server goes on behind it where it can.
             max_bytes: Longest event; by default that of the client.
 
         Raises:
-            LinkError, WireError: As :meth:`request`.
-            RefusedError: Likewise; or the status is 204, which tells a client to stop asking.
+            RefusedError: As :meth:`request`; or the status is 204, which tells a client to stop asking.
         """
         where = parse_url(url)
         headers = {**_headers("text/event-stream", ""), "Cache-Control": "no-store"}
-        if last_id and last_id.isprintable():
-            headers["Last-Event-ID"] = last_id
         async with self._within("GET", where, self._time_limit):
             response = await self._opened().get(where, headers=headers, max_redirects=_REDIRECTS)
         async with response:
@@ -264,7 +247,6 @@ class HttpClient:
             if (found := _media_type(response)) != "text/event-stream":
                 raise WireError(f"{shown_url(where)} sends {found[:60] or 'nothing that has a type'}, not events")
             parser = EventStreamParser(self._max_bytes if max_bytes is None else max_bytes)
-            parser.last_id = last_id
             yield EventStream(response.content.readany, shown_url(where), parser)
 
     def _make_socket(self, found: aiohttp.AddrInfoType) -> socket.socket:
@@ -297,11 +279,7 @@ class HttpClient:
 
 
 def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:
-    """Return header fields with values that may be from outside.
-
-    Raises:
-        WireError: One is no text for a header field.
-    """
+    """Return header fields with values that may be from outside."""
     given = {"Accept": accept or "*/*", "Content-Type": content_type, "If-None-Match": etag}
     for name, value in given.items():
         if not (value.isascii() and value.isprintable()):

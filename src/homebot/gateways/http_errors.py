@@ -53,8 +53,6 @@ def check_status(what: str, status: int, *, has_login: bool = False) -> None:
     """Let a *status* from 200 to 299 pass.
 
     Args:
-        what: The request, as text for people.
-        status: The status of the answer.
         has_login: Whether the request carried credentials.
 
     Raises:

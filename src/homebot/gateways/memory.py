@@ -46,15 +46,8 @@ class MemoryGatewaySettings(GatewaySettings):
 class MemoryGateway(Gateway):
     """A gateway with simulated devices: they carry out each command and report it.
 
-    Args:
-        node: Its node.
-        settings: Its table.
-        context: Services of its host; it needs none.
-
     Attributes:
-        devices: Its devices.
         commands: The commands that it carried out, oldest first; at most 1,000.
-        raw_commands: Likewise of raw commands.
         exposed: The devices that homebot exposes through it, by id, each with the states that are known of it.
     """
 
@@ -126,11 +119,7 @@ class MemoryGateway(Gateway):
         self.raw_commands.append(command)
 
     def find_source(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that reports raw messages on *address*.
-
-        Raises:
-            RefusedError: Listening there is not allowed.
-        """
+        """Return key and name of the device that reports raw messages on *address*."""
         return self.devices.owner_of(address)
 
     def _show(self, offer: ExposedDevice) -> None:

@@ -25,11 +25,7 @@ class _PendingCall(Generic[Answer]):
 
 
 class PendingCalls(Generic[Answer]):
-    """The calls over one link that wait for their answers; ids tell which answer belongs to which call.
-
-    Args:
-        peer: The peer that answers, for errors.
-    """
+    """The calls over one link that wait for their answers; ids tell which answer belongs to which call."""
 
     def __init__(self, peer: str) -> None:
         self._peer = peer
@@ -54,9 +50,6 @@ class PendingCalls(Generic[Answer]):
         """Send a call, and return its answer.
 
         Args:
-            what: The call, for errors.
-            send: Sends the call with its id.
-            within: Seconds for sending and the answer.
             on_answer: Receives the answer before the task that brought it goes on.
 
         Raises:

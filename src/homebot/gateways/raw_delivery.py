@@ -47,8 +47,6 @@ class RawDelivery:
     *mirror* mode, and for askers that are no node, each device has its topic ``received_data/<device>``.
 
     Args:
-        node: The gateway's node.
-        names: Its names.
         inboxes: Whether nodes get inboxes.
 
     Attributes:
@@ -77,7 +75,6 @@ class RawDelivery:
 
         Args:
             address: Where the device speaks.
-            key: The gateway's key for the device.
             name: The name of the device; names its mirror topic.
             listener: Full name of the node that asks; empty for a mirror topic.
 

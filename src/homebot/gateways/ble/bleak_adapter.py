@@ -17,7 +17,7 @@ from bleak.exc import BleakBluetoothNotAvailableError, BleakError, BleakGATTProt
 
 from homebot.conventions.bluetooth.advertisement import Advertisement
 from homebot.errors import LinkError, RefusedError
-from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
+from homebot.gateways.ble.intake import BluetoothUnavailableError
 from homebot.support.ble_backend import BleBackend
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from bleak.backends.device import BLEDevice
     from bleak.backends.scanner import AdvertisementData, BaseBleakScanner
 
-__all__ = ["BleakRadio"]
+__all__ = ["BleLink", "BleRadio"]
 
 CONNECT_WITHIN = 20.0
 ANSWER_WITHIN = 10.0
@@ -45,13 +45,12 @@ _PATTERNS: list[OrPatternLike] = [
 (Core Specification Supplement, Part A, 1.3), BTHome, Eddystone and iBeacon."""
 
 
-class BleakRadio(BleRadio):
+class BleRadio:
     """Bluetooth through bleak.
 
     Args:
         backend: The stack to use; None for that of the operating system.
         adapter: The name of the adapter, on Linux; empty for the system's.
-        is_passive: Whether to scan passively.
     """
 
     def __init__(self, backend: BleBackend | None, adapter: str, *, is_passive: bool) -> None:
@@ -113,11 +112,14 @@ class BleakRadio(BleRadio):
             )
             with anyio.fail_after(CONNECT_WITHIN + ANSWER_WITHIN):
                 await client.connect()
-        return _BleakLink(client, address)
+        return BleLink(client, address)
 
 
-class _BleakLink(BleLink):
-    """A connection through bleak."""
+class BleLink:
+    """A connection to one device; characteristics are named by their full UUIDs.
+
+    Its methods raise LinkError if the connection is lost, and RefusedError if the device refuses.
+    """
 
     def __init__(self, client: BleakClient, address: str) -> None:
         self._client = client
@@ -125,26 +127,31 @@ class _BleakLink(BleLink):
 
     @property
     def is_open(self) -> bool:
+        """True while the connection is open."""
         return self._client.is_connected
 
     def has(self, characteristic: str, *properties: str) -> bool:
+        """Return whether the device has a characteristic, with at least one of *properties* if any are given."""
         found = self._client.services.get_characteristic(characteristic)
         return found is not None and (not properties or bool({*properties} & {*found.properties}))
 
     async def read(self, characteristic: str) -> bytes:
+        """Return the value of a characteristic."""
         with _link_errors(self._address), anyio.fail_after(ANSWER_WITHIN):
             return bytes(await self._client.read_gatt_char(characteristic))
 
     async def write(self, characteristic: str, data: bytes, *, response: bool) -> None:
+        """Set the value of a characteristic; with *response*, wait until the device has acknowledged it."""
         with _link_errors(self._address), anyio.fail_after(ANSWER_WITHIN):
             await self._client.write_gatt_char(characteristic, data, response=response)
 
     async def subscribe(self, characteristic: str, on_value: Callable[[bytes], None]) -> None:
+        """Call *on_value* with each value that the device notifies."""
         with _link_errors(self._address), anyio.fail_after(ANSWER_WITHIN):
             await self._client.start_notify(characteristic, lambda _, data: on_value(bytes(data)))
 
     async def close(self) -> None:
-        # If it cannot be closed, it is lost.
+        """Disconnect; does nothing if the connection was lost already."""
         with anyio.CancelScope(shield=True), anyio.move_on_after(ANSWER_WITHIN), suppress(*_ERRORS):
             await self._client.disconnect()
 

@@ -51,7 +51,6 @@ class ConnectionSlots:
         One with a command is tried nevertheless.
 
         Args:
-            key: The device.
             is_in_range: Returns whether it was heard lately; call :meth:`notify` when that becomes true.
         """
         waiter = self._waiting[key] = _Waiter(is_in_range)

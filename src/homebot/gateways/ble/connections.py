@@ -7,28 +7,32 @@ connection closes the least recently used one.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from random import Random
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import anyio
 from anyio.abc import TaskGroup
 from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
-from homebot.clock import Clock
 from homebot.conventions.bluetooth.advertisement import full_uuid
 from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.ble.connection_slots import ConnectionSlots
+from homebot.gateways.ble.intake import BluetoothUnavailableError
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
-from homebot.gateways.ble.radio import BleLink, BleRadio, BluetoothUnavailableError
+from homebot.graph import Node
 from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.isolation import run_as
 
-__all__ = ["ConnectionHost", "Connections"]
+if TYPE_CHECKING:
+    from homebot.gateways.ble.bleak_adapter import BleLink, BleRadio
+
+__all__ = ["Connections"]
 
 COMMAND_WITHIN = 25.0
 """Seconds that a command waits for a connection."""
@@ -51,6 +55,8 @@ IN_RANGE = 30.0
 MAX_VALUES = 64
 """Notified values that wait to be read; more are dropped and counted as rejected messages."""
 
+UNREACHABLE = "gateway.unreachable"
+
 BATTERY_LEVEL = full_uuid("2a19")
 DEVICE_INFORMATION = {
     "manufacturer": full_uuid("2a29"),
@@ -64,43 +70,8 @@ _LONGEST = 100
 _FULL = 100
 
 
-class ReportReachable(Protocol):
-    """Publishes whether a device is reachable."""
-
-    def __call__(self, key: str, *, reachable: bool | None) -> None: ...
-
-
-@dataclass(frozen=True, slots=True)
-class ConnectionHost:
-    """The gateway, for connections: values and callbacks.
-
-    Attributes:
-        owner: Its node's name, for errors.
-        clock: Its clock.
-        random: Its source of random numbers.
-        described: Called when the description of a device has changed.
-        report: Called with the key of a device, values by capability, and the part that they belong to.
-        deliver_raw: Called with the key of a device and the bytes that it sent.
-        reject: Called with the key of a device, bytes that do not follow its profile, and the reason.
-        reachable: Called with whether a device is reachable; None for unknown.
-        unavailable: Called when the adapter is gone.
-        failed: Called with the reason when a connection fails.
-    """
-
-    owner: str
-    clock: Clock
-    random: Random
-    described: Callable[[KnownDevice], None]
-    report: Callable[[str, dict[str, PlainValue], str], Awaitable[None]]
-    deliver_raw: Callable[[str, bytes], Awaitable[None]]
-    reject: Callable[[str, bytes, str], None]
-    reachable: ReportReachable
-    unavailable: Callable[[], None]
-    failed: Callable[[str], None]
-
-
 @dataclass(slots=True)
-class _Kept:
+class _ManagedDevice:
     """A device that is to be connected."""
 
     device: KnownDevice
@@ -111,25 +82,41 @@ class _Kept:
     commands: anyio.Lock = field(default_factory=anyio.Lock)
     wake: anyio.Event = field(default_factory=anyio.Event)
     used_at: float = float("-inf")
-    has_yielded: bool = False
-    hang_up: Callable[[], None] = lambda: None
+    preempted: bool = False
+    on_closed: Callable[[], None] = lambda: None
 
 
 class Connections:
-    """Keeps connections to devices.
+    """The connections to devices with a profile.
 
     Args:
-        radio: The adapter.
-        host: The gateway.
         tasks: The task group of the gateway.
         most: Connections that may exist at once.
+        on_described: Called when the description of a device has changed.
+        on_unavailable: Called when the adapter is gone.
     """
 
-    def __init__(self, radio: BleRadio, host: ConnectionHost, tasks: TaskGroup, most: int) -> None:
+    def __init__(
+        self,
+        radio: BleRadio,
+        node: Node,
+        random: Random,
+        devices: PublishedDevices,
+        tasks: TaskGroup,
+        most: int,
+        *,
+        on_described: Callable[[KnownDevice], None],
+        on_unavailable: Callable[[], None],
+    ) -> None:
         self._radio = radio
-        self._host = host
+        self._owner = node.full_name
+        self._clock = node.graph.clock
+        self._random = random
+        self._devices = devices
         self._tasks = tasks
-        self._kept: dict[str, _Kept] = {}
+        self._on_described = on_described
+        self._on_unavailable = on_unavailable
+        self._kept: dict[str, _ManagedDevice] = {}
         self._slots = ConnectionSlots(most)
 
     @property
@@ -137,11 +124,10 @@ class Connections:
         """The devices that are connected."""
         return tuple(one.device for one in self._kept.values() if one.link is not None)
 
-    def keep(self, device: KnownDevice, *, is_back: bool) -> None:
+    def connect(self, device: KnownDevice, *, is_back: bool) -> None:
         """Keep a connection to a device that has a profile.
 
         Args:
-            device: The device.
             is_back: Whether it was silent for a while: then the next attempt is made at once.
         """
         kept = self._kept.get(device.key)
@@ -150,11 +136,11 @@ class Connections:
                 kept.wake.set()
                 self._slots.notify()
         elif device.profile is not None:
-            kept = _Kept(device, device.profile, state=GattState.unknown(device.profile.level_max))
+            kept = _ManagedDevice(device, device.profile, state=GattState.unknown(device.profile.level_max))
             self._kept[device.key] = kept
-            self._tasks.start_soon(run_as, self._host.owner, partial(self._keep, kept))
+            self._tasks.start_soon(run_as, self._owner, partial(self._run, kept))
 
-    def let_go(self, key: str) -> None:
+    def close(self, key: str) -> None:
         """End the connection to a device, for good."""
         kept = self._kept.pop(key, None)
         if kept is not None:
@@ -171,16 +157,16 @@ class Connections:
         if kept is None:
             raise RefusedError(capability, "the device only broadcasts")
         async with kept.commands:
-            kept.used_at = self._host.clock.monotonic()
+            kept.used_at = self._clock.monotonic()
             link = kept.link or await self._connect_now(kept)
             state = GattState(dict(kept.state.fields))
             for data in kept.profile.write_frames(capability, value, state):
                 await link.write(kept.profile.command, data, response=kept.profile.response)
             kept.state = state
             if kept.profile.report and not link.has(kept.profile.reported_by, "notify", "indicate"):
-                await self._take(kept, await link.read(kept.profile.reported_by))
+                await self._report(kept, await link.read(kept.profile.reported_by))
 
-    async def _connect_now(self, kept: _Kept) -> BleLink:
+    async def _connect_now(self, kept: _ManagedDevice) -> BleLink:
         key = kept.device.key
         self._slots.prefer(key)
         try:
@@ -200,49 +186,44 @@ class Connections:
         idle = [one for one in self._kept.values() if one.link is not None and not one.commands.locked()]
         if idle:
             least = min(idle, key=lambda one: one.used_at)
-            least.has_yielded = True
+            least.preempted = True
             if least.link is not None:
                 await least.link.close()
-            least.hang_up()  # some backends do not report a disconnection that was asked for
+            least.on_closed()  # some backends do not report a disconnection that was asked for
 
-    async def _keep(self, kept: _Kept) -> None:
+    async def _run(self, kept: _ManagedDevice) -> None:
         """Connect whenever there is a slot, until cancelled."""
         key = kept.device.key
-        retries = BackoffCounter(self._host.clock, self._host.random, LASTED)
+        retries = BackoffCounter(self._clock, self._random, LASTED)
         with kept.scope:
             while True:
                 await self._slots.take(key, partial(self._is_in_range, kept.device))
                 kept.wake = anyio.Event()
-                kept.has_yielded = False
+                kept.preempted = False
                 retries.begin()
                 try:
                     await self._connected(kept)
                 except BluetoothUnavailableError:
-                    self._host.unavailable()
+                    self._on_unavailable()
                 except (LinkError, RefusedError) as exc:
-                    self._host.failed(f"{key}: {exc}")
+                    self._devices.engine.quarantine.log_limited(UNREACHABLE, f"{key}: {exc}", source="")
                 finally:
                     kept.link = None
                     self._slots.release(key)
-                if kept.has_yielded:
+                if kept.preempted:
                     retries.succeed()
                     continue
-                self._host.reachable(key, reachable=False)
+                self._devices.report_reachable(key, reachable=False)
                 with anyio.move_on_after(retries.fail(_BACKOFF)):
                     await kept.wake.wait()
 
     def _is_in_range(self, device: KnownDevice) -> bool:
-        return self._host.clock.monotonic() - device.presence.last_heard <= IN_RANGE
+        return self._clock.monotonic() - device.presence.last_heard <= IN_RANGE
 
-    async def _connected(self, kept: _Kept) -> None:
-        """Connect, and return when the connection is lost or given to another device.
-
-        Raises:
-            LinkError: The device cannot be reached.
-            RefusedError: It does not have the characteristics of its profile.
-        """
+    async def _connected(self, kept: _ManagedDevice) -> None:
+        """Connect, and return when the connection is lost or given to another device."""
         values_in, values = anyio.create_memory_object_stream[tuple[str, bytes]](MAX_VALUES)
-        kept.hang_up = values_in.close
+        kept.on_closed = values_in.close
         link: BleLink | None = None
         try:
             link = await self._radio.connect(kept.device.address, values_in.close)
@@ -251,7 +232,7 @@ class Connections:
                 raise RefusedError(kept.device.key, f"it has no characteristic {kept.profile.command}")
             await self._learn(kept, link, values_in)
             kept.link = link
-            self._host.reachable(kept.device.key, reachable=True)
+            self._devices.report_reachable(kept.device.key, reachable=True)
             self._slots.notify()
             async with values:
                 await self._listen(kept, link, values)
@@ -262,7 +243,9 @@ class Connections:
             if link is not None:
                 await link.close()
 
-    async def _learn(self, kept: _Kept, link: BleLink, values_in: MemoryObjectSendStream[tuple[str, bytes]]) -> None:
+    async def _learn(
+        self, kept: _ManagedDevice, link: BleLink, values_in: MemoryObjectSendStream[tuple[str, bytes]]
+    ) -> None:
         """Read the device information, the battery and the state of a device, and subscribe to changes."""
         for fact, characteristic in DEVICE_INFORMATION.items():
             if link.has(characteristic, "read"):
@@ -270,7 +253,7 @@ class Connections:
                 if text.isprintable() and text:
                     kept.device.connected_facts[fact] = text[:_LONGEST]
         kept.device.has_battery = link.has(BATTERY_LEVEL, "read")
-        self._host.described(kept.device)
+        self._on_described(kept.device)
         for characteristic in (BATTERY_LEVEL, *((kept.profile.reported_by,) if kept.profile.report else ())):
             if link.has(characteristic, "notify", "indicate"):
                 await link.subscribe(characteristic, partial(self._put, values_in, characteristic))
@@ -281,16 +264,18 @@ class Connections:
         try:
             values_in.send_nowait((characteristic, data))
         except anyio.WouldBlock:
-            self._host.reject("", data, "it notifies faster than it can be read")
+            self._devices.reject("", data, "it notifies faster than it can be read")
         except (anyio.ClosedResourceError, anyio.BrokenResourceError):
             return  # the connection was lost
 
-    async def _listen(self, kept: _Kept, link: BleLink, values: MemoryObjectReceiveStream[tuple[str, bytes]]) -> None:
+    async def _listen(
+        self, kept: _ManagedDevice, link: BleLink, values: MemoryObjectReceiveStream[tuple[str, bytes]]
+    ) -> None:
         is_polled = bool(kept.profile.report) and not link.has(kept.profile.reported_by, "notify", "indicate")
-        opened = self._host.clock.monotonic()
+        opened = self._clock.monotonic()
         while link.is_open:
             if self._should_yield(kept, opened):
-                kept.has_yielded = True
+                kept.preempted = True
                 return
             found: tuple[str, bytes] | None = None
             with anyio.move_on_after(POLL_EVERY):
@@ -301,27 +286,27 @@ class Connections:
             if found is None and is_polled:
                 found = kept.profile.reported_by, await link.read(kept.profile.reported_by)
             if found is not None and found[0] == BATTERY_LEVEL:
-                await self._take_battery(kept.device.key, found[1])
+                await self._report_battery(kept.device.key, found[1])
             elif found is not None:
-                await self._take(kept, found[1])
+                await self._report(kept, found[1])
 
-    def _should_yield(self, kept: _Kept, opened: float) -> bool:
-        now = self._host.clock.monotonic()
+    def _should_yield(self, kept: _ManagedDevice, opened: float) -> bool:
+        now = self._clock.monotonic()
         is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
         return self._slots.is_wanted and not is_in_use and now - opened >= TURN
 
-    async def _take_battery(self, key: str, data: bytes) -> None:
+    async def _report_battery(self, key: str, data: bytes) -> None:
         if len(data) != 1 or data[0] > _FULL:
-            self._host.reject(key, data, "its battery level is not 0 to 100 percent")
+            self._devices.reject(key, data, "its battery level is not 0 to 100 percent")
             return
-        await self._host.report(key, {"battery": float(data[0])}, BATTERY)
+        await self._devices.report(key, {"battery": float(data[0])}, BATTERY)
 
-    async def _take(self, kept: _Kept, data: bytes) -> None:
+    async def _report(self, kept: _ManagedDevice, data: bytes) -> None:
         key = kept.device.key
         try:
             values = kept.profile.read(data, kept.state)
         except WireError as exc:
-            self._host.reject(key, data, str(exc))
+            self._devices.reject(key, data, str(exc))
             return
-        await self._host.deliver_raw(key, data)
-        await self._host.report(key, values, "")
+        await self._devices.deliver_raw(key, data)
+        await self._devices.report(key, values, "")

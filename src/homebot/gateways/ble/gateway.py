@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from random import Random
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import anyio
 import anyio.lowlevel
@@ -18,10 +18,9 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
-from homebot.gateways.ble.connections import ConnectionHost, Connections
-from homebot.gateways.ble.intake import Intake
+from homebot.gateways.ble.connections import Connections
+from homebot.gateways.ble.intake import BluetoothUnavailableError, Intake
 from homebot.gateways.ble.known_device import KnownDevice, Newcomers, find_dispensable
-from homebot.gateways.ble.radio import BleRadio, BluetoothUnavailableError
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
@@ -30,6 +29,9 @@ from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.support.ble_backend import BleBackend
 from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.gateways.ble.bleak_adapter import BleRadio
 
 __all__ = ["BleGateway"]
 
@@ -40,8 +42,6 @@ MAX_PROBLEMS = 20
 
 MAX_SCANNED = 5_000
 """Addresses after which the scan is restarted: bleak keeps every address of a scan."""
-
-UNREACHABLE = "gateway.unreachable"
 
 BACK_AFTER = 10.0
 """Seconds of silence after which a device that is heard again counts as returned."""
@@ -58,24 +58,16 @@ class BleGateway(Gateway):
     """Brings Bluetooth devices nearby onto the graph.
 
     Args:
-        node: Its node.
-        settings: Its table.
         context: Services of the host; a :class:`BleBackend` replaces the Bluetooth stack of the operating system.
 
     Attributes:
-        devices: Its devices.
         intake: The advertisements that it received.
     """
 
     Settings: ClassVar[type[BaseModel]] = BleGatewaySettings
 
     def __init__(self, node: Node, settings: BleGatewaySettings, context: GatewayContext | None = None) -> None:
-        """Make the gateway; scanning starts with :meth:`serve`.
-
-        Raises:
-            UsageError: A bind key cannot be read.
-            PluginError: A parser cannot be loaded.
-        """
+        """Make the gateway; scanning starts with :meth:`serve`."""
         super().__init__(node, settings, context)
         clock = node.graph.clock
         self._settings = settings
@@ -97,42 +89,33 @@ class BleGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for bleak, the parsers and the bind keys.
-
-        Raises:
-            UsageError: One is missing.
-        """
+        """Look for bleak, the parsers and the bind keys."""
         check_extra('the gateway "ble"', "ble", "bleak", "cryptography")
         if isinstance(settings, BleGatewaySettings):
             _find_parsers(settings)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the scan and the connections until cancelled; ready after the first attempt to scan."""
-        from homebot.gateways.ble.bleak_adapter import BleakRadio  # noqa: PLC0415 - only where it runs
+        from homebot.gateways.ble.bleak_adapter import BleRadio  # noqa: PLC0415 - only where it runs
 
         backend = self.context.service(BleBackend)
-        radio = BleakRadio(backend, self._settings.adapter, is_passive=self._settings.scan == "passive")
+        radio = BleRadio(backend, self._settings.adapter, is_passive=self._settings.scan == "passive")
         async with anyio.create_task_group() as tasks:
-            self._connections = Connections(radio, self._host(), tasks, self._settings.max_connections)
+            self._connections = Connections(
+                radio,
+                self.node,
+                self._random,
+                self.devices,
+                tasks,
+                self._settings.max_connections,
+                on_described=partial(self._put, why="it was connected"),
+                on_unavailable=self._restart_scan,
+            )
             for work in (self._read, self._look_around):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await self._scan(radio, task_status)
 
-    def _host(self) -> ConnectionHost:
-        return ConnectionHost(
-            owner=self.node.full_name,
-            clock=self._clock,
-            random=self._random,
-            described=partial(self._put, why="it was connected"),
-            report=self.devices.report,
-            deliver_raw=self.devices.deliver_raw,
-            reject=self.devices.reject,
-            reachable=self.devices.report_reachable,
-            unavailable=self._begin_anew,
-            failed=lambda why: self.devices.engine.quarantine.log_limited(UNREACHABLE, why, source=""),
-        )
-
-    def _begin_anew(self) -> None:
+    def _restart_scan(self) -> None:
         self._restart.set()
 
     async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
@@ -211,7 +194,7 @@ class BleGateway(Gateway):
         if has_news or now - self._put_at.get(key, float("-inf")) >= PUT_EVERY:
             self._put(device, "it was heard")
         if device.profile is not None and self._connections is not None:
-            self._connections.keep(device, is_back=is_back)
+            self._connections.connect(device, is_back=is_back)
         if found is not None and found.values:
             await self._report(key, advertisement, found)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
@@ -260,7 +243,7 @@ class BleGateway(Gateway):
         for parser in self._parsers:
             parser.forget(device.address)
         if self._connections is not None:
-            self._connections.let_go(device.key)
+            self._connections.close(device.key)
         self.devices.remove(device.key, why)
 
     async def _look_around(self) -> None:

@@ -1,4 +1,4 @@
-"""A bounded queue of advertisements; repetitions are dropped."""
+"""A bounded queue of advertisements without repetitions, and the error of a missing adapter."""
 
 from __future__ import annotations
 
@@ -9,14 +9,19 @@ import anyio
 
 from homebot.clock import Clock
 from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.errors import LinkError
 
-__all__ = ["Intake", "IntakeCounts"]
+__all__ = ["BluetoothUnavailableError", "Intake", "IntakeCounts"]
 
 EVERY = 1.0
 """Seconds between two identical advertisements of a device."""
 
 MAX_WAITING = 1000
 MAX_ADDRESSES = 2000
+
+
+class BluetoothUnavailableError(LinkError):
+    """There is no Bluetooth adapter, it is turned off, or the Bluetooth service is not running."""
 
 
 @dataclass(slots=True)
@@ -39,7 +44,6 @@ class Intake:
     """A queue of at most 1,000 advertisements; if it is full, the oldest is dropped.
 
     Attributes:
-        clock: The clock of the gateway.
         counts: How many were received and dropped.
         heard_at: The time of the last one.
     """

@@ -55,20 +55,14 @@ class KnownDevice:
     """A device that the gateway lists.
 
     Args:
-        key: Its key on the graph.
-        declared: Its table in the configuration.
         profile: Its GATT profile; None for a device that only broadcasts.
         now: Seconds of the gateway's clock.
 
     Attributes:
-        key: The same.
-        profile: The same.
         address: The address of its last advertisement.
         presence: The times at which it was heard.
-        signal: Its signal strength.
         problem: Why it cannot be read; empty if it can.
         connected_facts: Device information that was read over a connection.
-        has_battery: Whether it has the battery service.
         reported_at: The time of the last report of its signal.
     """
 
@@ -103,11 +97,7 @@ class KnownDevice:
             self._rssi_at_1m = advertisement.tx_power - _FREE_SPACE_1M
 
     def describe(self, *, signal: bool) -> GatewayDevice:
-        """Return the description to publish.
-
-        Args:
-            signal: Whether the strength of the signal is reported.
-        """
+        """Return the description to publish."""
         said = self._broadcast
         own = () if self.profile is None else (self.profile.part(),)
         facts = {**said.metadata, **self.connected_facts, **({"problem": self.problem} if self.problem else {})}

@@ -73,7 +73,6 @@ class GroupAnswer:
 
     Attributes:
         host: The address that it came from, with its scope where it is link-local.
-        port: The port that it came from.
         payload: Its first block.
         is_whole: Whether that is all of it.
     """
@@ -91,7 +90,6 @@ class CoapClient:
     7252, section 4.7.
 
     Args:
-        context: aiocoap's.
         patience: Seconds to wait for a response.
         guard: The guard of this computer's addresses; None for addresses that the owner configured.
     """
@@ -194,9 +192,6 @@ class CoapClient:
 
         Args:
             version: ``ipv4`` or ``ipv6``.
-            interface: The name of the interface.
-            port: The port of the group.
-            path: The path of the request.
             take: Receives each answer; never raises. Other messages are passed over.
             wait: Seconds to wait for answers; RFC 7252, section 8.2, lets them take their time.
 

@@ -32,7 +32,6 @@ class CoapPort:
     """The way to one thing; see :class:`homebot.gateways.things.port.ThingPort`.
 
     Args:
-        client: The endpoint that asks.
         admits: Returns whether a notification of the thing is to be read.
     """
 

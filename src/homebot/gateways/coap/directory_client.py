@@ -44,10 +44,6 @@ class DirectoryClient:
     """The client of one resource directory.
 
     Args:
-        uri: Its address.
-        client: The CoAP endpoint that asks.
-        clock: The clock to live by.
-        random: For the pauses between tries.
         take: Gets all endpoints that it lists, whenever that may have changed.
         reject: Receives invalid payloads: the bytes and the reason.
         report: Receives the state of the directory: empty if it answers, else the problem.
@@ -98,11 +94,7 @@ class DirectoryClient:
                     await self._read(lookup)
 
     async def _find_lookup(self) -> str:
-        """Return the address of the endpoint lookup.
-
-        Raises:
-            RefusedError: The server has none.
-        """
+        """Return the address of the endpoint lookup."""
         answer = await self._client.request("GET", f"{self._uri}/.well-known/core?rt=core.rd*", accept=LINK_FORMAT)
         for link in parse_links(answer.payload):
             if _LOOKUP in link.words("rt"):
@@ -127,11 +119,7 @@ class DirectoryClient:
             return  # it is read often enough
 
     def _take_list(self, payload: bytes) -> None:
-        """Take a list; one that cannot be read changes nothing.
-
-        Raises:
-            WireError: It is none.
-        """
+        """Take a list; one that cannot be read changes nothing."""
         links = parse_links(payload)
         self._report("")
         endpoints: dict[str, CoapEndpoint] = {}

@@ -44,14 +44,10 @@ class DirectoryServer:
     """A resource directory.
 
     Args:
-        clock: The clock to live by.
         found: Gets each endpoint that registers, or renews its registration.
         gone: Gets each endpoint after the end of its registration, and the reason.
         admits: Says whether a request of a host is to be read.
         reject: Receives invalid requests: the host, the bytes and the reason.
-
-    Attributes:
-        registry: The registrations.
     """
 
     def __init__(

@@ -49,16 +49,7 @@ _TOO_MANY = "coap.endpoint_refused"
 
 
 class CoapGateway(Gateway):
-    """A gateway to devices that are CoAP servers.
-
-    Args:
-        node: Its node.
-        settings: Its table.
-        context: Random numbers, in simulations.
-
-    Attributes:
-        devices: Its devices.
-    """
+    """A gateway to devices that are CoAP servers."""
 
     Settings: ClassVar[type[BaseModel]] = CoapGatewaySettings
 

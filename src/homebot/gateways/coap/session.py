@@ -52,17 +52,10 @@ class EndpointSession:
     """The work on one endpoint, until it is cancelled.
 
     Args:
-        endpoint: The endpoint.
-        client: The CoAP endpoint that asks.
-        devices: The devices of the gateway.
-        clock: The clock to live by.
-        log: The log of the gateway's node.
         poll_every: Seconds between two readings of resources that cannot be observed.
-        random: For the pauses between tries.
         describing: Limits the endpoints that are described at the same time.
 
     Attributes:
-        endpoint: The endpoint.
         problem: The rule that it broke, or its refusal; empty while it is used, or does not answer.
     """
 
@@ -122,13 +115,7 @@ class EndpointSession:
                 await self._seen.wait()
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command to one of its devices.
-
-        Raises:
-            LinkError: It cannot be reached.
-            RefusedError: It refuses.
-            UnableError: Its capabilities are unknown.
-        """
+        """Carry out a command to one of its devices."""
         thing = self._things.get(command.key)
         if thing is None:
             raise UnableError(f"{command.key[:100]} has not described itself yet")
@@ -195,12 +182,7 @@ class EndpointSession:
             self._devices.put(device, "it answered")
 
     async def _describe(self) -> list[tuple[GatewayDevice, Thing]]:
-        """Return the devices of the endpoint, at least one, each with its description.
-
-        Raises:
-            LinkError: It does not answer.
-            PeerError: It breaks the rules, or lets homebot read nothing.
-        """
+        """Return the devices of the endpoint, at least one, each with its description."""
         endpoint = self.endpoint
         if endpoint.description:
             return [self._described(await self._read_description(endpoint.description), endpoint.key)]

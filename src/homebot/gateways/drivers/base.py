@@ -21,7 +21,7 @@ from homebot.errors import LinkError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.support.extras import check_extra
 
-__all__ = ["Driver", "DriverHost", "DriverSession", "DriverSettings", "FoundService", "SessionDriver", "first_answer"]
+__all__ = ["Driver", "DriverHost", "DriverSettings", "FoundService", "first_answer"]
 
 Answer = TypeVar("Answer")
 
@@ -43,12 +43,7 @@ class DriverSettings(BaseModel):
 
 
 class DriverHost(Protocol):
-    """The interface that a gateway offers to the driver of one service.
-
-    Attributes:
-        clock: The clock.
-        log: The log of the gateway's node.
-    """
+    """The interface that a gateway offers to the driver of one service."""
 
     clock: Clock
     log: FilteringBoundLogger
@@ -80,13 +75,10 @@ class Driver(ABC):
     changed.
 
     Args:
-        service: The service.
         settings: The driver's table, checked; an instance of :attr:`Settings`.
-        host: Its gateway.
 
     Attributes:
         service_types: The DNS-SD service types that it is for: ``_shelly._tcp.local.``
-        Settings: The model of its table.
         libraries: The top-level modules that it needs of homebot's extra ``mdns``.
     """
 
@@ -130,47 +122,10 @@ class Driver(ABC):
         """
 
 
-class DriverSession(Protocol):
-    """One connection of a driver, from its start to its end."""
-
-    async def run(self) -> None:
-        """Perform the work of :meth:`Driver.run`."""
-
-    async def perform(self, command: Command) -> None:
-        """Perform a command as :meth:`Driver.perform` does."""
-
-
-class SessionDriver(Driver):
-    """A driver that creates a new session for each connection, so that no state is carried over."""
-
-    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
-        super().__init__(service, settings, host)
-        self._session: DriverSession | None = None
-
-    @abstractmethod
-    def open_session(self) -> DriverSession:
-        """Return a new session that has not started; libraries of an extra are imported here."""
-
-    async def run(self) -> None:
-        """Keep a connection until cancelled."""
-        self._session = self.open_session()
-        try:
-            await self._session.run()
-        finally:
-            self._session = None
-
-    async def perform(self, command: Command) -> None:
-        """Carry out *command* in the current session."""
-        if self._session is None:
-            raise LinkError(f"{self.service.name} is not connected")
-        await self._session.perform(command)
-
-
 async def first_answer(name: str, addresses: Sequence[str], ask: Callable[[str], Awaitable[Answer]]) -> Answer:
     """Ask one address after the other, and return the first answer.
 
     Args:
-        name: The name of the device, for errors.
         addresses: Its addresses, best first.
         ask: Asks an address; a LinkError means that it does not answer.
 

@@ -34,13 +34,7 @@ class DriverRunner(DeviceRunner):
     """Runs the driver of one service, and publishes its descriptions and reports.
 
     Args:
-        driver: The driver.
-        service: The service.
-        devices: The publisher.
         publish: Publishes the device, and why: the driver's description, None for the facts of DNS-SD alone.
-        clock: The clock.
-        log: The log of the gateway's node.
-        random: The source of random numbers.
     """
 
     def __init__(
@@ -79,12 +73,7 @@ class DriverRunner(DeviceRunner):
         await self._driver.run()
 
     async def perform(self, command: Command) -> None:
-        """Carry *command* out; it waits a moment for a connection that is being made.
-
-        Raises:
-            LinkError: There is no connection.
-            PeerError: The device refuses.
-        """
+        """Carry *command* out; it waits a moment for a connection that is being made."""
         if self._is_connecting:
             with anyio.move_on_after(CONNECTED_WITHIN):
                 await self._connected.wait()

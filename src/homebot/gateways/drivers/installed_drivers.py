@@ -21,13 +21,7 @@ DRIVERS = "homebot.drivers"
 
 @dataclass(frozen=True, slots=True)
 class UsableDriver:
-    """A driver that can be used.
-
-    Attributes:
-        name: Its name.
-        kind: Its class.
-        settings: Its table, checked.
-    """
+    """A driver that can be used."""
 
     name: str
     kind: type[Driver]
@@ -52,7 +46,6 @@ def find_drivers(tables: Mapping[str, Mapping[str, object]], folder: Path) -> In
     """Load all drivers that are installed, and those that the configuration names.
 
     Args:
-        tables: The tables of drivers, by their names.
         folder: The folder that relative paths in them start from.
 
     Raises:

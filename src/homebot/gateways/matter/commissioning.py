@@ -39,12 +39,7 @@ _PROBLEMS: Final = {
 
 
 class CommissioningServices:
-    """Serves :class:`homebot.devices.names.CommissioningNames`.
-
-    Args:
-        gateway: The gateway.
-        node: Its node.
-    """
+    """Serves :class:`homebot.devices.names.CommissioningNames`."""
 
     def __init__(self, gateway: MatterGateway, node: Node) -> None:
         self._gateway = gateway

@@ -53,16 +53,7 @@ SERVER: Final = "the Matter server"
 
 
 class MatterGateway(Gateway):
-    """Brings the nodes of a Matter server onto the graph.
-
-    Args:
-        node: Its node.
-        settings: Its table.
-        context: Services of its host.
-
-    Attributes:
-        devices: Its devices.
-    """
+    """Brings the nodes of a Matter server onto the graph."""
 
     Settings: ClassVar[type[BaseModel]] = MatterGatewaySettings
 
@@ -85,11 +76,7 @@ class MatterGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the library.
-
-        Raises:
-            UsageError: It is missing.
-        """
+        """Look for the library."""
         del settings
         check_extra('the gateway "matter"', "matter", "aiohttp")
 
@@ -156,12 +143,7 @@ class MatterGateway(Gateway):
             await anyio.sleep(self._retries.fail(backoff))
 
     async def _converse(self) -> None:
-        """Connect, and follow the server until the link is lost.
-
-        Raises:
-            LinkError: There is no server, or the link was lost.
-            PeerError: It is not a Matter server of a known version.
-        """
+        """Connect, and follow the server until the link is lost."""
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
 
         async with (

@@ -46,7 +46,6 @@ class NodeDevice:
     """A node, or a device behind it, as a device of the gateway.
 
     Attributes:
-        device: The device.
         abilities: The abilities of its parts, each with its endpoint, by the id of the part.
         root: The endpoint with its name, maker and serial number.
     """
@@ -59,13 +58,8 @@ class NodeDevice:
 class MatterNode:
     """A commissioned node.
 
-    Args:
-        id: Its node ID in the fabric.
-
     Attributes:
-        id: The same.
         is_available: Whether the server reaches it.
-        endpoints: By their numbers.
     """
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
@@ -175,11 +169,7 @@ class MatterNode:
 
 
 def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:
-    """Return the endpoint that has a capability, and the function that encodes its values.
-
-    Raises:
-        UnableError: It cannot be set.
-    """
+    """Return the endpoint that has a capability, and the function that encodes its values."""
     for endpoint, ability in device.abilities.get(part, ()):
         if ability.capability.name == capability and ability.write is not None:
             return endpoint, ability.write
@@ -187,11 +177,7 @@ def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterE
 
 
 def parse_path(path: object) -> tuple[int, int, int]:
-    """Return endpoint, cluster and attribute of a path such as ``1/6/0``.
-
-    Raises:
-        WireError: It is not a path of an attribute.
-    """
+    """Return endpoint, cluster and attribute of a path such as ``1/6/0``."""
     match = _PATH.fullmatch(path) if isinstance(path, str) else None
     if match is None:
         raise WireError(f"{shown(path)} is not the path of an attribute")
@@ -202,11 +188,7 @@ def parse_path(path: object) -> tuple[int, int, int]:
 
 
 def node_id_of(value: object) -> int:
-    """Return a node ID.
-
-    Raises:
-        WireError: *value* is not a node ID.
-    """
+    """Return a node ID."""
     if isinstance(value, bool) or not isinstance(value, int) or not 0 < value < 1 << 64:
         raise WireError(f"{shown(value)} is not a node ID")
     return value

@@ -55,7 +55,6 @@ class MatterServerLink:
     """A connection to a Matter server.
 
     Args:
-        socket: Its WebSocket.
         on_nodes: Takes the list of all nodes, before any later event.
         on_event: Takes an event, and the frame that it came in.
         on_invalid: Takes each invalid frame, and the reason.
@@ -109,9 +108,6 @@ class MatterServerLink:
         """Send the server a command, and return the result.
 
         Args:
-            what: Its purpose, as errors show it.
-            command: The command.
-            args: Its arguments.
             is_secret: Whether there is a code in them, so that errors show no details.
             within: Seconds to wait for the answer.
 

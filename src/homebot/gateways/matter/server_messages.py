@@ -45,10 +45,7 @@ class ServerInfo:
     """The greeting of a server, about itself.
 
     Attributes:
-        schema_version: The version of its messages.
         oldest_schema_version: The oldest that it still follows.
-        sdk_version: The version of its Matter SDK.
-        has_bluetooth: Whether it can commission devices over Bluetooth.
     """
 
     schema_version: int
@@ -57,11 +54,7 @@ class ServerInfo:
     has_bluetooth: bool = False
 
     def check(self) -> None:
-        """Check that homebot understands its messages.
-
-        Raises:
-            WireError: They are too old, or too new.
-        """
+        """Check that homebot understands its messages."""
         if self.schema_version < OLDEST_SCHEMA:
             raise WireError(
                 f"the Matter server uses schema version {self.schema_version}; homebot needs {OLDEST_SCHEMA} or later"
@@ -77,10 +70,8 @@ class ServerAnswer:
     """The answer to a command.
 
     Attributes:
-        message_id: The ID of the command.
         result: The result; None if the command has none.
         error_code: The error; None for success.
-        details: The error as text.
     """
 
     message_id: str
@@ -95,7 +86,6 @@ class MatterEvent:
 
     Attributes:
         event: Its name, such as ``attribute_updated``.
-        data: Its data, which differ from event to event.
     """
 
     event: str
@@ -140,8 +130,6 @@ def error_of(what: str, answer: ServerAnswer, *, is_secret: bool = False) -> Lin
     """Return the error that an *answer* with an error code stands for.
 
     Args:
-        what: The purpose of the command, as text.
-        answer: The answer.
         is_secret: Whether the command had a code in it; the details, which may repeat it, are not shown then.
     """
     details = "" if is_secret else clean_text(answer.details)
@@ -153,11 +141,7 @@ def error_of(what: str, answer: ServerAnswer, *, is_secret: bool = False) -> Lin
 
 
 def check_result(what: str, result: object) -> None:
-    """Check the *result* of a command: written attributes, changes of mode and operations have a status of their own.
-
-    Raises:
-        RefusedError: The device refuses the value.
-    """
+    """Raise RefusedError if the *result* of a command has a status of failure, as writes and operations may."""
     for one in result if isinstance(result, list) else ():
         status = one.get("Status") if isinstance(one, dict) else None
         if isinstance(status, int) and status != 0:

@@ -60,12 +60,7 @@ class MdnsGateway(Gateway):
     """Gateway to the devices on the local network that announce themselves by DNS-SD.
 
     Args:
-        node: Its node.
-        settings: Its table.
         context: Services of its host; a :class:`NetworkInterfaces` is used in place of the computer's.
-
-    Attributes:
-        devices: Its devices.
     """
 
     Settings: ClassVar[type[BaseModel]] = MdnsGatewaySettings
@@ -97,11 +92,7 @@ class MdnsGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Check that the libraries and the configured drivers are there.
-
-        Raises:
-            UsageError: One is missing, or a table is wrong.
-        """
+        """Check that the libraries and the configured drivers are there."""
         check_extra('the gateway "mdns"', "mdns", "zeroconf", "ifaddr")
         if isinstance(settings, MdnsGatewaySettings):
             find_drivers(settings.drivers, settings.folder)
@@ -180,11 +171,7 @@ class MdnsGateway(Gateway):
         self.devices.reject(name, b"", f"its records change too often; they are read every {CHANGE_EVERY:g} s now")
 
     async def _follow(self, interfaces: Interfaces, task_status: TaskStatus[None]) -> None:
-        """Follow the services on these *interfaces*, and on those that take their place.
-
-        Raises:
-            LinkError: The network cannot be used, or not any more.
-        """
+        """Follow the services on these *interfaces*, and on those that take their place."""
         from homebot.gateways.mdns.zeroconf_network import MdnsNetwork  # noqa: PLC0415 - an extra
 
         wanted = self._settings.interfaces

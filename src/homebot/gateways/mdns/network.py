@@ -31,11 +31,9 @@ class ResolvedService:
     """A service with known records.
 
     Attributes:
-        service: The service.
         ttl: The time to live of its SRV record, in seconds.
         left: The seconds of it that are left.
         problem: The rule that its records break, as text; empty for none.
-        txt: Its TXT record.
     """
 
     service: FoundService
@@ -51,7 +49,6 @@ class OwnService:
 
     Attributes:
         service_type: Its type, such as ``_homebot._tcp``, perhaps with a subtype.
-        name: The name for people.
         host: The label of its host name.
         port: Its port; 0 if there is nothing to connect to.
         addresses: The addresses that it listens on; empty for all of this computer.

@@ -47,9 +47,7 @@ class OwnServices:
     """The services that this process announces.
 
     Args:
-        node: The node of the gateway.
         name: The name that others see; empty for that of this computer.
-        installation: The identity of this homebot.
     """
 
     def __init__(self, node: Node, name: str, installation: Installation) -> None:

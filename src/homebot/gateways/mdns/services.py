@@ -102,8 +102,6 @@ class Services:
     """The services on one network.
 
     Args:
-        handler: Told of services.
-        clock: The clock.
         max_services: Services that are followed; of one type half as many.
     """
 
@@ -137,7 +135,6 @@ class Services:
         """Follow the services on *network* until cancelled.
 
         Args:
-            network: The network, which tells :meth:`hear` of signs.
             known: Services from before; those that do not answer now are dropped.
         """
         self._followed.clear()

@@ -18,7 +18,6 @@ class Sleepers:
     """The sleeping devices, each until it is back or has slept for too long.
 
     Args:
-        clock: The clock.
         longest: Seconds after which a device that did not come back is removed.
         remove: Called with the name of such a device and the reason as text.
     """

@@ -82,7 +82,6 @@ class MdnsNetwork(ServiceNetwork):
         """Open the network inside the block; leaving it withdraws the announced services.
 
         Args:
-            interfaces: Where.
             hear: Called with news of services; it must not raise.
             counters: Counts refused service types and addresses.
 
@@ -105,11 +104,7 @@ class MdnsNetwork(ServiceNetwork):
                 await network._close()
 
     async def change_interfaces(self, interfaces: Interfaces) -> None:
-        """Use other interfaces from now on, also for announced services.
-
-        Raises:
-            LinkError: They cannot be used.
-        """
+        """Use other interfaces from now on, also for announced services."""
         self._interfaces = interfaces
         try:
             await self._zeroconf.async_update_interfaces(list(interfaces), _version(interfaces))
@@ -154,8 +149,6 @@ class MdnsNetwork(ServiceNetwork):
         """Ask for the records of a service that have expired or were never received.
 
         Args:
-            service_type: Its type in full.
-            name: Its name in full.
             within: Seconds in which it may answer.
 
         Returns:

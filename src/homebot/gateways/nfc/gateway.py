@@ -61,13 +61,10 @@ class NfcGateway(Gateway):
     """Brings tags at NFC readers onto the graph, and answers which device a tag or a code points to.
 
     Args:
-        node: Its node.
-        settings: Its table.
         context: Services of its host; :class:`TagReaders` replace the readers in its settings.
 
     Attributes:
         devices: The tags, and the devices that only a tag describes.
-        finder: Finds the devices that tags point to.
         at_reader: The tags that are at a reader now, by their numbers.
         readers: The names of the connected readers, by the number of the driver that found them.
     """
@@ -96,11 +93,7 @@ class NfcGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the libraries.
-
-        Raises:
-            UsageError: One is missing.
-        """
+        """Look for the libraries."""
         backend = settings.backend if isinstance(settings, NfcGatewaySettings) else "auto"
         wanted = ["ndef", _LIBRARIES[_chosen(backend)]]
         try:

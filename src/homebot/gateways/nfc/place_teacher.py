@@ -18,11 +18,7 @@ NOT_TAUGHT: Final = "nfc.place_not_taught"
 
 @final
 class PlaceTeacher:
-    """Teaches rooms.
-
-    Args:
-        node: The gateway's node.
-    """
+    """Teaches rooms."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

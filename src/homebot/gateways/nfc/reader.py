@@ -31,10 +31,8 @@ class WriteOrder:
     """An order to write the tag that is at a reader, or the next one.
 
     Attributes:
-        message: The NDEF message.
         reader: A part of the reader's name; empty for any.
         done: Set after the attempt to write.
-        tag: The number of the tag.
         used_reader: The reader at which the tag was.
         error: The error; None if it was written.
     """
@@ -158,11 +156,7 @@ class TagReader(ABC):
 
 @dataclass(frozen=True, slots=True)
 class TagReaders:
-    """Readers that a host gives the gateway instead of those in its settings.
-
-    Attributes:
-        readers: The readers.
-    """
+    """Readers that a host gives the gateway instead of those in its settings."""
 
     readers: tuple[TagReader, ...]
 

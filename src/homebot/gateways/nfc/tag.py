@@ -38,11 +38,7 @@ class PresentTag(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ReadersFound:
-    """The readers that are connected now.
-
-    Attributes:
-        readers: Their names.
-    """
+    """The readers that are connected now."""
 
     readers: tuple[str, ...]
 
@@ -52,9 +48,7 @@ class TagSeen:
     """A tag that was held to a reader, or written there.
 
     Attributes:
-        reader: The reader.
         uid: Its number; empty if that could not be read.
-        tag_type: Its type, as text.
         content: Its content; None if that could not be read.
         problem: The reason why it could not be read.
     """
@@ -68,12 +62,7 @@ class TagSeen:
 
 @dataclass(frozen=True, slots=True)
 class TagLeft:
-    """A tag that was taken away from a reader.
-
-    Attributes:
-        reader: The reader.
-        uid: Its number.
-    """
+    """A tag that was taken away from a reader."""
 
     reader: str
     uid: str

@@ -41,12 +41,7 @@ _MAX_WRITING: Final = 5.0
 
 
 class TagServices:
-    """Serves :class:`homebot.devices.tags.TagNames`.
-
-    Args:
-        gateway: The gateway.
-        node: Its node.
-    """
+    """Serves :class:`homebot.devices.tags.TagNames`."""
 
     def __init__(self, gateway: NfcGateway, node: Node) -> None:
         self._gateway = gateway

@@ -16,7 +16,7 @@ from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.http_events import EventStream
+from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.thing_directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
 
@@ -40,7 +40,6 @@ class DirectoryReader:
 
     Args:
         url: The address below which it has ``/things`` and ``/events``.
-        client: The client, with the directory's credentials.
         read: The pages that were read, by address; kept from one connection to the next.
     """
 
@@ -97,11 +96,7 @@ class DirectoryReader:
             del self._read[gone]
 
     async def retrieve(self, thing_id: str) -> bytes | None:
-        """Return the description of one thing; None if the directory has it no longer.
-
-        Raises:
-            LinkError, RefusedError, WireError: As :meth:`pages`.
-        """
+        """Return the description of one thing; None if the directory has it no longer."""
         where = f"{self._url}/things/{quote(thing_id, safe='')}"
         try:
             return (await self._client.get(where, accept=_TD, max_bytes=MAX_ANNOUNCEMENT_BYTES)).body

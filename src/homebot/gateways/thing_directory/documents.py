@@ -49,8 +49,6 @@ class DirectoryEvent:
     """A change that the directory tells of.
 
     Attributes:
-        change: The kind of the change.
-        id: The thing's.
         description: The whole description, where the event has it; else empty.
     """
 
@@ -64,8 +62,6 @@ class ReadPage:
     """A page as it was when it was read.
 
     Attributes:
-        etag: Its entity tag.
-        keys: The keys of the things on it.
         following: The address of the next page; empty for none.
     """
 
@@ -143,7 +139,6 @@ def lifetime_of(document: object, now: float) -> float:
     """Return the seconds for which a registration holds, from 60 to 30 days; 0 if it has no end.
 
     Args:
-        document: The description.
         now: Seconds since the Unix epoch, by which a registration without ``ttl`` is judged that says when it ends.
     """
     registration = as_fields(as_fields(document).get("registration"))

@@ -32,14 +32,6 @@ class ThingDirectoryGateway(Gateway):
 
     The directory lists the things; each one is connected to by itself, at the addresses that its description names.
     While the directory is away, known things stay, and are used.
-
-    Args:
-        node: Its node.
-        settings: Its table.
-        context: Random numbers, in simulations.
-
-    Attributes:
-        devices: Its devices.
     """
 
     Settings: ClassVar[type[BaseModel]] = ThingDirectorySettings

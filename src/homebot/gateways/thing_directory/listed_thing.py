@@ -30,14 +30,7 @@ class ListedThing(DeviceRunner):
     """A thing that a directory lists. That it is listed is a note; it was heard when it answers itself.
 
     Args:
-        thing: The thing.
         device: The same, as it is published: when it has answered, or has not for a moment.
-        port: The way to it.
-        devices: Where it is published.
-        clock: The clock.
-        log: The log of the gateway's node.
-        random: The source of random numbers.
-        poll_every: Seconds between two readings of values that it does not push.
         connecting: The limit of things that are connected to at the same time.
     """
 
@@ -77,13 +70,7 @@ class ListedThing(DeviceRunner):
             tasks.start_soon(run_as, "a thing", partial(self._port.watch, self.confirm))
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command; return when the thing has accepted it.
-
-        Raises:
-            LinkError: The thing does not answer.
-            RefusedError: It refuses.
-            UnableError: It cannot do that as it is described.
-        """
+        """Carry out a command; return when the thing has accepted it."""
         await self._thing.perform(command)
 
     def describe(self, device: GatewayDevice) -> None:

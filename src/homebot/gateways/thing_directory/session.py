@@ -66,13 +66,8 @@ class DirectorySession:
     """The work on one directory.
 
     Args:
-        settings: The settings of the gateway.
-        devices: Its devices.
         tasks: The tasks of the things, which outlive a connection to the directory.
         has_listed: Called whenever the list was read.
-        clock: The clock to live by.
-        log: The log of the gateway's node.
-        random: For pauses.
     """
 
     def __init__(
@@ -122,13 +117,7 @@ class DirectorySession:
         return problems_of(self._followed.values())
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command; return when the thing has accepted it.
-
-        Raises:
-            LinkError: The thing does not answer.
-            RefusedError: It refuses.
-            UnableError: It cannot do that as it is described.
-        """
+        """Carry out a command; return when the thing has accepted it."""
         followed = self._followed.get(command.key)
         if followed is None:
             raise UnableError(f"{command.key[:100]} has no address of HTTP")

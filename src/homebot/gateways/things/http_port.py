@@ -20,7 +20,7 @@ from homebot.errors import PeerError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
-from homebot.gateways.http_login import HttpLogin
+from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
@@ -48,8 +48,6 @@ class HttpThingPort:
     """The way to one thing, see :class:`homebot.gateways.things.port.ThingPort`; use it as ``async with``.
 
     Args:
-        thing: The thing.
-        logins: The known credentials, of all hosts.
         guard: The guard of this computer's addresses; None if its own directory lists the thing.
     """
 
@@ -107,14 +105,7 @@ class HttpThingPort:
             await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
 
     async def watch(self, confirm: Callable[[], None]) -> None:
-        """Ask a thing that pushes values for one of them now and then, until cancelled.
-
-        Args:
-            confirm: Called when it has answered.
-
-        Raises:
-            LinkError: It does not answer.
-        """
+        """Ask a thing that pushes values for one of them now and then, until cancelled."""
         form = next(iter(self._read_forms.values()), None)
         while True:
             await anyio.sleep(WATCH_EVERY)
@@ -153,12 +144,7 @@ class HttpThingPort:
         )
 
     async def _client(self, form: Form) -> tuple[HttpClient, str]:
-        """Return the client for the address of *form*, and that address as it is sent.
-
-        Raises:
-            RefusedError: It wants credentials that homebot has, in a way that homebot does not know.
-            WireError: It is no address.
-        """
+        """Return the client for the address of *form*, and that address as it is sent."""
         login, url = self._login(form)
         client = self._clients.get(login)
         if client is None:
@@ -190,10 +176,6 @@ class HttpThingPort:
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
     """Return the credentials for reading descriptions at an address, which only the configuration can name.
 
-    Args:
-        where: The address.
-        logins: The known credentials, of all hosts.
-
     Returns:
         Those of its host, if the configuration says how they are sent; None otherwise.
     """
@@ -208,16 +190,7 @@ def _known_at(where: URL, logins: Sequence[ThingLogin]) -> ThingLogin | None:
 
 
 def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
-    """Return how requests to the server of *where* carry credentials.
-
-    Args:
-        login: The credentials.
-        where: An address of that server.
-        scheme: The scheme that the thing requires.
-
-    Raises:
-        RefusedError: That is not supported.
-    """
+    """Return how requests to the server of *where* carry credentials."""
     origin, secret = str(where.origin()), login.password
     found: Literal["basic", "digest", "bearer"] | None = None
     match scheme.scheme, scheme.location:

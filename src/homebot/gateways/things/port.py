@@ -16,7 +16,6 @@ class ThingPayload:
     """A payload that a thing sent.
 
     Attributes:
-        data: Its bytes.
         content_type: Its type as the answer names it; empty if it names none.
     """
 
@@ -55,7 +54,6 @@ class ThingPort(Protocol):
         """Yield pushed values, until the caller has enough; the end of the observation is an error.
 
         Args:
-            form: The address.
             read_current: Reads the current value; called whenever an observation has begun that does not start with it,
                 so that no change before that is lost.
         """

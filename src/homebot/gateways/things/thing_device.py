@@ -50,8 +50,6 @@ def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> Ga
     """Return *thing* as a device.
 
     Args:
-        thing: The thing.
-        key: The gateway's key for it.
         binding: The protocol's choice among its forms.
         others: Its other identities, for example the name of its host.
     """
@@ -72,7 +70,6 @@ class _ThingSource:
     """One address of a thing, and the affordances with values there.
 
     Attributes:
-        form: The form that is observed or read.
         affordances: Each with the id of its part.
         has_all: Whether a reading is an object of all properties by name.
         instead: The sources to ask if this one is refused.
@@ -88,10 +85,6 @@ class ThingDevice:
     """The values and commands of one thing.
 
     Args:
-        thing: The thing.
-        device: The same, as :func:`describe_thing` made it; a gateway may have added to it.
-        port: The protocol that it is used over.
-        host: Where it is published.
         poll_every: Seconds between two polls of values that are not pushed.
     """
 
@@ -128,13 +121,7 @@ class ThingDevice:
                 tasks.start_soon(run_as, "the polling of a thing", self._poll)
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command; return when the thing has accepted it.
-
-        Raises:
-            LinkError: The thing does not answer.
-            RefusedError: It refuses.
-            UnableError: It cannot do that as it is described.
-        """
+        """Carry out a command; return when the thing has accepted it."""
         written = next((one.written for one in self._parts if one.part.id == command.part), {})
         if command.capability not in written:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
@@ -249,11 +236,7 @@ class ThingDevice:
             self._asks_now.set()
 
     async def _take(self, source: _ThingSource, payload: ThingPayload) -> None:
-        """Report the values in a payload.
-
-        Raises:
-            WireError: It spells no document.
-        """
+        """Report the values in a payload."""
         if not self._is_reached:
             self._is_reached = True
             self._host.report_reachable(reachable=True)

@@ -17,7 +17,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.base import FoundService
 from homebot.gateways.drivers.thing import HttpThingDriver, ThingDriver
-from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from homebot.gateways.drivers.thing.driver import ThingDriverSettings
 from homebot.gateways.things import http_port
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing

@@ -36,7 +36,6 @@ class EsphomeConnection:
     """An open connection; see :func:`connected`.
 
     Attributes:
-        name: The name of the device, for errors.
         lost: Set when the connection is lost.
     """
 
@@ -46,11 +45,7 @@ class EsphomeConnection:
         self.lost = anyio.Event()
 
     async def describe(self) -> tuple[Fields, list[ListedEntity]]:
-        """Return the facts of the device, and its entities.
-
-        Raises:
-            LinkError: The connection was lost.
-        """
+        """Return the facts of the device, and its entities."""
         with _translated(self.name):
             info = await self._client.device_info()
             entities, _ = await self._client.list_entities_services()
@@ -60,11 +55,7 @@ class EsphomeConnection:
         ]
 
     def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:
-        """Subscribe to all states: the current ones first, then each change, as component and fields.
-
-        Raises:
-            LinkError: The connection was lost.
-        """
+        """Subscribe to all states: the current ones first, then each change, as component and fields."""
 
         def take(state: model.EntityState) -> None:
             kind = _STATES.get(type(state))
@@ -75,11 +66,7 @@ class EsphomeConnection:
             self._client.subscribe_states(take)
 
     def send(self, kind: str, key: tuple[int, int], fields: Fields) -> None:
-        """Send the command of an entity, which the native API does not answer.
-
-        Raises:
-            LinkError: The connection was lost.
-        """
+        """Send the command of an entity, which the native API does not answer."""
         device_id, number = key
         command = getattr(self._client, f"{kind}_command")
         with _translated(self.name):
@@ -97,9 +84,7 @@ async def connected(
     """Connect to a device; the connection is closed at the end of the block.
 
     Args:
-        name: Its name, for errors.
         addresses: Its addresses, best first.
-        port: Its port.
         key: The encryption key; None for no encryption.
         password: The password; None for none.
 

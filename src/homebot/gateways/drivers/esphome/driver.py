@@ -30,13 +30,7 @@ STALE_AFTER_SLEEP = 24 * 3600.0
 
 
 class EsphomeDriver(Driver):
-    """Connects to an ESPHome device, reports the states that it pushes, and commands it.
-
-    Args:
-        service: The service ``_esphomelib._tcp``; its instance name is the device's name.
-        settings: The table.
-        host: Its gateway.
-    """
+    """Connects to an ESPHome device, reports the states that it pushes, and commands it."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = EsphomeSettings
@@ -49,12 +43,7 @@ class EsphomeDriver(Driver):
         self._device: EsphomeDevice | None = None
 
     async def run(self) -> None:
-        """Connect, describe the device, and report its states, until cancelled.
-
-        Raises:
-            LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
-        """
+        """Connect, describe the device, and report its states, until cancelled."""
         await to_thread.run_sync(import_module, "homebot.gateways.drivers.esphome.connection")  # most of a second
         from homebot.gateways.drivers.esphome.connection import connected  # noqa: PLC0415 - an extra
 
@@ -73,12 +62,7 @@ class EsphomeDriver(Driver):
         raise LinkError(f"the connection to {service.name} was lost")
 
     async def perform(self, command: Command) -> None:
-        """Send a command; the native API does not answer it.
-
-        Raises:
-            LinkError: There is no connection.
-            RefusedError: The entity cannot do that; the message names the accepted values.
-        """
+        """Send a command; the native API does not answer it."""
         connection, device = self._connection, self._device
         if connection is None or device is None:
             raise LinkError(f"{self.service.name} is not connected")
@@ -122,12 +106,7 @@ class EsphomeDriver(Driver):
 
 
 class StateQueue:
-    """Queue of states that the device pushed and that are not reported yet: the newest of each entity, and the events.
-
-    Args:
-        device: The device.
-        host: Gets the reports.
-    """
+    """Queue of pushed states that are not reported yet: the newest of each entity, and the events."""
 
     def __init__(self, device: EsphomeDevice, host: DriverHost) -> None:
         self._device = device

@@ -26,11 +26,7 @@ CONNECT_WITHIN = 10.0
 
 
 class MeteredSocket(socket.socket):
-    """A TCP socket that fails when the peer sends more than :data:`PER_SECOND`.
-
-    Attributes:
-        is_flooded: Whether that has happened.
-    """
+    """A TCP socket that fails when the peer sends more than :data:`PER_SECOND`."""
 
     def __init__(self, family: int, kind: int, protocol: int) -> None:
         super().__init__(family, kind, protocol)
@@ -42,11 +38,7 @@ class MeteredSocket(socket.socket):
         self.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_AT_ONCE)
 
     def recv(self, bufsize: int, flags: int = 0, /) -> bytes:
-        """Return received data.
-
-        Raises:
-            OSError: The connection failed, or the peer sends too much.
-        """
+        """Return received data."""
         data = super().recv(bufsize, flags)
         if self._limit.take(anyio.current_time(), len(data)) > 0:
             self.is_flooded = True
@@ -55,11 +47,7 @@ class MeteredSocket(socket.socket):
 
 
 async def open_socket(address: str, port: int) -> MeteredSocket:
-    """Return a socket that is connected to *address*.
-
-    Raises:
-        OSError: It does not answer.
-    """
+    """Return a socket that is connected to *address*."""
     (family, kind, protocol, _, place), *_ = socket.getaddrinfo(
         address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST
     )

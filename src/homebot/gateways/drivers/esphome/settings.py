@@ -99,11 +99,7 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         return self
 
     def check_secrets(self) -> None:
-        """Read all secrets once.
-
-        Raises:
-            UsageError: One cannot be read, or a key is none; names the key of the table.
-        """
+        """Read all secrets once."""
         for device in ("", *self.devices):
             self.secrets_of(device)
 

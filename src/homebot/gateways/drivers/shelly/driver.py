@@ -1,28 +1,211 @@
-"""The driver for ``_shelly._tcp``, without the parts that need aiohttp: those load when the first device is found."""
+"""The driver for Shelly devices.
+
+Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
+"""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Iterable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
-from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings
+import anyio
+
+from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
+from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
+from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, components_from
+from homebot.conventions.shelly.gen2_device import is_prefix
+from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_setup_change
+from homebot.conventions.shelly.rpc_login import RpcLogin
+from homebot.devices.gateway_messages import Command
+from homebot.devices.identity import identifiers
+from homebot.errors import LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService, first_answer
+from homebot.gateways.drivers.shelly.rpc_link import RpcLink
+from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings, wants_password
+from homebot.gateways.http_address import http_origin
+from homebot.support.isolation import ungrouped
+
+if TYPE_CHECKING:
+    from homebot.gateways.http_client import HttpClient
 
 __all__ = ["ShellyDriver"]
 
+ASK_AGAIN: Final = 300.0
+"""Seconds between two requests for the whole status: a device that measures nothing may be silent for days."""
 
-class ShellyDriver(SessionDriver):
-    """One Shelly device of the second generation or later. Of the first generation, only model and firmware are listed.
+WATCH_EVERY: Final = 18.0
+"""Seconds between two requests to a device of the first generation, which pushes nothing over HTTP."""
 
-    Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
-    """
+PAUSE: Final = 5.0
+"""Seconds between two rounds of requests at least, however often the device reports that its setup has changed."""
+
+_PAGES = 20
+
+
+class ShellyDriver(Driver):
+    """One Shelly device of the second generation or later; of the first, only model and firmware are listed."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_shelly._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = ShellyDriverSettings
     libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
     settings: ShellyDriverSettings
 
-    def open_session(self) -> DriverSession:
-        """Return a session; this loads aiohttp."""
-        from homebot.gateways.drivers.shelly.session import ShellySession  # noqa: PLC0415 - an extra
+    def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
+        super().__init__(service, settings, host)
+        self._device: Gen2RpcDevice | None = None
+        self._described: GatewayDevice | None = None
+        self._rpc: RpcLink | None = None
+        self._setup_changed = anyio.Event()
+        self._offset = 0
 
-        return ShellySession(self.service, self.settings, self.host)
+    async def run(self) -> None:
+        """Connect, and report the device's states, until cancelled."""
+        from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - an extra
+
+        async with HttpClient(guard=AddressGuard(self.service.addresses), max_bytes=MAX_ANSWER_BYTES) as client:
+            origin, about = await self._probe(client)
+            if "gen" not in about and "type" in about:
+                await self._watch_first_generation(client, origin, about)
+            device_id = about.get("id")
+            if not isinstance(device_id, str) or not is_prefix(device_id):
+                raise WireError(f"{self.service.name} does not answer like a Shelly device")
+            async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
+                self._device = device = Gen2RpcDevice(device_id)
+                device.record_answer("info", about, len(compact_json(about)))
+                login = self._login(device, device_id, about)
+                take = partial(self._take_notification, device)
+                self._rpc = RpcLink(socket, device_id, login, take, self.host.reject)
+                try:
+                    await self._live(device, self._rpc)
+                finally:
+                    self._rpc = None
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the device has accepted it."""
+        if self._rpc is None or self._device is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        value = command.value.plain()
+        for call in self._device.calls(command.part, command.capability, value, command.transition):
+            await self._rpc.call(call.method, call.params)
+
+    async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
+        """Return the address that answers, and the facts that the device reveals without a password."""
+
+        async def ask(address: str) -> tuple[str, Fields]:
+            origin = http_origin(address, self.service.port)
+            return origin, as_fields(await client.get_json(f"{origin}/shelly"))
+
+        return await first_answer(self.service.name, self.service.addresses, ask)
+
+    def _login(self, device: Gen2RpcDevice, device_id: str, about: Fields) -> RpcLogin | None:
+        password = self.settings.password_of(device_id)
+        if password is not None:
+            return RpcLogin(password)
+        if about.get("auth_en") is True:
+            self._describe(device)
+            raise RefusedError(device_id, wants_password(has_one=False), 401)
+        return None
+
+    async def _live(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
+        try:
+            with ungrouped():
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(rpc.receive)
+                    while True:
+                        await self._ask(device, rpc)
+                        with anyio.move_on_after(ASK_AGAIN):
+                            await self._setup_changed.wait()
+        except (LinkError, PeerError) as exc:
+            raise rpc.end or exc from None
+
+    async def _ask(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
+        self._setup_changed = anyio.Event()
+        for kind, method in ANSWERS.items():
+            await rpc.call(method, on_answer=partial(self._take_answer, device, kind))
+        await self._ask_components(device, rpc)
+        await anyio.sleep(PAUSE)
+
+    async def _ask_components(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
+        """Ask for the components that were added to the device; older firmware has none."""
+        self._offset = 0
+        for _ in range(_PAGES):
+            try:
+                await rpc.call(COMPONENTS, components_from(self._offset), partial(self._take_components, device))
+            except RefusedError:
+                return
+            if self._offset == 0:
+                return
+
+    async def _take_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
+        device.record_answer(kind, answer, len(frame))
+        if kind == "status":
+            self._describe(device)
+            await self._report(device.read_status(frame))
+
+    async def _take_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
+        self._offset = device.add_page(page)
+        if self._offset == 0:
+            self._describe(device)
+            await self._report(device.read_status(device.components_status()))
+
+    async def _take_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
+        if self._described is None:
+            return
+        await self.host.deliver_raw(payload)
+        await self._report(device.read_notification(payload))
+        if is_setup_change(frame):
+            self._setup_changed.set()
+
+    async def _report(self, of_parts: Iterable[tuple[str, Readings]]) -> None:
+        for part, readings in of_parts:
+            await self.host.report(readings, part)
+
+    def _describe(self, device: Gen2RpcDevice) -> None:
+        """Publish the description of the device, or that it is still there if nothing changed."""
+        news = device.describe()
+        if news is not None:
+            self._described = self._gateway_device(news, device.stale_after)
+        if self._described is not None:
+            self.host.describe(self._described)
+
+    def _gateway_device(self, news: DeviceAnnounced, stale_after: float) -> GatewayDevice:
+        return GatewayDevice(
+            key=self.service.key,
+            name=news.name,
+            parts=tuple(one.part.model_copy(update={"reads": (), "writes": ()}) for one in news.parts),
+            metadata=news.facts,
+            identifiers=news.identifiers,
+            stale_after=stale_after,
+            sleeps=stale_after > 0,
+            expiries={one.part.id: one.expiries for one in news.parts if one.expiries},
+        )
+
+    async def _watch_first_generation(self, client: HttpClient, origin: str, about: Fields) -> None:
+        """Publish the description of the device for as long as it answers."""
+        self.host.describe(_first_generation(self.service, about))
+        while True:
+            await anyio.sleep(WATCH_EVERY)
+            await client.get_json(f"{origin}/shelly")
+
+
+def _first_generation(service: FoundService, about: Fields) -> GatewayDevice:
+    """Return a device of the first generation, which can be used over MQTT.
+
+    Source: Shelly Gen1 API, Common HTTP API, /shelly.
+    """
+    facts: Mapping[str, str] = {
+        "manufacturer": "Shelly",
+        "model": text_of(about.get("type")),
+        "sw_version": text_of(about.get("fw")),
+        "generation": "1",
+    }
+    return GatewayDevice(
+        service.key,
+        clean_text(service.name),
+        metadata={name: value for name, value in facts.items() if value},
+        identifiers=identifiers((text_of(about.get("mac")),)),
+    )

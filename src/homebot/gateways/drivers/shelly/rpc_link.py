@@ -10,7 +10,7 @@ Source: Shelly Gen2+ API, General: RPC Protocol (frames, common errors), RPC Cha
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import anyio
 
@@ -20,8 +20,11 @@ from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_rpc import CLIENT
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
-from homebot.gateways.http_websocket import WebSocket
+from homebot.gateways.drivers.shelly.settings import wants_password
 from homebot.gateways.pending_calls import PendingCalls
+
+if TYPE_CHECKING:
+    from homebot.gateways.http_streams import WebSocket
 
 __all__ = ["RpcLink", "TakeFrame"]
 
@@ -40,8 +43,6 @@ class RpcLink:
     """Sends calls and receives answers and notifications over one WebSocket.
 
     Args:
-        socket: The WebSocket.
-        name: The name of the device in errors.
         login: Signs calls; None without a password.
         on_notification: Takes notifications.
         on_invalid: Called with each invalid frame and the reason.
@@ -68,12 +69,7 @@ class RpcLink:
         self.end: HomebotError | None = None
 
     async def receive(self) -> None:
-        """Handle frames until the link is lost.
-
-        Raises:
-            LinkError: It is lost.
-            WireError: Too many frames in a row broke the rules, or one was too long.
-        """
+        """Handle frames until the link is lost."""
         try:
             await self._socket.receive_all(self._take, self._on_invalid)
         except HomebotError as exc:
@@ -86,8 +82,6 @@ class RpcLink:
         """Call a method, and return its result.
 
         Args:
-            method: The method.
-            params: Its parameters; None for none.
             on_answer: Called with the result and its frame before any later frame is handled.
 
         Raises:
@@ -142,9 +136,3 @@ class RpcLink:
         if code in _LATER:
             return LinkError(f"{what}: {reason}")
         return RefusedError(what, reason, code if isinstance(code, int) else None)
-
-
-def wants_password(*, has_one: bool) -> str:
-    """Return the remedy if a device asks for a password, as text."""
-    keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
-    return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"

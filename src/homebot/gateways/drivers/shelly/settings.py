@@ -9,7 +9,7 @@ from pydantic import Field, SecretStr
 from homebot.gateways.drivers.base import DriverSettings
 from homebot.gateways.password_settings import PasswordSettings
 
-__all__ = ["ShellyDriverSettings"]
+__all__ = ["ShellyDriverSettings", "wants_password"]
 
 
 class ShellyDriverSettings(PasswordSettings, DriverSettings):
@@ -22,11 +22,7 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
     devices: Mapping[str, PasswordSettings] = Field(default_factory=dict)
 
     def check_secrets(self) -> None:
-        """Read all passwords once.
-
-        Raises:
-            UsageError: One cannot be read; names the key.
-        """
+        """Read all passwords once."""
         self.read_password()
         for device_id in self.devices:
             self.password_of(device_id)
@@ -41,3 +37,9 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
             if name.casefold() == device_id.casefold():
                 return own.read_password(f"devices.{name}.")
         return self.read_password()
+
+
+def wants_password(*, has_one: bool) -> str:
+    """Return the remedy if a device asks for a password, as text."""
+    keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
+    return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"

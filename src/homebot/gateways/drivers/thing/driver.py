@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final
 
-from homebot.gateways.drivers.base import DriverSession, DriverSettings, SessionDriver
-from homebot.gateways.drivers.thing.settings import ThingDriverSettings
+from pydantic import Field
 
-__all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver"]
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError
+from homebot.gateways.drivers.base import Driver, DriverSettings
+from homebot.gateways.things.http_credentials import HttpLoginSettings, read_logins
+from homebot.units import Seconds
+
+if TYPE_CHECKING:
+    from homebot.gateways.drivers.thing.session import ThingSession
+
+__all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver", "ThingDriverSettings"]
 
 WEB_THING: Final = "_webthing._tcp.local."
 
 
-class ThingDriver(SessionDriver):
+class ThingDriverSettings(DriverSettings):
+    """The settings of the driver for things.
+
+    Attributes:
+        credentials: The credentials of hosts that require some.
+        poll_every: Seconds between two readings of values that a thing does not push.
+    """
+
+    credentials: tuple[HttpLoginSettings, ...] = ()
+    poll_every: Annotated[Seconds, Field(ge=1.0)] = 30.0
+
+    def check_secrets(self) -> None:
+        """Read all credentials once."""
+        read_logins(self.credentials)
+
+
+class ThingDriver(Driver):
     """One thing that serves its description; of a directory of things, only the address is listed.
 
     Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
@@ -28,11 +52,23 @@ class ThingDriver(SessionDriver):
     must_describe: ClassVar[bool] = True
     settings: ThingDriverSettings
 
-    def open_session(self) -> DriverSession:
-        """Return a session; this loads aiohttp."""
+    _session: ThingSession | None = None
+
+    async def run(self) -> None:
+        """Read the description and use the thing until cancelled."""
         from homebot.gateways.drivers.thing.session import ThingSession  # noqa: PLC0415 - an extra
 
-        return ThingSession(self.service, self.settings, self.host, must_describe=self.must_describe)
+        logins = read_logins(self.settings.credentials)
+        self._session = ThingSession(
+            self.service, self.host, logins, self.settings.poll_every, must_describe=self.must_describe
+        )
+        await self._session.run()
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it."""
+        if self._session is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        await self._session.perform(command)
 
 
 class HttpThingDriver(ThingDriver):

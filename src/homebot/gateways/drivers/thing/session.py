@@ -8,6 +8,7 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -21,10 +22,9 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
 from homebot.gateways.drivers.thing.driver import WEB_THING
-from homebot.gateways.drivers.thing.settings import ThingDriverSettings
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.things.http_credentials import ThingLogin, read_logins
+from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.support.isolation import run_as, ungrouped
@@ -44,12 +44,7 @@ _NOT_THERE = frozenset({404, 405, 410})
 
 @dataclass(frozen=True, slots=True)
 class _ReadDescription:
-    """A description with its source.
-
-    Attributes:
-        url: Where.
-        data: Its bytes.
-    """
+    """A description with its source."""
 
     url: str
     data: bytes
@@ -59,33 +54,30 @@ class ThingSession:
     """One connection to one thing.
 
     Args:
-        service: Where it is.
-        settings: The driver's settings.
-        host: Where it is described and reported to.
         must_describe: Whether a host without a description is an error.
     """
 
     def __init__(
-        self, service: FoundService, settings: ThingDriverSettings, host: DriverHost, *, must_describe: bool
+        self,
+        service: FoundService,
+        host: DriverHost,
+        logins: Sequence[ThingLogin],
+        poll_every: float,
+        *,
+        must_describe: bool,
     ) -> None:
         self._service = service
-        self._settings = settings
+        self._poll_every = poll_every
         self._host = host
         self._must_describe = must_describe
         self._host_name = _name_of(service)
         self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
-        self._logins = tuple(self._known_as(one) for one in read_logins(settings.credentials))
+        self._logins = tuple(self._known_as(one) for one in logins)
         self._device: ThingDevice | None = None
 
     async def run(self) -> None:
-        """Read the description and use the thing until cancelled.
-
-        Raises:
-            LinkError: It cannot be connected to, or the connection was lost.
-            RefusedError: It does not let homebot in.
-            WireError: Its description is none.
-        """
+        """Read the description and use the thing until cancelled."""
         description = await self._find()
         while description is not None:
             description = await self._follow(description)
@@ -93,13 +85,7 @@ class ThingSession:
         await anyio.sleep_forever()
 
     async def perform(self, command: Command) -> None:
-        """Carry out a command; return when the thing has accepted it.
-
-        Raises:
-            LinkError: There is no connection.
-            RefusedError: It refuses.
-            UnableError: It cannot do that as it is described.
-        """
+        """Carry out a command; return when the thing has accepted it."""
         if self._device is None:
             raise LinkError(f"{self._service.name} is not connected")
         await self._device.perform(command)
@@ -118,7 +104,7 @@ class ThingSession:
         try:
             with ungrouped():
                 async with HttpThingPort(thing, self._logins, self._guard) as port, anyio.create_task_group() as tasks:
-                    self._device = ThingDevice(thing, device, port, self._host, self._settings.poll_every)
+                    self._device = ThingDevice(thing, device, port, self._host, self._poll_every)
                     tasks.start_soon(run_as, "a thing", self._device.run)
                     changed = await self._until_changed(description)
                     tasks.cancel_scope.cancel()

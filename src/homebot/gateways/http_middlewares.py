@@ -1,4 +1,7 @@
-"""Credentials for a server of HTTP, and how requests to it carry them; a helper of :mod:`homebot.gateways.http_client`.
+"""Middlewares of aiohttp: credentials for one server, and redirects that stay at the host that was asked.
+
+A device that was found may be an attacker's. It must not make this computer send requests elsewhere, least of all to
+services for this computer alone.
 
 Source: RFC 7616 and 7617 (Digest and Basic authentication), RFC 6750 (Bearer).
 """
@@ -6,6 +9,9 @@ Source: RFC 7616 and 7617 (Digest and Basic authentication), RFC 6750 (Bearer).
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -13,10 +19,14 @@ import aiohttp
 from pydantic import SecretStr
 from yarl import URL
 
+from homebot.errors import RefusedError
+
 if TYPE_CHECKING:
     from aiohttp.client_middlewares import ClientHandlerType, ClientMiddlewareType
 
-__all__ = ["HttpLogin", "authentication"]
+__all__ = ["HttpLogin", "authentication", "follow_own_redirects", "staying_at"]
+
+_asked: ContextVar[URL | None] = ContextVar("homebot_http_asked", default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +38,6 @@ class HttpLogin:
         scheme: ``digest`` and ``basic`` send user and password, ``bearer`` the password as a token, ``header`` the
             password in the header field called *user* (an API key).
         user: The user's name; for ``digest`` and ``basic`` without a colon.
-        password: The password, or token.
     """
 
     origin: str
@@ -67,3 +76,25 @@ def _header_of(login: HttpLogin, secret: str) -> tuple[str, str]:
             return "Authorization", f"Bearer {secret}"
         case _:
             return login.user, secret
+
+
+@contextmanager
+def staying_at(where: URL) -> Iterator[None]:
+    """Have the requests that this task sends inside the block stay at the host of *where*."""
+    token = _asked.set(where)
+    try:
+        yield
+    finally:
+        _asked.reset(token)
+
+
+async def follow_own_redirects(request: aiohttp.ClientRequest, handler: ClientHandlerType) -> aiohttp.ClientResponse:
+    """Send a request, as a middleware of aiohttp, which sees each redirect as one more.
+
+    Raises:
+        RefusedError: It goes to another host than the block says.
+    """
+    asked = _asked.get()
+    if asked is not None and request.url.host != asked.host:
+        raise RefusedError(f"{request.method} {asked.origin()}", "it redirects to another host, which is not followed")
+    return await handler(request)

@@ -1,11 +1,11 @@
-"""An open WebSocket; a helper of :mod:`homebot.gateways.http_client`.
+"""Open WebSockets and streams of server-sent events; helpers of :mod:`homebot.gateways.http_client`.
 
 Source: RFC 6455.
 """
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Final, NoReturn
 
 import aiohttp
@@ -14,9 +14,10 @@ import anyio.lowlevel
 
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, WireError
+from homebot.gateways.event_stream import EventStreamParser, ServerEvent
 from homebot.gateways.http_errors import translated_errors
 
-__all__ = ["WebSocket"]
+__all__ = ["EventStream", "WebSocket"]
 
 MOST_INVALID: Final = 20
 """Invalid messages in a row after which nothing more is read."""
@@ -26,8 +27,6 @@ class WebSocket:
     """An open WebSocket. Any task may send; one at a time may receive.
 
     Args:
-        opened: The connection of the library.
-        where: Its address, for errors.
         time_limit: Seconds in which a message has to be sent.
     """
 
@@ -35,11 +34,6 @@ class WebSocket:
         self._opened = opened
         self._where = where
         self._time_limit = time_limit
-
-    @property
-    def protocol(self) -> str:
-        """The subprotocol that the server chose; empty for none."""
-        return self._opened.protocol or ""
 
     async def send(self, message: str | bytes) -> None:
         """Send a message: text, or binary where it is bytes.
@@ -77,7 +71,6 @@ class WebSocket:
         """Give each message to *take*, as bytes, until the connection is lost.
 
         Args:
-            take: Takes a message; it is invalid where that raises WireError.
             reject: Told of each invalid message, and why.
 
         Raises:
@@ -107,3 +100,26 @@ class WebSocket:
                     await self._opened.pong(message.data)
                 elif message.type is not aiohttp.WSMsgType.PONG:
                     return message
+
+
+class EventStream:
+    """An open stream of server-sent events, for ``async for``; it ends with an error, as a server never ends it.
+
+    Raises:
+        LinkError: The connection was closed or is lost.
+        WireError: An event is too long, or the stream breaks the rules of HTTP.
+    """
+
+    def __init__(self, read: Callable[[], Awaitable[bytes]], where: str, parser: EventStreamParser) -> None:
+        self._read = read
+        self._where = where
+        self._parser = parser
+
+    async def __aiter__(self) -> AsyncIterator[ServerEvent]:
+        while True:
+            with translated_errors("GET", self._where):
+                chunk = await self._read()
+            if not chunk:
+                raise LinkError(f"{self._where} ended the stream of events")
+            for event in self._parser.feed(chunk):
+                yield event
