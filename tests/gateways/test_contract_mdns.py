@@ -12,7 +12,7 @@ from tests.gateways.mdns.packets import answer, pointer
 
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
-from homebot.gateways.mdns.interfaces import Interfaces
+from homebot.gateways.mdns.network import Interfaces
 from homebot.graph import Node
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 

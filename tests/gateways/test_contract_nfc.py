@@ -14,8 +14,7 @@ from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.nfcpy_reader import NfcpyReader
-from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
-from homebot.gateways.nfc.tag import PresentTag
+from homebot.gateways.nfc.reader import PresentTag, ReaderDesk, TagReader, TagReaders
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 from homebot.testing.gateway_contract import GatewayContract, Lamp

@@ -43,20 +43,20 @@ async def test_each_call_gets_its_own_answer_in_whatever_order_they_come() -> No
         await anyio.wait_all_tasks_blocked()
         assert len(peer.calls) == 2
         first, second = peer.asked
-        assert await peer.calls.take(second, "II")
-        assert await peer.calls.take(first, "I")
+        assert await peer.calls.resolve(second, "II")
+        assert await peer.calls.resolve(first, "I")
     assert peer.answers == {"one": "I", "two": "II"}
     assert len(peer.calls) == 0
 
 
 async def test_an_answer_that_nobody_waits_for_is_none() -> None:
     peer = Peer()
-    assert not await peer.calls.take("1", "I")
+    assert not await peer.calls.resolve("1", "I")
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(peer.call, "one")
         await anyio.wait_all_tasks_blocked()
-        assert await peer.calls.take(peer.asked[0], "I")
-        assert not await peer.calls.take(peer.asked[0], "I again")
+        assert await peer.calls.resolve(peer.asked[0], "I")
+        assert not await peer.calls.resolve(peer.asked[0], "I again")
     assert peer.answers == {"one": "I"}
 
 
@@ -68,7 +68,7 @@ async def test_an_answer_is_handled_before_whoever_brought_it_goes_on() -> None:
         tasks.start_soon(bring, call_id)
 
     async def bring(call_id: str) -> None:
-        await calls.take(call_id, "answer")
+        await calls.resolve(call_id, "answer")
         handled.append("next")
 
     async def handle(answer: str) -> None:
@@ -85,7 +85,7 @@ async def test_a_call_without_an_answer_ends_in_time() -> None:
     await peer.call("one")
     assert peer.answers == {"one": "the lamp did not answer one within 5 s"}
     assert anyio.current_time() == 5.0
-    assert not await peer.calls.take(peer.asked[0], "too late")
+    assert not await peer.calls.resolve(peer.asked[0], "too late")
 
 
 async def test_the_end_of_the_link_ends_calls_that_wait_and_later_ones() -> None:

@@ -169,7 +169,7 @@ class Gateway(ABC):
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled; call ``task_status.started()`` when ready."""
 
-    def note_tried(self, task_status: TaskStatus[None]) -> None:
+    def mark_ready(self, task_status: TaskStatus[None]) -> None:
         """Record the end of a try, successful or not; after the first one the gateway is ready."""
         if not self._is_ready:
             self._is_ready = True

@@ -61,11 +61,11 @@ class EventStreamParser:
             return ()
         *lines, rest = (self._rest + text).split("\n")
         self._rest = rest
-        found = [event for line in lines if (event := self._take(line)) is not None]
+        found = [event for line in lines if (event := self._parse_line(line)) is not None]
         self._check_size(len(rest))
         return tuple(found)
 
-    def _take(self, line: str) -> ServerEvent | None:
+    def _parse_line(self, line: str) -> ServerEvent | None:
         if not line:
             return self._dispatch()
         self._size += len(line)

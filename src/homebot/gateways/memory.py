@@ -70,7 +70,7 @@ class MemoryGateway(Gateway):
             max_devices=settings.max_devices,
         )
         log = self.devices.engine.quarantine.log_limited
-        self._exposed = ExposedDevices(self, self._show, self._tell, log) if settings.act else None
+        self._exposed = ExposedDevices(self, self._show, self._publish_states, log) if settings.act else None
         self._unavailable = ""
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -128,7 +128,7 @@ class MemoryGateway(Gateway):
         else:
             self.exposed[offer.id] = offer, {}
 
-    def _tell(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
+    def _publish_states(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
         del changed
         self.exposed[offer.id] = offer, dict(known)
 

@@ -71,7 +71,7 @@ class PendingCalls(Generic[Answer]):
         await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
         raise LinkError(f"the connection to {self._peer} was lost")
 
-    async def take(self, call_id: str, answer: Answer) -> bool:
+    async def resolve(self, call_id: str, answer: Answer) -> bool:
         """Give a call its answer; return whether one of that id waits for it."""
         call = self._pending.get(call_id)
         if call is None or call.answer is not None:

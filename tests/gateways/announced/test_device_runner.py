@@ -58,7 +58,7 @@ class Runner(DeviceRunner):
             await anyio.sleep_forever()
             return
         if attempt.answers:
-            self.note_answer()
+            self.on_answer()
             self._devices.put(LAMP, "it answers")
             self.report_reachable(reachable=True)
         try:

@@ -29,7 +29,7 @@ class Queue:
         await anyio.wait_all_tasks_blocked()
 
     async def _take(self, key: str) -> None:
-        await self.slots.take(key, partial(self._is_near, key))
+        await self.slots.acquire(key, partial(self._is_near, key))
         self.got.append(key)
 
     def _is_near(self, key: str) -> bool:
@@ -88,7 +88,7 @@ async def test_a_device_that_gives_up_leaves_its_place(was_granted: bool) -> Non
         await queue.ask("a")
         with anyio.CancelScope() as scope:
             tasks.start_soon(_give_up, queue, scope, was_granted)
-            await queue.slots.take("b", lambda: True)
+            await queue.slots.acquire("b", lambda: True)
             queue.slots.release("b")  # it got the slot before it could give up
         if not was_granted:
             queue.slots.release("a")

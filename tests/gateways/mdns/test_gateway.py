@@ -242,11 +242,11 @@ async def test_a_device_that_does_not_answer_by_multicast_is_kept_only_while_it_
         async with lamp.listening():
             await home.computer.announce("Hall", lamp.port)
             await home.reported("reachable", True)
-            assert home.gateway.keep(KEY)
+            assert home.gateway.confirm_connected(KEY)
         await lamp.hang_up()
         await home.reported("reachable", False)
-        assert not home.gateway.keep(KEY)
-        assert not home.gateway.keep(f"Attic.{SERVICE_TYPE}")
+        assert not home.gateway.confirm_connected(KEY)
+        assert not home.gateway.confirm_connected(f"Attic.{SERVICE_TYPE}")
 
 
 async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_back() -> None:
@@ -271,13 +271,23 @@ async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_
             assert (await home.turn_on()).success
 
 
-async def test_a_device_that_sleeps_for_too_long_is_removed() -> None:
-    async with house(drivers={}, sleeping={"Hall": 3600.0}, forget_sleeping_after=0.5) as home:
+@pytest.mark.parametrize(
+    ("most", "longest", "why"),
+    [
+        (100, 0.5, "it did not come back from sleep within 0.5 s"),
+        (0, 3600.0, "more than 0 devices are asleep"),
+    ],
+)
+async def test_a_device_that_sleeps_for_too_long_or_with_too_many_others_is_removed(
+    monkeypatch: pytest.MonkeyPatch, most: int, longest: float, why: str
+) -> None:
+    monkeypatch.setattr("homebot.gateways.mdns.gateway.MAX_ASLEEP", most)
+    async with house(drivers={}, sleeping={"Hall": 3600.0}, forget_sleeping_after=longest) as home:
         await home.computer.announce("Hall", 80)
         await home.seen()
         await home.computer.withdraw("Hall")
         gone = await home.seen(kind="removed")
-        assert gone.why == "it did not come back from sleep within 0.5 s"
+        assert gone.why == why
 
 
 async def test_a_device_whose_records_change_all_the_time_is_not_connected_to_all_the_time() -> None:

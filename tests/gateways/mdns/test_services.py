@@ -102,15 +102,15 @@ class RecordingHandler:
     lets_in: bool = True
     connected: set[str] = field(default_factory=set)
 
-    def may_come(self, news: ServiceNews) -> bool:
+    def admits(self, news: ServiceNews) -> bool:
         del news
         return self.lets_in
 
-    def take(self, found: ResolvedService) -> None:
+    def publish(self, found: ResolvedService) -> None:
         self.taken.append(found.service.key)
         self.there[found.service.key] = found
 
-    def keep(self, name: str) -> bool:
+    def confirm_connected(self, name: str) -> bool:
         return name in self.connected
 
     def drop(self, name: str, why: str) -> None:
@@ -148,7 +148,7 @@ pytestmark = pytest.mark.virtual_time
 async def test_a_service_that_announces_all_of_itself_is_taken_in_without_being_asked() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(network.say(service("Hall")))
+        services.on_news(network.say(service("Hall")))
         await anyio.wait_all_tasks_blocked()
         assert list(known.there) == [f"Hall.{LAMP}"]
         assert network.asked == []
@@ -158,7 +158,7 @@ async def test_a_dead_service_is_gone_when_its_record_has_run_out_and_it_did_not
     network = FakeNetwork()
     async with following(network) as (services, known):
         begun = asyncio.get_running_loop().time()
-        services.hear(network.say(service("Hall", ttl=120)))
+        services.on_news(network.say(service("Hall", ttl=120)))
         await anyio.wait_all_tasks_blocked()
         network.answers.clear()
         await anyio.sleep(200)
@@ -171,7 +171,7 @@ async def test_a_service_that_does_not_answer_stays_as_long_as_its_device_is_con
     network = FakeNetwork()
     async with following(network) as (services, known):
         hall = network.say(service("Hall", ttl=120))
-        services.hear(hall)
+        services.on_news(hall)
         await anyio.wait_all_tasks_blocked()
         network.answers.clear()
         known.connected.add(hall.name)
@@ -187,7 +187,7 @@ async def test_a_service_that_did_not_answer_for_a_while_is_asked_in_its_time_ag
     network = FakeNetwork()
     async with following(network) as (services, known):
         hall = network.say(service("Hall", ttl=120))
-        services.hear(hall)
+        services.on_news(hall)
         await anyio.wait_all_tasks_blocked()
         answers = dict(network.answers)
         network.answers.clear()
@@ -204,7 +204,7 @@ async def test_a_service_that_did_not_answer_for_a_while_is_asked_in_its_time_ag
 async def test_a_living_service_is_asked_once_for_each_time_to_live_and_stays() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(network.say(service("Hall", ttl=120)))
+        services.on_news(network.say(service("Hall", ttl=120)))
         await anyio.sleep(3600)
         assert known.gone == []
         assert len(network.asked) == 29
@@ -214,12 +214,12 @@ async def test_a_living_service_is_asked_once_for_each_time_to_live_and_stays() 
 async def test_a_service_that_comes_back_after_its_end_is_taken_in_again() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(network.say(service("Hall", ttl=10)))
+        services.on_news(network.say(service("Hall", ttl=10)))
         await anyio.wait_all_tasks_blocked()
         network.answers.clear()
         await anyio.sleep(20)
         assert known.there == {}
-        services.hear(network.say(service("Hall", ttl=10)))
+        services.on_news(network.say(service("Hall", ttl=10)))
         await anyio.wait_all_tasks_blocked()
         assert list(known.there) == [f"Hall.{LAMP}"]
 
@@ -227,9 +227,9 @@ async def test_a_service_that_comes_back_after_its_end_is_taken_in_again() -> No
 async def test_a_goodbye_ends_it_at_once() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(network.say(service("Hall")))
+        services.on_news(network.say(service("Hall")))
         await anyio.wait_all_tasks_blocked()
-        services.hear(ServiceNews("gone", LAMP, f"Hall.{LAMP}"))
+        services.on_news(ServiceNews("gone", LAMP, f"Hall.{LAMP}"))
         assert [(name, why) for _, name, why in known.gone] == [(f"Hall.{LAMP}", "it said goodbye")]
         await anyio.sleep(300)
         assert network.asked == []
@@ -238,11 +238,11 @@ async def test_a_goodbye_ends_it_at_once() -> None:
 async def test_a_change_is_taken_in_soon() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(network.say(service("Hall")))
+        services.on_news(network.say(service("Hall")))
         await anyio.wait_all_tasks_blocked()
         changed = service("Hall")
         moved = replace(changed, service=replace(changed.service, port=81))
-        services.hear(network.say(moved))
+        services.on_news(network.say(moved))
         await anyio.sleep(1)
         assert known.there[f"Hall.{LAMP}"].service.port == 81
 
@@ -252,14 +252,14 @@ async def test_records_that_change_all_the_time_are_taken_in_now_and_then_and_th
     async with following(network) as (services, handler):
         for number in range(4 * 120):
             one = service("a")
-            services.hear(network.say(replace(one, service=replace(one.service, port=number + 1))))
+            services.on_news(network.say(replace(one, service=replace(one.service, port=number + 1))))
             await anyio.sleep(0.25)
         assert len(handler.taken) <= CHANGES_AT_ONCE + 120 / CHANGE_EVERY + 1
         assert len(handler.delayed) >= 120 / CHANGE_EVERY - 1
         await anyio.sleep(CHANGE_EVERY + 1)
         assert handler.there[service("a").service.key].service.port == 480
         await anyio.sleep(10 * CHANGE_EVERY)
-        services.hear(network.say(service("a")))
+        services.on_news(network.say(service("a")))
         await anyio.sleep(1)
         assert handler.there[service("a").service.key].service.port == 80, "one that was quiet is read at once again"
 
@@ -269,13 +269,13 @@ async def test_one_that_comes_and_goes_all_the_time_is_taken_in_now_and_then() -
     async with following(network) as (services, handler):
         for _ in range(4 * 120):
             news = network.say(service("a"))
-            services.hear(news)
+            services.on_news(news)
             await anyio.sleep(0.125)
-            services.hear(ServiceNews("gone", news.service_type, news.name))
+            services.on_news(ServiceNews("gone", news.service_type, news.name))
             await anyio.sleep(0.125)
         assert len(handler.taken) <= CHANGES_AT_ONCE + 120 / CHANGE_EVERY + 1
         assert handler.delayed
-        services.hear(network.say(service("a")))
+        services.on_news(network.say(service("a")))
         await anyio.sleep(2 * CHANGE_EVERY)
         assert handler.there.keys() == {service("a").service.key}
 
@@ -283,7 +283,7 @@ async def test_one_that_comes_and_goes_all_the_time_is_taken_in_now_and_then() -
 async def test_one_that_never_answers_is_counted_and_asked_once() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
-        services.hear(ServiceNews("seen", LAMP, f"Ghost.{LAMP}"))
+        services.on_news(ServiceNews("seen", LAMP, f"Ghost.{LAMP}"))
         await anyio.sleep(600)
         assert len(network.asked) == 1
         assert known.refused == [(f"Ghost.{LAMP}", "it is announced, and does not answer")]
@@ -292,7 +292,7 @@ async def test_one_that_never_answers_is_counted_and_asked_once() -> None:
 async def test_a_service_with_a_short_time_to_live_is_not_asked_all_the_time() -> None:
     network = FakeNetwork()
     async with following(network) as (services, _):
-        services.hear(network.say(service("Hall", ttl=0.1)))
+        services.on_news(network.say(service("Hall", ttl=0.1)))
         await anyio.sleep(60)
         assert len(network.asked) <= 12
 
@@ -316,7 +316,7 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network, 100) as (services, known):
             for number in range(10_000):
-                services.hear(network.say(service(f"fake {number}")))
+                services.on_news(network.say(service(f"fake {number}")))
             await anyio.sleep(30)
             assert len(known.there) == 50
             assert len(known.refused) >= 10_000 - MAX_WAITING
@@ -325,7 +325,7 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network, 10_000) as (services, known):
             for number in range(10_000):
-                services.hear(network.say(service(f"fake {number}", f"_type{number % 100}._tcp.local.", 4500)))
+                services.on_news(network.say(service(f"fake {number}", f"_type{number % 100}._tcp.local.", 4500)))
             await anyio.sleep(1)
             assert len(known.there) <= BURST + 1.5 * PER_SECOND
             await anyio.sleep(10)
@@ -335,7 +335,7 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network) as (services, _):
             for number in range(10_000):
-                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
             await anyio.sleep(30)
             assert network.most_at_once == 32
 
@@ -343,18 +343,18 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network) as (services, known):
             for number in range(10_000):
-                services.hear(network.say(service(f"fake {number}", OTHER)))
-            services.hear(network.say(service("Hall")))
+                services.on_news(network.say(service(f"fake {number}", OTHER)))
+            services.on_news(network.say(service("Hall")))
             await anyio.sleep(1)
             assert f"Hall.{LAMP}" in known.there
 
     async def test_a_service_that_was_there_before_stays_and_its_end_is_noticed(self) -> None:
         network = FakeNetwork()
         async with following(network) as (services, known):
-            services.hear(network.say(service("Hall", ttl=120)))
+            services.on_news(network.say(service("Hall", ttl=120)))
             await anyio.wait_all_tasks_blocked()
             for number in range(10_000):
-                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
             await anyio.sleep(110)
             assert f"Hall.{LAMP}" in known.there
             del network.answers[f"Hall.{LAMP}"]
@@ -365,9 +365,9 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network) as (services, known):
             for number in range(1000):
-                services.hear(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
             hall = network.say(service("Hall", ttl=4500))
-            services.hear(hall)
+            services.on_news(hall)
             assert known.refused[-1][0] == hall.name
             network.names[LAMP] = (hall.name,)
             await anyio.sleep(120)
@@ -378,7 +378,7 @@ async def test_what_may_not_come_is_not_taken_in() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
         known.lets_in = False
-        services.hear(network.say(service("Hall")))
+        services.on_news(network.say(service("Hall")))
         await anyio.sleep(1)
         assert known.there == {}
 

@@ -78,7 +78,7 @@ class DeviceRunner(PublishedDevice, ABC):
 
     @abstractmethod
     async def work(self) -> None:
-        """Connect, publish the device's values, and call :meth:`note_answer` when it answers, until cancelled.
+        """Connect, publish the device's values, and call :meth:`on_answer` when it answers, until cancelled.
 
         Raises:
             LinkError: It cannot be connected to, or the connection was lost.
@@ -89,12 +89,12 @@ class DeviceRunner(PublishedDevice, ABC):
     def list_unheard(self) -> None:
         """Publish the device as it is known from elsewhere; called where it has not answered yet."""
 
-    def note_answer(self) -> None:
+    def on_answer(self) -> None:
         """Note that the device answers, and is published."""
         self._is_listed = True
         self.problem, self.needs_help = "", False
 
-    def note_end(self) -> None:
+    def on_end(self) -> None:
         """Note that the connection ended; publishes that."""
         self._list()
         self.report_reachable(reachable=None if self.sleeps else False)
@@ -145,7 +145,7 @@ class DeviceRunner(PublishedDevice, ABC):
                 self.log.warning(CRASHED, message=f"{self.name}: {self.problem}", device=self.key, exc_info=group)
         self.needs_help = failed is DEVICE_REFUSED_BACKOFF
         if not self.is_stopped:
-            self.note_end()
+            self.on_end()
         return failed
 
     async def _list_in_time(self) -> None:

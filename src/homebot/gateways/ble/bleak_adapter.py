@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 import anyio
 from bleak import BleakClient, BleakScanner
@@ -73,16 +73,15 @@ class BleRadio:
             BluetoothUnavailableError: There is no adapter, or it was removed.
         """
 
-        def hear(device: BLEDevice, data: AdvertisementData) -> None:
+        def on_advertisement(device: BLEDevice, data: AdvertisementData) -> None:
             on_heard(_advertisement(device, data))
 
         with _unavailable_errors():
             bluez: BlueZScannerArgs = {"or_patterns": _PATTERNS} if self._is_passive else {}
             if self._adapter:
                 bluez["adapter"] = self._adapter
-            scanner = BleakScanner(
-                hear, None, "passive" if self._is_passive else "active", bluez=bluez, backend=self._scanner_backend
-            )
+            mode: Literal["active", "passive"] = "passive" if self._is_passive else "active"
+            scanner = BleakScanner(on_advertisement, None, mode, bluez=bluez, backend=self._scanner_backend)
             with anyio.fail_after(ANSWER_WITHIN):
                 await scanner.start()
         self._scanner = scanner

@@ -44,7 +44,7 @@ class ConnectionSlots:
         """True if a device that is in range waits for a slot."""
         return self._next() is not None
 
-    async def take(self, key: str, is_in_range: Callable[[], bool]) -> None:
+    async def acquire(self, key: str, is_in_range: Callable[[], bool]) -> None:
         """Wait for a slot, and until no other device is being connected; then call :meth:`opened` or :meth:`release`.
 
         A device that is out of range waits without holding up others: an attempt to connect to it would only time out.

@@ -197,7 +197,7 @@ class Connections:
         retries = BackoffCounter(self._clock, self._random, LASTED)
         with kept.scope:
             while True:
-                await self._slots.take(key, partial(self._is_in_range, kept.device))
+                await self._slots.acquire(key, partial(self._is_in_range, kept.device))
                 kept.wake = anyio.Event()
                 kept.preempted = False
                 retries.begin()

@@ -123,19 +123,19 @@ class BleGateway(Gateway):
         while True:
             now = self._clock.monotonic()
             try:
-                async with radio.scanning(self.intake.hear):
+                async with radio.scanning(self.intake.put):
                     retries.succeed()
                     self._reason = ""
                     self._listens_since = now if self._listens_since is None else self._listens_since
                     self.publish_state("active")
-                    self.note_tried(task_status)
+                    self.mark_ready(task_status)
                     await self._until_done(radio)
                 continue
             except BluetoothUnavailableError as exc:
                 self._listens_since = None
                 self._reason = str(exc)
                 self.publish_state("unavailable", self._reason)
-            self.note_tried(task_status)
+            self.mark_ready(task_status)
             await anyio.sleep(retries.fail(LINK_BACKOFF))
 
     async def _until_done(self, radio: BleRadio) -> None:
@@ -152,10 +152,10 @@ class BleGateway(Gateway):
     async def _read(self) -> None:
         while True:
             advertisement = await self.intake.next()
-            await self._take(advertisement)
+            await self._read_advertisement(advertisement)
             await anyio.lowlevel.checkpoint()
 
-    async def _take(self, advertisement: Advertisement) -> None:
+    async def _read_advertisement(self, advertisement: Advertisement) -> None:
         source = self._keys.get(advertisement.address, advertisement.address)
         found: Broadcast | None = None
         for parser in self._parsers:
@@ -173,40 +173,37 @@ class BleGateway(Gateway):
                 return
             if found is not None:
                 break
-        await self._hear(advertisement, found)
+        await self._update_device(advertisement, found)
 
-    async def _hear(self, advertisement: Advertisement, found: Broadcast | None) -> None:
+    async def _update_device(self, advertisement: Advertisement, found: Broadcast | None) -> None:
         now = self._clock.monotonic()
         key = (found.key if found is not None else "") or self._keys.get(advertisement.address, advertisement.address)
-        device = self._known.get(key)
+        device = self._known.get(key) or self._admit(key, advertisement, found, now)
         if device is None:
-            device = self._admit(key, advertisement, found, now)
-            if device is None:
-                for parser in self._parsers:
-                    parser.forget(advertisement.address)
-                return
+            self._forget_address(advertisement.address)
+            return
         if self._keys.get(device.address) == key:
             del self._keys[device.address]  # a beacon may have another address now
         is_back = now - device.presence.last_heard >= BACK_AFTER
-        device.hear(advertisement, found, now)
+        device.update(advertisement, found, now)
         self._keys[advertisement.address] = key
-        has_news = found is not None and bool(found.values)
-        if has_news or now - self._put_at.get(key, float("-inf")) >= PUT_EVERY:
+        values = () if found is None else found.values
+        if values or now - self._put_at.get(key, float("-inf")) >= PUT_EVERY:
             self._put(device, "it was heard")
         if device.profile is not None and self._connections is not None:
             self._connections.connect(device, is_back=is_back)
-        if found is not None and found.values:
-            await self._report(key, advertisement, found)
+        if values:
+            for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
+                await self.devices.deliver_raw(key, data)
+            for one in values:
+                await self.devices.report(key, {one.capability: one.value}, one.part)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
-            device.reported_at = now
-            for part, values in device.signal_values(self._settings.rssi_at_1m, now).items():
-                await self.devices.report(key, values, part)
+            await self._report_signal(device, now)
 
-    async def _report(self, key: str, advertisement: Advertisement, found: Broadcast) -> None:
-        for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
-            await self.devices.deliver_raw(key, data)
-        for one in found.values:
-            await self.devices.report(key, {one.capability: one.value}, one.part)
+    async def _report_signal(self, device: KnownDevice, now: float) -> None:
+        device.reported_at = now
+        for part, values in device.signal_values(self._settings.rssi_at_1m, now).items():
+            await self.devices.report(device.key, values, part)
 
     def _admit(self, key: str, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
         """Return a new device; None if it should not be listed, or there is no room."""
@@ -240,11 +237,14 @@ class BleGateway(Gateway):
         del self._known[device.key]
         self._put_at.pop(device.key, None)
         self._keys.pop(device.address, None)
-        for parser in self._parsers:
-            parser.forget(device.address)
+        self._forget_address(device.address)
         if self._connections is not None:
             self._connections.close(device.key)
         self.devices.remove(device.key, why)
+
+    def _forget_address(self, address: str) -> None:
+        for parser in self._parsers:
+            parser.forget(address)
 
     async def _look_around(self) -> None:
         """Refresh connected devices and forget silent ones, every few seconds."""

@@ -55,7 +55,7 @@ class Intake:
     _last: OrderedDict[str, tuple[float, Advertisement]] = field(default_factory=OrderedDict)
     _some_wait: anyio.Event = field(default_factory=anyio.Event)
 
-    def hear(self, advertisement: Advertisement) -> None:
+    def put(self, advertisement: Advertisement) -> None:
         """Add an advertisement; never blocks."""
         now = self.heard_at = self.clock.monotonic()
         self.counts.received += 1

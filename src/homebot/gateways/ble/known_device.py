@@ -81,7 +81,7 @@ class KnownDevice:
         self._broadcast = Broadcast()
         self._rssi_at_1m: float | None = None
 
-    def hear(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> None:
+    def update(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> None:
         """Update the device from an advertisement and its meaning."""
         self.address = advertisement.address
         self.presence.hear(now)

@@ -44,7 +44,7 @@ class DirectoryClient:
     """The client of one resource directory.
 
     Args:
-        take: Gets all endpoints that it lists, whenever that may have changed.
+        on_listed: Gets all endpoints that it lists, whenever that may have changed.
         reject: Receives invalid payloads: the bytes and the reason.
         report: Receives the state of the directory: empty if it answers, else the problem.
     """
@@ -56,7 +56,7 @@ class DirectoryClient:
         clock: Clock,
         random: Random,
         *,
-        take: Callable[[tuple[CoapEndpoint, ...]], None],
+        on_listed: Callable[[tuple[CoapEndpoint, ...]], None],
         reject: Callable[[bytes, str], None],
         report: Callable[[str], None],
     ) -> None:
@@ -64,7 +64,7 @@ class DirectoryClient:
         self._client = client
         self._clock = clock
         self._random = random
-        self._take = take
+        self._on_listed = on_listed
         self._reject = reject
         self._report = report
         self._is_here = False
@@ -108,17 +108,17 @@ class DirectoryClient:
         raise RefusedError(f"looking endpoints up at {self._uri}", f"it offers no {_LOOKUP}")
 
     async def _read(self, lookup: str) -> None:
-        self._take_list((await self._client.request("GET", lookup, accept=LINK_FORMAT)).payload)
+        self._read_list((await self._client.request("GET", lookup, accept=LINK_FORMAT)).payload)
 
     async def _observe(self, lookup: str) -> None:
         try:
             async with aclosing(self._client.observe(lookup, LINK_FORMAT)) as answers:
                 async for answer in answers:
-                    self._take_list(answer.payload)
+                    self._read_list(answer.payload)
         except RefusedError:
             return  # it is read often enough
 
-    def _take_list(self, payload: bytes) -> None:
+    def _read_list(self, payload: bytes) -> None:
         """Take a list; one that cannot be read changes nothing."""
         links = parse_links(payload)
         self._report("")
@@ -130,4 +130,4 @@ class DirectoryClient:
                 self._reject(payload[:100], str(exc))
                 continue
             endpoints.setdefault(endpoint.key, endpoint)
-        self._take(tuple(endpoints.values()))
+        self._on_listed(tuple(endpoints.values()))

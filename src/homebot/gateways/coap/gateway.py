@@ -98,7 +98,7 @@ class CoapGateway(Gateway):
             except LinkError as exc:
                 self.publish_state("unavailable", str(exc))
                 self._all_tried.set()
-                self.note_tried(task_status)
+                self.mark_ready(task_status)
                 await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _serve(self, client: CoapClient, task_status: TaskStatus[None]) -> None:
@@ -123,7 +123,7 @@ class CoapGateway(Gateway):
                     await self._all_tried.wait()
                 self._all_tried.set()
                 self._report_ways()
-                self.note_tried(task_status)
+                self.mark_ready(task_status)
             await anyio.sleep_forever()
 
     def _names_of_ways(self) -> list[str]:
@@ -159,7 +159,7 @@ class CoapGateway(Gateway):
             client,
             self.node.graph.clock,
             self._random,
-            take=partial(self._take_registered, uri),
+            on_listed=partial(self._on_registered_list, uri),
             reject=partial(self.devices.reject, uri),
             report=partial(self._report, uri),
         )
@@ -168,7 +168,7 @@ class CoapGateway(Gateway):
         known = (session for session, _ in self._sessions.values())
         return islice((f"{one.endpoint.key}: {one.problem}" for one in known if one.problem), MAX_PROBLEMS)
 
-    def _take_registered(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
+    def _on_registered_list(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
         """Take the whole list of a directory: endpoints missing in it are no longer registered there."""
         listed = {one.key for one in endpoints}
         known = [session.endpoint for session, _ in self._sessions.values()]

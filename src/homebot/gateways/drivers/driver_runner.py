@@ -84,7 +84,7 @@ class DriverRunner(DeviceRunner):
     def describe(self, device: GatewayDevice) -> None:
         """Publish the description of the device, under the key of its service; it is connected now."""
         self.sleeps = device.sleeps
-        self.note_answer()
+        self.on_answer()
         self._publish(replace(device, key=self.key), "its driver has described it")
         self._connected.set()
         self._is_connecting = False
@@ -94,13 +94,13 @@ class DriverRunner(DeviceRunner):
         """Publish the device as DNS-SD knows it."""
         self._publish(None, "its driver has not described it")
 
-    def note_end(self) -> None:
+    def on_end(self) -> None:
         """Note that there is no connection."""
         self._driver = None
         self._is_connecting = False
         self._connected.set()  # no caller is to wait for it any more
         self._connected = anyio.Event()
-        super().note_end()
+        super().on_end()
 
 
 def _place(service: FoundService) -> tuple[object, ...]:

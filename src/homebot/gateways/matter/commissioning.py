@@ -59,7 +59,7 @@ class CommissioningServices:
                 raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
             args = {"code": request.code, "network_only": request.network_only}
             result = await self._call("commissioning", "commission_with_code", args, COMMISSIONS_WITHIN)
-            key, name = await self._gateway.take_commissioned(result)
+            key, name = await self._gateway.add_commissioned(result)
         except (LinkError, PeerError) as exc:
             return _failed(exc)
         finally:

@@ -41,7 +41,7 @@ from homebot.support.isolation import run_as
 
 __all__ = ["MatterGateway"]
 
-VOUCH_EVERY: Final = 60.0
+REFRESH_EVERY: Final = 60.0
 """Seconds between two confirmations of the devices that the server reaches: it subscribes to them, and notices when one
 stops answering."""
 
@@ -84,8 +84,8 @@ class MatterGateway(Gateway):
         """Keep a connection to the server until cancelled; ready after the first attempt."""
         self._tried = anyio.Event()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(run_as, self.node.full_name, self._connect_again_and_again)
-            tasks.start_soon(run_as, self.node.full_name, self._vouch)
+            tasks.start_soon(run_as, self.node.full_name, self._stay_connected)
+            tasks.start_soon(run_as, self.node.full_name, self._refresh_availability)
             await self._tried.wait()
             task_status.started()
 
@@ -113,7 +113,7 @@ class MatterGateway(Gateway):
             raise UnableError(f"{key} is behind the bridge {node.key} ({node.name}); only the bridge can be removed")
         return node_id, node.name
 
-    async def take_commissioned(self, data: object) -> tuple[str, str]:
+    async def add_commissioned(self, data: object) -> tuple[str, str]:
         """Take a node as the answer to its commissioning describes it, and return its key and name.
 
         Raises:
@@ -122,18 +122,18 @@ class MatterGateway(Gateway):
         """
         node_id = node_id_of(as_fields(data).get("node_id"))
         if node_id not in self._described:  # python-matter-server announces it before it answers
-            await self._take_node(data, "it was commissioned")
+            await self._add_node(data, "it was commissioned")
         if node_id not in self._described:
             raise UnableError(f"node {node_id} was commissioned, but the gateway has max_nodes already")
         device = self._described[node_id][0].device
         return device.key, device.name
 
-    async def _connect_again_and_again(self) -> None:
+    async def _stay_connected(self) -> None:
         while True:
             self._retries.begin()
             backoff = LINK_BACKOFF
             try:
-                await self._converse()
+                await self._run_connection()
             except (LinkError, PeerError) as exc:
                 backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
                 self._reason = str(exc)
@@ -142,7 +142,7 @@ class MatterGateway(Gateway):
             self._tried.set()
             await anyio.sleep(self._retries.fail(backoff))
 
-    async def _converse(self) -> None:
+    async def _run_connection(self) -> None:
         """Connect, and follow the server until the link is lost."""
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
 
@@ -150,18 +150,18 @@ class MatterGateway(Gateway):
             HttpClient(guard=None) as client,
             client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket,
         ):
-            link = MatterServerLink(socket, self._take_nodes, self._take_event, self._take_invalid)
+            link = MatterServerLink(socket, self._on_nodes, self._on_event, self._on_invalid)
             self._connecting = link
             await link.run()
 
-    async def _take_nodes(self, listed: object) -> None:
+    async def _on_nodes(self, listed: object) -> None:
         if not isinstance(listed, list):
             raise WireError(f"the list of nodes is {shown(listed)}, not a list")
         present: set[int] = set()
         for one in listed:
             try:
                 present.add(node_id_of(as_fields(one).get("node_id")))
-                await self._take_node(one, "the Matter server listed it")
+                await self._add_node(one, "the Matter server listed it")
             except WireError as exc:
                 self.devices.reject(SERVER, b"", str(exc))
             await anyio.lowlevel.checkpoint()
@@ -172,26 +172,26 @@ class MatterGateway(Gateway):
         self.publish_state("active")
         self._tried.set()
 
-    def _take_invalid(self, payload: bytes, why: str) -> None:
+    def _on_invalid(self, payload: bytes, why: str) -> None:
         self.devices.reject(SERVER, payload, why)
 
-    async def _take_event(self, event: MatterEvent, payload: bytes) -> None:
+    async def _on_event(self, event: MatterEvent, payload: bytes) -> None:
         await anyio.lowlevel.checkpoint()
         source = self._source_of(event)
         try:
             match event.event:
                 case "node_added" | "node_updated":
-                    await self._take_node(event.data, "the Matter server reported it")
+                    await self._add_node(event.data, "the Matter server reported it")
                 case "node_removed":
                     self._remove_node(node_id_of(event.data), "it was removed from the Matter server")
                 case "attribute_updated":
                     if self.devices.admits(source):
-                        await self._take_attribute(event.data, payload)
+                        await self._on_attribute(event.data, payload)
                     elif source in self._node_of:
                         self._missed.add(self._node_of[source])
                 case "node_event":
                     if self.devices.admits(source):
-                        await self._take_node_event(event.data, payload)
+                        await self._on_node_event(event.data, payload)
                 case "endpoint_removed":
                     self._remove_endpoint(event.data)
                 case "server_shutdown":
@@ -212,7 +212,7 @@ class MatterGateway(Gateway):
         known = self._described.get(node_id) if isinstance(node_id, int) else None
         return known[0].device.key if known else shown(node_id)
 
-    async def _take_node(self, data: object, why: str) -> None:
+    async def _add_node(self, data: object, why: str) -> None:
         node = MatterNode.parse(data)
         if node.id not in self._nodes and len(self._nodes) >= self._settings.max_nodes:
             self.devices.counters.devices_refused += 1
@@ -248,7 +248,7 @@ class MatterGateway(Gateway):
         if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
             self._describe(node, "an endpoint was removed")
 
-    async def _take_attribute(self, data: object, payload: bytes) -> None:
+    async def _on_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:
             raise WireError(f"a new value of an attribute is {shown(data)}, not a list of three")
         node = self._node(data[0])
@@ -289,7 +289,7 @@ class MatterGateway(Gateway):
         for of_cluster in values.values():
             await self.devices.report(device.device.key, of_cluster, part, retained=is_old)
 
-    async def _take_node_event(self, data: object, payload: bytes) -> None:
+    async def _on_node_event(self, data: object, payload: bytes) -> None:
         fields = as_fields(data)
         node = self._node(fields.get("node_id"))
         number = fields.get("endpoint_id")
@@ -314,10 +314,10 @@ class MatterGateway(Gateway):
             raise WireError(f"node {node_id} is unknown")
         return node
 
-    async def _vouch(self) -> None:
+    async def _refresh_availability(self) -> None:
         """Confirm the devices that the server reaches, and ask for missed nodes, every minute."""
         while True:
-            await anyio.sleep(min(VOUCH_EVERY, self._settings.stale_after / 3))
+            await anyio.sleep(min(REFRESH_EVERY, self._settings.stale_after / 3))
             if self._link is not None:
                 await self._ask_for_missed(self._link)
                 for one in self._reachable():
@@ -329,7 +329,7 @@ class MatterGateway(Gateway):
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:
-                await self._take_node(await link.call("a node", "get_node", {"node_id": node_id}), "it was asked for")
+                await self._add_node(await link.call("a node", "get_node", {"node_id": node_id}), "it was asked for")
             except LinkError:
                 return  # all nodes are listed again after the next connection
             except PeerError as exc:

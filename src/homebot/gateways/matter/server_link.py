@@ -89,10 +89,10 @@ class MatterServerLink:
         try:
             await self._greet()
             with _limit(LISTS_WITHIN, "it did not list its nodes"):
-                while not await self._take_next():
+                while not await self._handle_next():
                     pass
             while True:
-                await self._take_next()
+                await self._handle_next()
         finally:
             self._calls.end()
 
@@ -136,17 +136,17 @@ class MatterServerLink:
         self._listening_id = self._calls.new_id()
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 
-    async def _take_next(self) -> bool:
+    async def _handle_next(self) -> bool:
         """Take the next frame; return whether it was the list of nodes."""
         for _ in range(MOST_INVALID):
             payload = _as_bytes(await self._socket.receive())
             try:
-                return await self._take(await _parsed(payload), payload)
+                return await self._handle(await _parsed(payload), payload)
             except WireError as exc:
                 self._on_invalid(payload, str(exc))
         raise WireError(f"the Matter server sent {MOST_INVALID} invalid frames in a row")
 
-    async def _take(self, frame: ServerFrame, payload: bytes) -> bool:
+    async def _handle(self, frame: ServerFrame, payload: bytes) -> bool:
         if isinstance(frame, MatterEvent):
             await self._on_event(frame, payload)
         elif isinstance(frame, ServerAnswer):
@@ -155,7 +155,7 @@ class MatterServerLink:
                     raise error_of("the list of nodes", frame)
                 await self._on_nodes(frame.result)
                 return True
-            await self._calls.take(frame.message_id, frame)  # one without a waiting caller came too late
+            await self._calls.resolve(frame.message_id, frame)  # one without a waiting caller came too late
         return False
 
 

@@ -23,12 +23,10 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
 from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
-from homebot.gateways.mdns.interfaces import Interfaces, NetworkInterfaces
-from homebot.gateways.mdns.network import ResolvedService, ServiceNews
+from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
-from homebot.gateways.mdns.sleepers import Sleepers
 from homebot.graph import Node
 from homebot.support.backoff import BackoffCounter
 from homebot.support.extras import check_extra
@@ -41,6 +39,9 @@ if TYPE_CHECKING:
 __all__ = ["MdnsGateway"]
 
 DRIVER_NOT_USED = "mdns.driver_not_used"
+
+MAX_ASLEEP = 100
+"""Sleeping devices that stay listed; if there are more, the one that has slept longest is removed."""
 
 SLACK = 15.0
 """Seconds after the expiry of its SRV record in which a service is asked again before it counts as stale."""
@@ -86,7 +87,7 @@ class MdnsGateway(Gateway):
             find_problems=lambda: problems_of(one.runner for one in self._listed.values()),
         )
         self._services = Services(self, node.graph.clock, settings.max_services)
-        self._sleepers = Sleepers(node.graph.clock, settings.forget_sleeping_after, self._remove)
+        self._asleep: dict[str, None] = {}
         installation = self.context.service(Installation) or Installation()
         self._own = OwnServices(node, settings.announce_as, installation) if settings.announce else None
 
@@ -112,15 +113,15 @@ class MdnsGateway(Gateway):
             except LinkError as exc:
                 self._unavailable = str(exc)
                 self.publish_state("unavailable", str(exc))
-            self.note_tried(task_status)
+            self.mark_ready(task_status)
             with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
-    def may_come(self, news: ServiceNews) -> bool:
+    def admits(self, news: ServiceNews) -> bool:
         """Return whether to read an announcement of an unknown service."""
         return self.devices.admits(news.name)
 
-    def take(self, found: ResolvedService) -> None:
+    def publish(self, found: ResolvedService) -> None:
         """List a service that is new, still there, or changed."""
         service = found.service
         if found.problem:
@@ -128,22 +129,22 @@ class MdnsGateway(Gateway):
             if not service.addresses:
                 return
         if self._own is not None:
-            self._own.note_other(service)
+            self._own.on_other_service(service)
         listed = self._listed.get(service.key)
         if listed is None:
             listed = self._listed[service.key] = _Listed(service, found.ttl + SLACK)
             self._start(listed)
         else:
             listed.service = service
-            if service.key in self._sleepers:
-                self._sleepers.discard(service.key)
+            if service.key in self._asleep:
+                self._wake(service.key)
                 self._start(listed)
             elif listed.runner is not None:
                 listed.runner.change(service)
         if listed.runner is None or listed.device is not None:
             self._publish(listed, listed.device, "it is announced")
 
-    def keep(self, name: str) -> bool:
+    def confirm_connected(self, name: str) -> bool:
         """Keep a service that does not answer while its driver is connected: multicast is lost more easily."""
         listed = self._listed.get(name)
         if listed is None or listed.runner is None or not listed.runner.is_connected:
@@ -156,7 +157,7 @@ class MdnsGateway(Gateway):
         listed = self._listed.get(name)
         if listed is not None and self._sleeps(listed):
             self._stop(listed)
-            self._sleepers.add(name)
+            self._put_to_sleep(name)
             self._publish(listed, None, "it fell asleep", confirmed=False)
             self.devices.report_reachable(name, reachable=None)
         else:
@@ -176,12 +177,12 @@ class MdnsGateway(Gateway):
 
         wanted = self._settings.interfaces
         _check_present(interfaces, wanted)
-        opened = MdnsNetwork.opened(interfaces, self._services.hear, self.devices.counters)
+        opened = MdnsNetwork.opened(interfaces, self._services.on_news, self.devices.counters)
         with ungrouped():
             async with opened as network, anyio.create_task_group() as tasks:
                 self._tasks = tasks
                 self._begin(network, tasks)
-                self.note_tried(task_status)
+                self.mark_ready(task_status)
                 while True:
                     interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
                     _check_present(interfaces, wanted)
@@ -190,9 +191,8 @@ class MdnsGateway(Gateway):
     def _begin(self, network: MdnsNetwork, tasks: TaskGroup) -> None:
         known = [one.service for one in self._listed.values()]
         for listed in self._listed.values():
-            if listed.service.key not in self._sleepers:
+            if listed.service.key not in self._asleep:
                 self._start(listed)
-        tasks.start_soon(self._sleepers.run)
         tasks.start_soon(run_as, self.node.full_name, partial(self._services.follow, network, known))
         for service_type in sorted(self._settings.types_with(frozenset(self._drivers.by_type))):
             network.browse(service_type)
@@ -217,9 +217,23 @@ class MdnsGateway(Gateway):
             listed.runner = None
 
     def _remove(self, name: str, why: str) -> None:
-        self._sleepers.discard(name)
+        self._wake(name)
         self._stop(self._listed.pop(name, None))
         self.devices.remove(name, why)
+
+    def _put_to_sleep(self, name: str) -> None:
+        if name in self._asleep:
+            return
+        self._asleep[name] = None
+        longest = self._settings.forget_sleeping_after
+        too_long = partial(self._remove, name, f"it did not come back from sleep within {longest:g} s")
+        self.devices.engine.scheduler.plan(("asleep", name), longest, too_long)
+        if len(self._asleep) > MAX_ASLEEP:
+            self._remove(next(iter(self._asleep)), f"more than {MAX_ASLEEP} devices are asleep")
+
+    def _wake(self, name: str) -> None:
+        self._asleep.pop(name, None)
+        self.devices.engine.scheduler.drop(("asleep", name))
 
     def _sleeps(self, listed: _Listed) -> bool:
         known = listed.device
@@ -236,7 +250,7 @@ class MdnsGateway(Gateway):
         host = (host_identifier(service),) if known.parts or listed.runner is None else ()  # else it is not known yet
         identifiers = (*known.identifiers, *identifiers_of(service), *host)
         if self._sleeps(listed):
-            facts["sleep"] = "asleep" if service.key in self._sleepers else "awake"
+            facts["sleep"] = "asleep" if service.key in self._asleep else "awake"
         self.devices.put(
             replace(
                 known,

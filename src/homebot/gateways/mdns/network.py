@@ -1,14 +1,27 @@
-"""The port to the network: news of services, their records, and the services that homebot announces."""
+"""The port to the network: its interfaces, news of services, their records, and the services of homebot.
+
+The only file that imports ifaddr.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ipaddress
+import socket
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal, Protocol, TypeAlias
+
+import anyio
 
 from homebot.conventions.dns_sd.found_service import FoundService
 
-__all__ = ["OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
+__all__ = ["Interfaces", "NetworkInterfaces", "OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
+
+Interfaces: TypeAlias = tuple[str | int, ...]
+"""IPv4 addresses, and the indexes of interfaces that have IPv6: as zeroconf wants them."""
+
+LOOK_EVERY = 2.0
+"""Seconds between two checks of the interfaces; one check takes about 0.2 ms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,3 +103,49 @@ class ServiceNetwork(Protocol):
 
     async def withdraw(self, service_type: str) -> None:
         """Withdraw a service of homebot."""
+
+
+class NetworkInterfaces:
+    """The network interfaces of this computer; the host may provide others."""
+
+    def find(self, wanted: tuple[str, ...]) -> Interfaces:
+        """Return the present interfaces.
+
+        Args:
+            wanted: Names or addresses; empty for all but loopback.
+        """
+        import ifaddr  # noqa: PLC0415 - an extra
+
+        found: list[str | int] = []
+        for adapter in ifaddr.get_adapters():
+            texts = [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
+            addresses = [ipaddress.ip_address(text) for text in texts]
+            is_wanted = adapter.name in wanted if wanted else not any(one.is_loopback for one in addresses)
+            named = [text for text in texts if is_wanted or text in wanted]
+            found += [text for text in named if ":" not in text]
+            if (
+                adapter.index is not None
+                and any(":" in text for text in named)
+                and _has_link_local(addresses, adapter.index)
+            ):
+                found.append(adapter.index)
+        return tuple(dict.fromkeys(found))
+
+    async def wait_for_change(self, wanted: tuple[str, ...], before: Interfaces) -> Interfaces:
+        """Wait until the interfaces differ from *before*, and return them."""
+        while (now := self.find(wanted)) == before:  # noqa: ASYNC110 - the system sends no event
+            await anyio.sleep(LOOK_EVERY)
+        return now
+
+
+def _has_link_local(addresses: Sequence[ipaddress.IPv4Address | ipaddress.IPv6Address], index: int) -> bool:
+    """Return whether an interface has a usable link-local address: duplicate detection takes some seconds."""
+    local = next((str(one) for one in addresses if one.version == 6 and one.is_link_local), None)
+    if local is None:
+        return False
+    with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((local, 0, 0, index))
+        except OSError:
+            return False
+    return True

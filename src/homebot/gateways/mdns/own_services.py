@@ -60,7 +60,7 @@ class OwnServices:
         self._changed = anyio.Event()
         self._waiting: dict[str, None] = {}
         self._same_id_as = ""
-        node.create_subscription(NetworkService, NETWORK_SERVICES, self._take, NETWORK_SERVICES_QOS)
+        node.create_subscription(NetworkService, NETWORK_SERVICES, self._on_service, NETWORK_SERVICES_QOS)
 
     async def announce(self, network: ServiceNetwork) -> None:
         """Keep the announcements up to date until cancelled."""
@@ -73,21 +73,21 @@ class OwnServices:
             while self._waiting:
                 service_type = next(iter(self._waiting))
                 del self._waiting[service_type]
-                await self._tell(network, service_type)
+                await self._announce(network, service_type)
             if self._same_id_as and self._same_id_as < self._name:
                 await self._change_id()
                 continue
             self._changed = anyio.Event()
             await self._changed.wait()
 
-    def note_other(self, service: FoundService) -> None:
+    def on_other_service(self, service: FoundService) -> None:
         """Note a service of another program: it may be a homebot with the same id."""
         is_homebot = service.service_type == full_type(HOMEBOT)
         if is_homebot and self._id and service.properties.get("id") == self._id:
             self._same_id_as = service.name
             self._changed.set()
 
-    def _take(self, service: NetworkService) -> None:
+    def _on_service(self, service: NetworkService) -> None:
         reached = tuple(one for one in service.addresses if not is_loopback(one))
         if service.is_withdrawn or not reached:
             self._offered.pop(service.service_type, None)
@@ -107,11 +107,11 @@ class OwnServices:
         message = "another homebot on the network has this one's id, which is another one from now on"
         self._node.log.warning(ID_TAKEN, message=message, id=self._id)
 
-    async def _tell(self, network: ServiceNetwork, service_type: str) -> None:
+    async def _announce(self, network: ServiceNetwork, service_type: str) -> None:
         offered = self._offered.get(service_type)
         try:
             if service_type == HOMEBOT:
-                await self._keep_name(await network.announce(self._homebot()))
+                await self._save_name(await network.announce(self._homebot()))
             elif offered is None:
                 await network.withdraw(service_type)
             else:
@@ -121,7 +121,7 @@ class OwnServices:
         except LinkError as exc:
             self._node.log.warning(ANNOUNCE_FAILED, message=str(exc), service_type=service_type)
 
-    async def _keep_name(self, got: str) -> None:
+    async def _save_name(self, got: str) -> None:
         """Keep the name that was got in place of a taken one, for the next start and for the other services."""
         if got == self._name:
             return

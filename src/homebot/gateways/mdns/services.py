@@ -68,13 +68,13 @@ TRIES_AFTER_LOSS = 5
 class ServiceHandler(Protocol):
     """The port through which services are listed."""
 
-    def may_come(self, news: ServiceNews) -> bool:
+    def admits(self, news: ServiceNews) -> bool:
         """Return whether to read an announcement of an unknown service."""
 
-    def take(self, found: ResolvedService) -> None:
+    def publish(self, found: ResolvedService) -> None:
         """Take a service that is new, still there, or changed."""
 
-    def keep(self, name: str) -> bool:
+    def confirm_connected(self, name: str) -> bool:
         """Keep a service that does not answer if its device is known to be there; return whether it is."""
 
     def drop(self, name: str, why: str) -> None:
@@ -117,7 +117,7 @@ class Services:
         self._changes: OrderedDict[str, RateLimit] = OrderedDict()
         self._asking = anyio.CapacityLimiter(MAX_ASKED)
 
-    def hear(self, news: ServiceNews) -> None:
+    def on_news(self, news: ServiceNews) -> None:
         """Handle news of a service."""
         key = news.name.lower()
         one = self._followed.get(key)
@@ -129,7 +129,7 @@ class Services:
         elif one is not None:
             one.news.set()
         else:
-            self._line_up(key, news)
+            self._enqueue(key, news)
 
     async def follow(self, network: ServiceNetwork, known: Iterable[FoundService] = ()) -> None:
         """Follow the services on *network* until cancelled.
@@ -146,11 +146,11 @@ class Services:
                 )
             tasks.start_soon(self._look_again, network)
             tasks.start_soon(self._ask_again, network)
-            await self._take_in(tasks, network)
+            await self._admit_waiting(tasks, network)
 
-    def _line_up(self, key: str, news: ServiceNews) -> None:
+    def _enqueue(self, key: str, news: ServiceNews) -> None:
         line = self._waiting.setdefault(news.service_type, OrderedDict())
-        if key in line or not self._handler.may_come(news):
+        if key in line or not self._handler.admits(news):
             return
         if len(line) >= MAX_WAITING:
             self._missed.add(news.service_type)
@@ -159,7 +159,7 @@ class Services:
         line[key] = news
         self._some_wait.set()
 
-    async def _take_in(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
+    async def _admit_waiting(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
         newcomers = RateLimit(PER_SECOND, BURST)
         while True:
             await self._some_wait.wait()
@@ -199,9 +199,9 @@ class Services:
                 found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
                 if found is not None:
                     one.tries, one.has_answered = 1, True
-                    self._handler.take(found)
+                    self._handler.publish(found)
                     again_after = max(found.left + GRACE, SHORTEST)
-                elif self._handler.keep(one.name):
+                elif self._handler.confirm_connected(one.name):
                     again_after = KEPT_AGAIN
                 else:
                     network.forget(one.service_type, one.name)
@@ -243,7 +243,7 @@ class Services:
             for service_type in missed:
                 for name in network.cached_names(service_type):
                     if name.lower() not in self._followed and len(self._followed) < self._most:
-                        self.hear(ServiceNews("seen", service_type, name))
+                        self.on_news(ServiceNews("seen", service_type, name))
 
     async def _ask_again(self, network: ServiceNetwork) -> None:
         while True:

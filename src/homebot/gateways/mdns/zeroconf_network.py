@@ -24,8 +24,7 @@ from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full
 from homebot.conventions.dns_sd.txt_record import read_txt
 from homebot.errors import LinkError
 from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.mdns.interfaces import Interfaces
-from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
+from homebot.gateways.mdns.network import Interfaces, OwnService, ResolvedService, ServiceNetwork, ServiceNews
 from homebot.support.addresses import is_loopback
 
 __all__ = ["MdnsNetwork"]
@@ -64,12 +63,12 @@ class MdnsNetwork(ServiceNetwork):
         self,
         zeroconf: AsyncZeroconf,
         interfaces: Interfaces,
-        hear: Callable[[ServiceNews], None],
+        on_news: Callable[[ServiceNews], None],
         counters: GatewayCounters,
     ) -> None:
         self._zeroconf = zeroconf
         self._interfaces = interfaces
-        self._hear = hear
+        self._on_news = on_news
         self._counters = counters
         self._browsers: dict[str, AsyncServiceBrowser] = {}
         self._own: dict[str, _Announced] = {}
@@ -77,12 +76,12 @@ class MdnsNetwork(ServiceNetwork):
     @classmethod
     @asynccontextmanager
     async def opened(
-        cls, interfaces: Interfaces, hear: Callable[[ServiceNews], None], counters: GatewayCounters
+        cls, interfaces: Interfaces, on_news: Callable[[ServiceNews], None], counters: GatewayCounters
     ) -> AsyncIterator[MdnsNetwork]:
         """Open the network inside the block; leaving it withdraws the announced services.
 
         Args:
-            hear: Called with news of services; it must not raise.
+            on_news: Called with news of services; it must not raise.
             counters: Counts refused service types and addresses.
 
         Raises:
@@ -92,7 +91,7 @@ class MdnsNetwork(ServiceNetwork):
             zeroconf = AsyncZeroconf(zc=Zeroconf(interfaces=list(interfaces), ip_version=_version(interfaces)))
         except (OSError, RuntimeError, Error) as exc:
             raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
-        network = cls(zeroconf, interfaces, hear, counters)
+        network = cls(zeroconf, interfaces, on_news, counters)
         try:
             try:
                 await zeroconf.zeroconf.async_wait_for_start()
@@ -120,7 +119,7 @@ class MdnsNetwork(ServiceNetwork):
         if len(self._browsers) >= MAX_TYPES:
             self._counters.types_refused += 1
             return
-        take = self._take_type if service_type == ENUMERATION else self._take
+        take = self._on_type_change if service_type == ENUMERATION else self._on_change
         self._browsers[service_type] = AsyncServiceBrowser(self._zeroconf.zeroconf, service_type, handlers=[take])
 
     async def ask_again(self) -> None:
@@ -220,13 +219,13 @@ class MdnsNetwork(ServiceNetwork):
             parsed_addresses=addresses or _addresses(self._interfaces),
         )
 
-    def _take(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
+    def _on_change(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
         if any(one.info.name.lower() == name.lower() for one in self._own.values()):
             return
         kind: Literal["seen", "gone"] = "gone" if state_change is ServiceStateChange.Removed else "seen"
-        self._hear(ServiceNews(kind, service_type, name))
+        self._on_news(ServiceNews(kind, service_type, name))
 
-    def _take_type(self, *, name: str, state_change: ServiceStateChange, **_: object) -> None:
+    def _on_type_change(self, *, name: str, state_change: ServiceStateChange, **_: object) -> None:
         found = full_type(name)
         if state_change is not ServiceStateChange.Removed and is_service_type(found) and found != ENUMERATION:
             self.browse(found)

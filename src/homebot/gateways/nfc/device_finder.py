@@ -1,22 +1,28 @@
-"""Finds the device that a tag or a code points to, in the directory."""
+"""Clients of the directory: the device that a tag or a code points to, and the room that a tag assigns to it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, final
 from urllib.parse import urlsplit
 
 from homebot.conventions.nfc.pointer import Pointer
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
+from homebot.devices.names import TEACH_PLACE
+from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.log import LogLimit
 from homebot.support.folding import fold
 from homebot.wot import identifiers_of, read_thing
 
-__all__ = ["DeviceFinder", "PointedAt"]
+__all__ = ["DeviceFinder", "PointedAt", "RoomTagger"]
+
+TAUGHT: Final = "nfc.place_taught"
+NOT_TAUGHT: Final = "nfc.place_not_taught"
 
 _KEPT_FOR: Final = 1.0
 """Seconds for which the list of devices is kept, as many tags may be read at once."""
@@ -89,6 +95,36 @@ class DeviceFinder:
 
     def _is_own(self, device: Device) -> bool:
         return all(one.gateway == self._gateway for one in device.endpoints) and "x_tag" in device.service_types
+
+
+@final
+class RoomTagger:
+    """Assigns rooms to devices that tags point to: a tag at a device knows the room."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._client = node.create_client(TeachPlace, TEACH_PLACE)
+        self._limit = LogLimit(node.graph.clock)
+
+    async def assign_room(self, tag: str, device: str, room: str) -> None:
+        """Report that the tag *tag* points to *device*, and is in *room*, which is empty if the tag says none."""
+        request = TeachPlaceRequest(device=device, gateway=self._node.name, tag=tag, room=room)
+        try:
+            answer = await self._client.call(request)
+        except ServiceError as exc:
+            self._log_failure(tag, device, str(exc))
+            return
+        if answer.success and answer.is_new:
+            text = f"the tag {tag} says where {device} is, which is in {answer.room} now"
+            self._node.log.info(TAUGHT, message=text, device=device, tag=tag)
+        elif not answer.success and room:
+            self._log_failure(tag, device, answer.message)
+
+    def _log_failure(self, tag: str, device: str, why: str) -> None:
+        held_back = self._limit.allows(NOT_TAUGHT)
+        if held_back is not None:
+            text = f"the tag {tag} teaches no room of {device}: {why}"
+            self._node.log.warning(NOT_TAUGHT, message=text, device=device, tag=tag, held_back=held_back)
 
 
 def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:

@@ -26,11 +26,18 @@ from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
-from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
-from homebot.gateways.nfc.place_teacher import PlaceTeacher
-from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders, read_tags
+from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt, RoomTagger
+from homebot.gateways.nfc.reader import (
+    ReaderDesk,
+    ReaderNews,
+    ReadersFound,
+    TagLeft,
+    TagReader,
+    TagReaders,
+    TagSeen,
+    read_tags,
+)
 from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
-from homebot.gateways.nfc.tag import ReaderNews, ReadersFound, TagLeft, TagSeen
 from homebot.gateways.nfc.tag_services import TagServices
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
@@ -89,7 +96,7 @@ class NfcGateway(Gateway):
         self._was_tried = anyio.Event()
         self._taps = node.create_publisher(TagTap, "~/taps")
         self._services = TagServices(self, node)
-        self._teacher = PlaceTeacher(node) if settings.teaches_place else None
+        self._room_tagger = RoomTagger(node) if settings.teaches_place else None
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -110,7 +117,7 @@ class NfcGateway(Gateway):
         async with anyio.create_task_group() as tasks:
             for number, reader in enumerate(self._sides):
                 tasks.start_soon(run_as, self.node.full_name, partial(self._follow, number, reader))
-            tasks.start_soon(run_as, self.node.full_name, self._take_all)
+            tasks.start_soon(run_as, self.node.full_name, self._handle_reports)
             await self._was_tried.wait()
             task_status.started()
 
@@ -131,7 +138,7 @@ class NfcGateway(Gateway):
         retries = BackoffCounter(self.node.graph.clock, self._random, STEADY_AFTER)
         while True:
             retries.begin()
-            desk = ReaderDesk(partial(self._hear, number))
+            desk = ReaderDesk(partial(self._on_report, number))
             self._services.open(desk)
             try:
                 await read_tags(reader, desk)
@@ -143,7 +150,7 @@ class NfcGateway(Gateway):
                 self._services.close(desk)
             await anyio.sleep(retries.fail(READER_BACKOFF))
 
-    def _hear(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
+    def _on_report(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
         """Take a report of a reader; called in the loop."""
         if isinstance(news, ReadersFound):
             self.readers[number] = news.readers
@@ -173,20 +180,20 @@ class NfcGateway(Gateway):
             self.publish_state("unavailable", "; ".join(dict.fromkeys(self._problems.values())))
         self._was_tried.set()
 
-    async def _take_all(self) -> None:
+    async def _handle_reports(self) -> None:
         while True:
             await self._has_news.wait()
             while self._waiting:
                 news, desk = self._waiting.popleft()
-                await self._take(news)
+                await self._handle(news)
                 if desk is not None:
                     desk.make_room()
                 await anyio.lowlevel.checkpoint()  # other tasks run during a flood of tags
             self._has_news = anyio.Event()
 
-    async def _take(self, news: ReaderNews) -> None:
+    async def _handle(self, news: ReaderNews) -> None:
         if isinstance(news, TagSeen):
-            await self._take_tag(news)
+            await self._handle_tag(news)
         elif isinstance(news, TagLeft):
             self._services.forget(news.uid)
             if self.at_reader.pop(news.uid, None) is not None and news.uid in self.devices.keys:
@@ -194,12 +201,12 @@ class NfcGateway(Gateway):
         else:
             gone = [uid for uid, seen in self.at_reader.items() if not self._is_there(seen.reader)]
             for uid in gone:
-                await self._take(TagLeft("", uid))
+                await self._handle(TagLeft("", uid))
 
     def _is_there(self, reader: str) -> bool:
         return any(reader in some for some in self.readers.values())
 
-    async def _take_tag(self, seen: TagSeen) -> None:
+    async def _handle_tag(self, seen: TagSeen) -> None:
         if not self.devices.admits(seen.uid):
             return
         if seen.content is None:
@@ -251,8 +258,8 @@ class NfcGateway(Gateway):
                 tapped_at=Time.from_seconds(self.node.graph.clock.now()),
             )
         )
-        if self._teacher is not None and pointed.id:
-            await self._teacher.teach(seen.uid, pointed.id, pointer.area)
+        if self._room_tagger is not None and pointed.id:
+            await self._room_tagger.assign_room(seen.uid, pointed.id, pointer.area)
 
     def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
         own = self._settings.tags.get(seen.uid, TagSettings())

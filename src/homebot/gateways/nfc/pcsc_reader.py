@@ -100,7 +100,7 @@ class _Session:
             else:
                 self._check(result, "was lost")
                 for name, state, _ in states:
-                    self._take(name, state)
+                    self._update_slot(name, state)
                 self._work()
                 self._find_readers()
 
@@ -128,7 +128,7 @@ class _Session:
     def _is_wanted(self, name: str) -> bool:
         return not self._wanted or any(one in name.casefold() for one in self._wanted)
 
-    def _take(self, name: str, state: int) -> None:
+    def _update_slot(self, name: str, state: int) -> None:
         """Handle the state of one reader."""
         if name == _ANY_CHANGE:
             self._any_change = state & ~self._scard.SCARD_STATE_CHANGED

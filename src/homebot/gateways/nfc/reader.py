@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from threading import Event, Lock, Semaphore
-from typing import Final
+from typing import Final, Protocol, TypeAlias
 
 import anyio
 import anyio.lowlevel
@@ -15,15 +15,86 @@ import anyio.to_thread
 
 from homebot.conventions.nfc.tag_content import TagContent, TagError
 from homebot.errors import LinkError
-from homebot.gateways.nfc.tag import PresentTag, ReaderNews, ReadersFound, TagLeft, TagSeen
 
-__all__ = ["ReaderDesk", "TagReader", "TagReaders", "WriteOrder", "read_tags"]
+__all__ = [
+    "PresentTag",
+    "ReaderDesk",
+    "ReaderNews",
+    "ReadersFound",
+    "TagLeft",
+    "TagReader",
+    "TagReaders",
+    "TagSeen",
+    "WriteOrder",
+    "read_tags",
+]
 
 _MAX_POSTED: Final = 64
 """Reports of a reader that the gateway has not handled yet; when there are more, its thread waits."""
 
 _LOOK: Final = 0.1
 """Seconds after which a reader that waits for the loop checks whether it should end."""
+
+
+class PresentTag(Protocol):
+    """A tag that is at a reader now. Its methods block; only the reader's thread calls them."""
+
+    @property
+    def uid(self) -> str:
+        """Its number in hexadecimal digits."""
+
+    @property
+    def tag_type(self) -> str:
+        """Its type, as text."""
+
+    def read(self) -> TagContent:
+        """Return its content.
+
+        Raises:
+            TagError: It is not formatted for NDEF, or was taken away.
+        """
+
+    def write(self, message: bytes) -> None:
+        """Replace its content by an NDEF message.
+
+        Raises:
+            TagError: It refuses the message, or was taken away.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class ReadersFound:
+    """The readers that are connected now."""
+
+    readers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TagSeen:
+    """A tag that was held to a reader, or written there.
+
+    Attributes:
+        uid: Its number; empty if that could not be read.
+        content: Its content; None if that could not be read.
+        problem: The reason why it could not be read.
+    """
+
+    reader: str
+    uid: str
+    tag_type: str
+    content: TagContent | None
+    problem: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TagLeft:
+    """A tag that was taken away from a reader."""
+
+    reader: str
+    uid: str
+
+
+ReaderNews: TypeAlias = ReadersFound | TagSeen | TagLeft
 
 
 @dataclass(slots=True, eq=False)
@@ -54,11 +125,11 @@ class ReaderDesk:
     """The place where threads of readers and the gateway meet.
 
     Args:
-        tell: Takes this desk and a report of its reader, in the loop; call :meth:`make_room` after handling it.
+        report: Takes this desk and a report of its reader, in the loop; call :meth:`make_room` after handling it.
     """
 
-    def __init__(self, tell: Callable[[ReaderDesk, ReaderNews], None]) -> None:
-        self._tell = tell
+    def __init__(self, report: Callable[[ReaderDesk, ReaderNews], None]) -> None:
+        self._report = report
         self._loop = asyncio.get_running_loop()
         self._stopped = Event()
         self._lock = Lock()
@@ -108,7 +179,7 @@ class ReaderDesk:
 
     def stayed(self, reader: str, tag: PresentTag) -> bool:
         """Write a tag that is still at *reader*, if that was ordered; return whether it was."""
-        order = self._take(reader)
+        order = self._claim_order(reader)
         if order is None:
             return False
         error: TagError | None = None
@@ -126,7 +197,7 @@ class ReaderDesk:
         """Report that a tag was taken away from *reader*."""
         self._post(TagLeft(reader, uid))
 
-    def _take(self, reader: str) -> WriteOrder | None:
+    def _claim_order(self, reader: str) -> WriteOrder | None:
         with self._lock:
             order = self._order
             if order is None or order.reader.casefold() not in reader.casefold():
@@ -138,7 +209,7 @@ class ReaderDesk:
         """Pass *news* to the loop; the reader waits while the gateway is behind."""
         while not self.is_stopped:
             if self._room.acquire(timeout=_LOOK):
-                self._loop.call_soon_threadsafe(self._tell, self, news)
+                self._loop.call_soon_threadsafe(self._report, self, news)
                 return
 
 

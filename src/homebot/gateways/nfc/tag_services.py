@@ -23,8 +23,7 @@ from homebot.devices.tags import (
     WriteTagResponse,
 )
 from homebot.errors import WireError
-from homebot.gateways.nfc.reader import ReaderDesk, WriteOrder
-from homebot.gateways.nfc.tag import TagSeen
+from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
 from homebot.wot import read_thing
 
 if TYPE_CHECKING:

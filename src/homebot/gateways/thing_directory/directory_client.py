@@ -15,7 +15,7 @@ from yarl import URL
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.http_address import parse_url
-from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.thing_directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
@@ -81,9 +81,7 @@ class DirectoryReader:
                 continue
             if before is not None and answer.status == 304:
                 yield DirectoryPage(keys=set(before.keys))
-                # The list may have become longer or shorter behind a page that is the same.
-                links = "link" in answer.headers
-                where = self._resolved(where, next_page(None, answer.headers)) if links else before.following
+                where = self._after_same(where, before, answer)
                 continue
             document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
             page = DirectoryPage(members_of(document))
@@ -94,6 +92,10 @@ class DirectoryReader:
             where = following
         for gone in self._read.keys() - seen:
             del self._read[gone]
+
+    def _after_same(self, where: str, page: ReadPage, answer: HttpAnswer) -> str:
+        """Return the page behind one that is the same: the list may have become longer or shorter there."""
+        return self._resolved(where, next_page(None, answer.headers)) if "link" in answer.headers else page.following
 
     async def retrieve(self, thing_id: str) -> bytes | None:
         """Return the description of one thing; None if the directory has it no longer."""

@@ -61,7 +61,7 @@ class ThingDirectoryGateway(Gateway):
             self._retries.succeed()
             self.devices.problems = ()
             self.publish_state("active")
-            self.note_tried(task_status)
+            self.mark_ready(task_status)
 
         clock, log = self.node.graph.clock, self.node.log
         async with anyio.create_task_group() as tasks:
@@ -77,7 +77,7 @@ class ThingDirectoryGateway(Gateway):
                     backoff, problem = DEVICE_REFUSED_BACKOFF, str(exc)
                 self.devices.problems = (problem,)
                 self.publish_state("unavailable", problem)
-                self.note_tried(task_status)
+                self.mark_ready(task_status)
                 await anyio.sleep(self._retries.fail(backoff))
 
     def _problems(self) -> Iterable[str]:

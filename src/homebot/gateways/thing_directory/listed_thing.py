@@ -86,7 +86,7 @@ class ListedThing(DeviceRunner):
         """Publish that the thing itself was heard, unless it was taken away meanwhile."""
         self._answered.set()
         if not self.is_stopped:
-            self.note_answer()
+            self.on_answer()
             self._devices.put(self._device, "it answers")
 
     def list_unheard(self) -> None:

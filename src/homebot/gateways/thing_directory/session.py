@@ -133,7 +133,7 @@ class DirectorySession:
                     await self._list(reader)
                     tasks.start_soon(run_as, "the list of things", partial(self._list_again, reader))
                     async for event in stream:
-                        await self._hear(reader, event.kind, event.data)
+                        await self._on_event(reader, event.kind, event.data)
         except (RefusedError, WireError) as exc:
             if is_open or (isinstance(exc, RefusedError) and exc.code not in _NO_EVENTS):
                 raise
@@ -156,7 +156,7 @@ class DirectorySession:
                 number += 1
                 if number % _TURN == 0:
                     await anyio.lowlevel.checkpoint()
-                page.keys.add(self._take(document))
+                page.keys.add(self._list_thing(document))
             listed |= page.keys
             if len(listed) > 2 * self._settings.max_devices:
                 is_whole = False  # the rest would be refused as well
@@ -170,7 +170,7 @@ class DirectorySession:
         """Return whether nothing would be different if the things of *keys* were listed again as they were."""
         return all(key in self._known or key in self._invalid or not key for key in keys)
 
-    async def _hear(self, reader: DirectoryReader, kind: str, data: str) -> None:
+    async def _on_event(self, reader: DirectoryReader, kind: str, data: str) -> None:
         try:
             event = read_event(kind, data)
         except WireError as exc:
@@ -187,18 +187,18 @@ class DirectorySession:
             self._lists_soon.set()
             return
         if event.description:
-            self._take(event.description)
+            self._list_thing(event.description)
             return
         body = await reader.retrieve(event.id)
         if body is None:
             self._remove(event.id, "it was deleted from the directory")
             return
         try:
-            self._take(parse_json(body))
+            self._list_thing(parse_json(body))
         except WireError as exc:
             self._devices.reject(event.id, body, str(exc))
 
-    def _take(self, document: object) -> str:
+    def _list_thing(self, document: object) -> str:
         """List a thing; one that is described as before is left as it is. Return its key, empty for none."""
         if is_longer_than(document, MAX_ANNOUNCEMENT_BYTES):
             problem = f"the description of a thing has more than {MAX_ANNOUNCEMENT_BYTES} characters"

@@ -197,7 +197,7 @@ class ThingDevice:
         try:
             async for payload in observation:
                 try:
-                    await self._take(source, payload)
+                    await self._report_payload(source, payload)
                 except WireError as exc:
                     self._host.reject(payload.data, str(exc))
         finally:
@@ -219,7 +219,7 @@ class ThingDevice:
             try:
                 async with self._turn:
                     payload = await self._port.read(source.form)
-                await self._take(source, payload)
+                await self._report_payload(source, payload)
             except RefusedError as exc:
                 self._refusal = exc
                 self._host.log.info("things.not_read", href=source.form.href[:200], reason=str(exc)[:200])
@@ -235,7 +235,7 @@ class ThingDevice:
             self._asked += source.instead
             self._asks_now.set()
 
-    async def _take(self, source: _ThingSource, payload: ThingPayload) -> None:
+    async def _report_payload(self, source: _ThingSource, payload: ThingPayload) -> None:
         """Report the values in a payload."""
         if not self._is_reached:
             self._is_reached = True
@@ -246,20 +246,27 @@ class ThingDevice:
         if format_ is None:
             raise WireError(f"the content type {payload.content_type[:60]!a} is not understood")
         document = format_.parse(payload.data)
-        if source.has_all and not isinstance(document, dict):
+        if not source.has_all:
+            for part, one in source.affordances:
+                await self._report_value(part, one, document, payload)
+        elif isinstance(document, dict):
+            for part, one in source.affordances:
+                if one.affordance.name in document:
+                    await self._report_value(part, one, document[one.affordance.name], payload)
+        else:
             raise WireError(f"all properties are an object, not {shown(document)}")
-        for part, one in source.affordances:
-            if source.has_all and isinstance(document, dict) and one.affordance.name not in document:
-                continue
-            mine = document[one.affordance.name] if source.has_all and isinstance(document, dict) else document
-            affordance = in_told_unit(one.capability.name, one.affordance, mine)
-            if one.affordance.schema.unit_member and affordance is not None:
-                self._in_units[part, one.capability.name] = affordance
-            value = None if affordance is None else decode_document(one.capability, affordance, mine)
-            if value is None:
-                self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(mine)}")
-            else:
-                await self._host.report({one.capability.name: value[0]}, part)
+
+    async def _report_value(
+        self, part: str, one: ClassifiedAffordance, document: object, payload: ThingPayload
+    ) -> None:
+        affordance = in_told_unit(one.capability.name, one.affordance, document)
+        if one.affordance.schema.unit_member and affordance is not None:
+            self._in_units[part, one.capability.name] = affordance
+        value = None if affordance is None else decode_document(one.capability, affordance, document)
+        if value is None:
+            self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(document)}")
+        else:
+            await self._host.report({one.capability.name: value[0]}, part)
 
 
 def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:

@@ -57,13 +57,13 @@ class EsphomeConnection:
     def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:
         """Subscribe to all states: the current ones first, then each change, as component and fields."""
 
-        def take(state: model.EntityState) -> None:
+        def on_message(state: model.EntityState) -> None:
             kind = _STATES.get(type(state))
             if kind is not None and kind != "camera":
                 on_state(kind, state.to_dict())
 
         with _translated(self.name):
-            self._client.subscribe_states(take)
+            self._client.subscribe_states(on_message)
 
     def send(self, kind: str, key: tuple[int, int], fields: Fields) -> None:
         """Send the command of an entity, which the native API does not answer."""

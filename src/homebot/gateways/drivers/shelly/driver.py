@@ -77,8 +77,8 @@ class ShellyDriver(Driver):
                 self._device = device = Gen2RpcDevice(device_id)
                 device.record_answer("info", about, len(compact_json(about)))
                 login = self._login(device, device_id, about)
-                take = partial(self._take_notification, device)
-                self._rpc = RpcLink(socket, device_id, login, take, self.host.reject)
+                on_notification = partial(self._on_notification, device)
+                self._rpc = RpcLink(socket, device_id, login, on_notification, self.host.reject)
                 try:
                     await self._live(device, self._rpc)
                 finally:
@@ -125,7 +125,7 @@ class ShellyDriver(Driver):
     async def _ask(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
         self._setup_changed = anyio.Event()
         for kind, method in ANSWERS.items():
-            await rpc.call(method, on_answer=partial(self._take_answer, device, kind))
+            await rpc.call(method, on_answer=partial(self._on_answer, device, kind))
         await self._ask_components(device, rpc)
         await anyio.sleep(PAUSE)
 
@@ -134,25 +134,25 @@ class ShellyDriver(Driver):
         self._offset = 0
         for _ in range(_PAGES):
             try:
-                await rpc.call(COMPONENTS, components_from(self._offset), partial(self._take_components, device))
+                await rpc.call(COMPONENTS, components_from(self._offset), partial(self._on_components, device))
             except RefusedError:
                 return
             if self._offset == 0:
                 return
 
-    async def _take_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
+    async def _on_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
         device.record_answer(kind, answer, len(frame))
         if kind == "status":
             self._describe(device)
             await self._report(device.read_status(frame))
 
-    async def _take_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
+    async def _on_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
         self._offset = device.add_page(page)
         if self._offset == 0:
             self._describe(device)
             await self._report(device.read_status(device.components_status()))
 
-    async def _take_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
+    async def _on_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
         if self._described is None:
             return
         await self.host.deliver_raw(payload)

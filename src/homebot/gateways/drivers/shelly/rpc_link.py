@@ -26,9 +26,9 @@ from homebot.gateways.pending_calls import PendingCalls
 if TYPE_CHECKING:
     from homebot.gateways.http_streams import WebSocket
 
-__all__ = ["RpcLink", "TakeFrame"]
+__all__ = ["FrameHandler", "RpcLink"]
 
-TakeFrame: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
+FrameHandler: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
 """Takes a frame: parsed, and as received."""
 
 TIME_LIMIT: Final = 15.0
@@ -56,7 +56,7 @@ class RpcLink:
         socket: WebSocket,
         name: str,
         login: RpcLogin | None,
-        on_notification: TakeFrame,
+        on_notification: FrameHandler,
         on_invalid: Callable[[bytes, str], None],
     ) -> None:
         self._socket = socket
@@ -71,14 +71,14 @@ class RpcLink:
     async def receive(self) -> None:
         """Handle frames until the link is lost."""
         try:
-            await self._socket.receive_all(self._take, self._on_invalid)
+            await self._socket.receive_all(self._handle_frame, self._on_invalid)
         except HomebotError as exc:
             self.end = exc
             raise
         finally:
             self._calls.end()
 
-    async def call(self, method: str, params: Fields | None = None, on_answer: TakeFrame | None = None) -> Fields:
+    async def call(self, method: str, params: Fields | None = None, on_answer: FrameHandler | None = None) -> Fields:
         """Call a method, and return its result.
 
         Args:
@@ -99,7 +99,7 @@ class RpcLink:
             raise self._error(method, as_fields(frame["error"]))
         return as_fields(frame.get("result"))
 
-    async def _exchange(self, method: str, params: Fields | None, on_answer: TakeFrame | None) -> Fields:
+    async def _exchange(self, method: str, params: Fields | None, on_answer: FrameHandler | None) -> Fields:
         async def send(call_id: str) -> None:
             frame: dict[str, object] = {"id": int(call_id), "src": CLIENT, "method": method}
             if params is not None:
@@ -108,15 +108,15 @@ class RpcLink:
                 frame["auth"] = self._login.sign()
             await self._socket.send(compact_json(frame))
 
-        async def take(answer: tuple[Fields, bytes]) -> None:
+        async def handle(answer: tuple[Fields, bytes]) -> None:
             frame, payload = answer
             if on_answer is not None and isinstance(frame.get("result"), dict):
                 await on_answer(as_fields(frame["result"]), payload)
 
-        frame, _ = await self._calls.call(method, send, TIME_LIMIT, take)
+        frame, _ = await self._calls.call(method, send, TIME_LIMIT, handle)
         return frame
 
-    async def _take(self, payload: bytes) -> None:
+    async def _handle_frame(self, payload: bytes) -> None:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
         if "method" in frame:
             if not isinstance(frame["method"], str):
@@ -124,7 +124,7 @@ class RpcLink:
             await self._on_notification(frame, payload)
             return
         number = frame.get("id")
-        if not isinstance(number, int) or not await self._calls.take(str(number), (frame, payload)):
+        if not isinstance(number, int) or not await self._calls.resolve(str(number), (frame, payload)):
             raise WireError("an answer belongs to no call")
 
     def _error(self, method: str, error: Fields) -> RefusedError | LinkError:

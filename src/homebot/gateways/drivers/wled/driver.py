@@ -71,7 +71,7 @@ class WledDriver(Driver):
             try:
                 document = await self._probe()
                 self._effects = effect_names(await self._ask("/json/eff"))
-                await self._take(document)
+                await self._update(document)
                 await self._stay_connected()
             finally:
                 self._strip = None
@@ -106,12 +106,12 @@ class WledDriver(Driver):
         await self.host.deliver_raw(payload)
         document = parse_object(payload, MAX_BYTES)
         if "state" in document or "info" in document:  # else it answers with success or error
-            await self._take(document)
+            await self._update(document)
 
     async def _poll(self, interval: float) -> None:
         while True:
             await anyio.sleep(interval)
-            await self._take(as_fields(await self._ask("/json/si")))
+            await self._update(as_fields(await self._ask("/json/si")))
 
     async def _probe(self) -> Fields:
         """Find the address that answers, and return the first document."""
@@ -129,7 +129,7 @@ class WledDriver(Driver):
         """Send a state; it is absolute, so it can be sent again."""
         return await _patiently(lambda: self._client.send_json("POST", f"{self._origin}/json/state", state))
 
-    async def _take(self, document: Fields) -> None:
+    async def _update(self, document: Fields) -> None:
         files = as_fields(as_fields(document.get("info")).get("fs"))
         if "pmt" in files and files["pmt"] != self._presets_of:
             self._presets = await self._ask_presets()
