@@ -53,10 +53,10 @@ async def test_what_is_there_comes_first_and_then_what_happens(
         assert await nothing_of(query)
 
 
-async def test_what_happens_while_the_snapshot_is_read_is_neither_lost_nor_doubled(
+async def test_a_change_while_the_snapshot_is_read_is_neither_lost_nor_doubled(
     gateway_on: RunGateway, directory_on: RunDirectory
 ) -> None:
-    """A change that the snapshot holds already waits in the queue as well, and is passed over."""
+    """A device that appears and is removed before it was read is not reported."""
     graph = Graph()
     async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
         gateway.sees("lights/a")
@@ -67,8 +67,7 @@ async def test_what_happens_while_the_snapshot_is_read_is_neither_lost_nor_doubl
         gateway.removes("lights/b")
         gateway.sees("lights/c")
         await anyio.sleep(0.001)
-        rest = [await next_of(query) for _ in range(3)]
-        assert rest == [("appeared", "lights/b"), ("removed", "lights/b"), ("appeared", "lights/c")]
+        assert await next_of(query) == ("appeared", "lights/c")
         assert await nothing_of(query)
 
 
@@ -98,12 +97,13 @@ async def test_a_restarted_directory_is_followed_on_and_only_differences_are_tol
             await anyio.sleep(0.001)
             for _ in range(3):
                 await anext(query)
+        await anyio.sleep(1)
         gateway.removes("lights/a")
         gateway.sees("lights/b", name="reading lamp")
         gateway.sees("lights/d")
         async with directory_on(graph):
-            told = [await next_of(query) for _ in range(3)]
-            assert told == [("removed", "lights/a"), ("changed", "lights/b"), ("appeared", "lights/d")]
+            differences = {await next_of(query) for _ in range(3)}
+            assert differences == {("removed", "lights/a"), ("changed", "lights/b"), ("appeared", "lights/d")}
             assert await nothing_of(query)
             gateway.removes("lights/c")
             assert await next_of(query) == ("removed", "lights/c")
@@ -118,6 +118,7 @@ async def test_a_restart_is_noticed_in_any_crowd(gateway_on: RunGateway, directo
             gateway.sees("lights/a")
             assert await next_of(query) == ("appeared", "lights/a")
         gateway.removes("lights/a")
+        await anyio.sleep(1)
         async with directory_on(graph):
             for number in range(10_001):
                 node.create_publisher(String, f"noise_{number}").close()
@@ -205,8 +206,7 @@ async def test_a_query_ends_when_it_or_its_node_is_closed(
 ) -> None:
     """For the reader the loop is over, whatever it waits for; nothing of it is left on the graph."""
     graph = Graph()
-    async with gateway_on(graph), directory_on(graph):
-        node = Node(graph, "app")
+    async with gateway_on(graph), directory_on(graph), Node(graph, "app") as node:
         query = Follow(node)
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(_read_all, query)
@@ -220,9 +220,7 @@ async def test_a_query_ends_when_it_or_its_node_is_closed(
 
 async def test_a_query_whose_node_closes_while_the_directory_is_away_ends() -> None:
     """It does not wait for ever."""
-    graph = Graph()
-    node = Node(graph, "app")
-    async with anyio.create_task_group() as tasks:
+    async with Node(Graph(), "app") as node, anyio.create_task_group() as tasks:
         tasks.start_soon(_read_all, Follow(node))
         await anyio.sleep(1)
         node.close()

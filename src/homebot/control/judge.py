@@ -19,13 +19,11 @@ from homebot.control.policies.policies import Policies
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.control.policies.settings import PolicySettings
 from homebot.control.timelines import Timelines
-from homebot.devices import DEVICE_STATES, FIND_DEVICES, FindDevices, Follow, StateChange
+from homebot.devices import DeviceChange, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
-from homebot.devices.names import DIRECTORY_NODE
+from homebot.devices.house_view import HouseView
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import Query, query_terms
-from homebot.devices.services import FindDevicesRequest
-from homebot.errors import ServiceError
+from homebot.devices.query import Query, facets_of, fits
 from homebot.graph import Node
 
 __all__ = ["Judge"]
@@ -143,26 +141,42 @@ class Judge:
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
     async def _follow(self) -> None:
-        needs = self._policies.needs
-        self._node.create_subscription(StateChange, DEVICE_STATES, self._house.take, 1, from_node=DIRECTORY_NODE)
-        await self._read(needs)
-        async for change in Follow(self._node, query=needs):
-            if change.kind == "removed":
-                self._house.remove(change.device.id)
-            else:
-                self._house.put(change.device, change.sequence)
-
-    async def _read(self, needs: Query) -> None:
-        """Read the devices that are known already; those to come are followed."""
-        find = self._node.create_client(FindDevices, FIND_DEVICES)
-        await find.wait_for_service()
-        try:
-            found = await find.call(FindDevicesRequest(query=query_terms(needs)))
-        except ServiceError:
-            return
-        for device in found.devices:
-            self._house.put(device, found.sequence)
+        view = HouseView.of(self._node)
+        view.add(_NeededDevices(self._house, view, self._policies.needs))
+        await view.wait_until_complete()
         self._house.is_known = True
+
+
+@final
+class _NeededDevices:
+    """Watcher of the house that puts the devices which policies need into their house.
+
+    Args:
+        house: The house of the policies.
+        view: The view of the node.
+        needs: The query for the devices.
+    """
+
+    def __init__(self, house: House, view: HouseView, needs: Query) -> None:
+        self._house = house
+        self._view = view
+        self._needs = needs
+
+    def on_device(self, change: DeviceChange) -> None:
+        view = self._view.get(change.device.id)
+        if view is not None and fits(self._needs, facets_of(view.device)):
+            self._house.put(view)
+        else:
+            self._house.remove(change.device.id)
+
+    def on_values(self, change: StateChange) -> None:
+        self._house.record_values(change)
+
+    def on_event(self, change: StateChange) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
 
 
 def _zone(name: str) -> tzinfo | None:

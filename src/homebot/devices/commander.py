@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Final
 
-from homebot.devices.command_messages import MOST_SETTINGS, CommandRequest, CommandResult, PerformCommand, Setting
+from homebot.devices.command_messages import MOST_SETTINGS, CommandRequest, PerformCommand, Setting
 from homebot.devices.command_results import outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
@@ -20,7 +20,7 @@ from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavail
 from homebot.graph import Node
 
 if TYPE_CHECKING:
-    from homebot.devices.handles.tracked_device import TrackedDevice
+    from homebot.devices.device_view import DeviceView
     from homebot.devices.hold import Hold
 
 __all__ = ["Commander"]
@@ -51,7 +51,7 @@ class Commander:
 
     async def perform(
         self,
-        tracked: TrackedDevice,
+        view: DeviceView,
         part_id: str,
         values: Mapping[str, PlainValue],
         transition: float = 0.0,
@@ -60,7 +60,7 @@ class Commander:
         """Give a command, and return its outcome; a failure of a device or its network is no error.
 
         Args:
-            tracked: The device; it has the reported values as soon as they are known.
+            view: The device; it has the reported values as soon as they are known.
             part_id: The id of the part.
             values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
             transition: Seconds that the change takes, if the device supports that.
@@ -69,13 +69,13 @@ class Commander:
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
-        part = None if tracked.is_gone else tracked.device.part(part_id)
+        part = None if view.is_gone else view.device.part(part_id)
         if part is None:
             return Gone()
-        settings = _checked(tracked.device, part, values, transition, code)
+        settings = _checked(view.device, part, values, transition, code)
         trigger = current_trigger()
         request = CommandRequest(
-            device=tracked.device.id,
+            device=view.device.id,
             part=part.id,
             settings=settings,
             transition=float(transition),
@@ -90,23 +90,18 @@ class Commander:
         except ServiceUnavailableError:
             if self._control.service_is_ready() or self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
-            return await self._send(tracked.device, part, settings, transition, code)
+            return await self._send(view.device, part, settings, transition, code)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
-        self._note_reported(tracked, part.id, result)
+        for reported in result.reported:
+            view.record_result(part.id, reported, self._clock.now())
         return outcome_of(result)
 
-    def hold(
-        self, tracked: TrackedDevice, part_id: str, word: str, by: str, ttl: float
-    ) -> AbstractAsyncContextManager[Hold]:
+    def hold(self, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AbstractAsyncContextManager[Hold]:
         """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
         from homebot.devices.hold import hold_part  # noqa: PLC0415 - few apps hold anything
 
-        return hold_part(self._node, tracked, part_id, word, by, ttl)
-
-    def _note_reported(self, tracked: TrackedDevice, part: str, result: CommandResult) -> None:
-        for one in result.reported:
-            tracked.take_reported(part, one, self._clock.now())
+        return hold_part(self._node, view, part_id, word, by, ttl)
 
     async def _send(
         self, device: Device, part: DevicePart, settings: tuple[Setting, ...], transition: float, code: str

@@ -16,7 +16,7 @@ from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery, HandleType
-from homebot.devices.handles.handles import Handles
+from homebot.devices.house_view import HouseView
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.query import type_is
 from homebot.devices.services import (
@@ -71,7 +71,6 @@ class Devices:
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._texts: TextCommander | None = None
         self._limit = LogLimit(node.graph.clock)
-        self._handles: Handles | None = None
 
     @overload
     async def find(self, service_type: str = "") -> tuple[Device, ...]: ...
@@ -108,10 +107,14 @@ class Devices:
                 await self._checks.check(type_is(service_type), f"find({service_type!r})")
             return devices
         wanted = service_type.where(*none, **query)
-        handles = await self._all_handles().find(wanted)
+        answer = await self._view.find(wanted.search)
+        handles: list[HandleT] = []
+        for device in answer.devices:
+            if parts := wanted.parts(device):
+                handles += self._handles_of(device, answer.sequence, wanted.kind, parts)
         if not handles and wanted.names_places:
             await self._checks.check(wanted.search, _call_text("find", wanted, query))
-        return handles
+        return tuple(handles)
 
     @overload
     def follow(self, service_type: str = "") -> Follow: ...
@@ -137,7 +140,7 @@ class Devices:
         wanted = service_type.where(*none, **query)
         if wanted.names_places:
             self._checks.check_later(wanted.search, _call_text("follow", wanted, query))
-        return FollowHandles(self._node, self._all_handles(), wanted)
+        return FollowHandles(self._node, wanted)
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
@@ -214,19 +217,22 @@ class Devices:
             kind: For example :class:`Light`.
             sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """
-        typed, query = self._all_handles(), kind.where()
-        return tuple(typed.of_parts(query.kind, typed.track(device, sequence), query.parts(device)))
+        query = kind.where()
+        return tuple(self._handles_of(device, sequence, query.kind, query.parts(device)))
+
+    def _handles_of(self, device: Device, sequence: int, kind: type[HandleT], parts: list[str]) -> list[HandleT]:
+        view = self._view.store(device, sequence)
+        return [kind(view, part, self._view) for part in parts]
+
+    @cached_property
+    def _view(self) -> HouseView:
+        return HouseView.of(self._node)
 
     @cached_property
     def _checks(self) -> QueryCheck:
         from homebot.devices.query_check import QueryCheck  # noqa: PLC0415 - only if there is something to check
 
         return QueryCheck(self._node)
-
-    def _all_handles(self) -> Handles:
-        if self._handles is None:
-            self._handles = Handles(self._node)
-        return self._handles
 
     async def _listen_to(self, gateway: str, address: str) -> None:
         self._listened[gateway].add(address)

@@ -1,38 +1,116 @@
-"""A live query: the devices that match now, and then every change of them."""
+"""Live queries: the devices that match now, and then every change of them."""
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
-from typing import Self
+from abc import ABC, abstractmethod
+from collections import deque
+from typing import Final, Generic, Self, TypeVar
 
 import anyio
 import anyio.lowlevel
 
-from homebot.devices.device import DeviceChange, StateChange
-from homebot.devices.live_query_state import LiveQueryState
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
-from homebot.devices.query import And, Query, type_is
-from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
-from homebot.errors import ClosedError, ServiceError
-from homebot.graph import Client, Node, Subscription
+from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
+from homebot.devices.house_view import HouseView
+from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, type_is
+from homebot.errors import ClosedError
+from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.log import LogLimit
 
-__all__ = ["Follow"]
+__all__ = ["Follow", "LiveQuery"]
 
-NO_ANSWER = "devices.no_answer"
+ItemT = TypeVar("ItemT")
 
-_TURN = 100
-"""Changes given out before other tasks get their turn, should the reader never wait."""
+_TURN: Final = 100
+"""Changes yielded before other tasks get their turn, should the reader never wait."""
 
-_MAX_STATES = 10_000
-"""Values that may wait for a slow reader; beyond them it takes a new snapshot instead."""
-
-_PAUSE = 0.5
-"""Seconds until a directory that fails to answer is asked again."""
+NO_LONGER: Final = "it no longer matches the query"
 
 
-class Follow:
+class LiveQuery(ABC, Generic[ItemT]):
+    """Iterator over the changes of the house that one reader wants: of each device the newest that it has not read.
+
+    Args:
+        node: The node that asks; the query ends with it.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._view: HouseView | None = None
+        self._changed: dict[str, DeviceChange | StateChange] = {}
+        self._ready: deque[ItemT] = deque()
+        self._cause: DeviceChange | StateChange | None = None
+        self._news = anyio.Event()
+        self._is_closed = False
+        self._turns = 0
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> ItemT:
+        """Return the next change.
+
+        Raises:
+            StopAsyncIteration: The query or its node was closed.
+        """
+        view = self._view or self._begin()
+        self._turns += 1
+        if self._turns % _TURN == 0:
+            await anyio.lowlevel.checkpoint()
+        while not self._ready:
+            if (cause := self._next_change()) is not None:
+                self._cause = cause
+                self._process(view, cause)
+            elif self._is_closed:
+                raise StopAsyncIteration
+            else:
+                await self._news.wait()
+                self._news = anyio.Event()
+        CURRENT_CAUSE.set(self._cause)
+        return self._ready.popleft()
+
+    def close(self) -> None:
+        """End the query. Twice is fine."""
+        self._is_closed = True
+        self._changed.clear()
+        self._ready.clear()
+        self._news.set()
+        if self._view is not None:
+            self._view.remove(self)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Store the newest change of a device for the reader."""
+        self._changed[change.device.id] = change
+        self._news.set()
+
+    @abstractmethod
+    def on_values(self, change: StateChange) -> None:
+        """Handle new values of a known device."""
+
+    @abstractmethod
+    def on_event(self, change: StateChange) -> None:
+        """Handle an event, also of a device that is not described yet."""
+
+    def _begin(self) -> HouseView:
+        if self._is_closed:
+            raise StopAsyncIteration
+        try:
+            self._view = view = HouseView.of(self._node)
+            view.add(self)
+        except ClosedError:
+            self.close()
+            raise StopAsyncIteration from None
+        return view
+
+    def _next_change(self) -> DeviceChange | StateChange | None:
+        """Remove and return the next change to process; None if there is none."""
+        return self._changed.pop(next(iter(self._changed))) if self._changed else None
+
+    @abstractmethod
+    def _process(self, view: HouseView, change: DeviceChange | StateChange) -> None:
+        """Append to the ready items those that the reader gets of a change."""
+
+
+class Follow(LiveQuery[DeviceChange]):
     """A live query for devices: ``async for change in Follow(node, "lights")``.
 
     Devices that are there already are reported at once. Of each device ``appeared`` comes first and ``removed`` last. A
@@ -51,123 +129,63 @@ class Follow:
     """
 
     def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
-        self._node = node
+        super().__init__(node)
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
-        self._state = LiveQueryState(terms[0] if len(terms) == 1 else And(tuple(terms)))
-        self._request = FindDevicesRequest(service_type=service_type)
-        self._changes: Subscription[DeviceChange] | None = None
-        self._states: Subscription[StateChange] | None = None
-        self._new_states: OrderedDict[str, StateChange] = OrderedDict()
-        self._ready: deque[DeviceChange] = deque()
-        self._is_outdated = True
-        self._watch = anyio.CancelScope()
-        self._turns = 0
-        self._is_closed = False
-        self._limit = LogLimit(node.graph.clock)
+        self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
+        self._asks_for_values = _has_states(self._query)
+        self._matching: set[str] = set()
 
-    def __aiter__(self) -> Self:
-        return self
+    def on_values(self, change: StateChange) -> None:
+        """Store that the values of a device changed, if the query has conditions on values."""
+        if self._asks_for_values and change.device not in self._changed:
+            self._changed[change.device] = change
+            self._news.set()
 
-    async def __anext__(self) -> DeviceChange:
-        """Return the next change.
+    def on_event(self, change: StateChange) -> None:
+        """Ignore an event: it makes no device match."""
 
-        Raises:
-            StopAsyncIteration: The query or its node was closed.
-        """
-        try:
-            change = await self._next(self._changes or self._begin())
-        except ClosedError:
-            raise StopAsyncIteration from None
-        CURRENT_CAUSE.set(change)
-        return change
+    def _process(self, view: HouseView, change: DeviceChange | StateChange) -> None:
+        device_id = change.device if isinstance(change, StateChange) else change.device.id
+        known = view.get(device_id)
+        device = None if known is None else known.current() if self._asks_for_values else known.device
+        did_match, does_match = device_id in self._matching, device is not None and self._wants(device)
+        if does_match:
+            self._matching.add(device_id)
+        else:
+            self._matching.discard(device_id)
+        if isinstance(change, StateChange):
+            if device is not None and did_match != does_match:
+                self._ready.append(_of_values(change, device, does_match=does_match))
+        elif did_match or does_match:
+            kind: ChangeKind = "removed" if not does_match else "appeared" if not did_match else change.kind
+            if kind == "appeared" and did_match:
+                kind = "changed"
+            self._ready.append(change.model_copy(update={"kind": kind, "device": device or change.device}))
 
-    def close(self) -> None:
-        """End the query. Twice is fine."""
-        self._is_closed = True
-        self._watch.cancel()
-        if self._changes is not None:
-            self._changes.close()
-        if self._states is not None:
-            self._states.close()
+    def _wants(self, device: Device) -> bool:
+        return self._query == _ANY or fits(self._query, facets_of(device))
 
-    async def _next(self, changes: Subscription[DeviceChange]) -> DeviceChange:
-        while not self._is_closed:
-            await self._yield_sometimes()
-            if self._is_outdated:
-                await self._compare()
-            elif self._ready:
-                return self._ready.popleft()
-            elif (change := changes.take()) is not None:
-                shown = self._state.take(change)
-                if shown is not None:
-                    return shown
-            elif self._new_states:
-                shown = self._state.take_state(self._new_states.popitem(last=False)[1])
-                if shown is not None:
-                    return shown
-            else:
-                await changes.mailbox.wait()
-        raise ClosedError("the query is closed")
 
-    def _begin(self) -> Subscription[DeviceChange]:
-        self._changes = changes = self._node.create_subscription(
-            DeviceChange, DEVICE_CHANGES, qos_profile=1, from_node=DIRECTORY_NODE
-        )
-        if self._state.wants_states:
-            self._states = self._node.create_subscription(
-                StateChange, DEVICE_STATES, self._note_state, 1, from_node=DIRECTORY_NODE
-            )
-        self._node.create_task(self._watch_directory)
-        return changes
+_ANY: Final = And(())
 
-    def _note_state(self, change: StateChange) -> None:
-        """Note a state; the newest of each waits until all changes of devices from before it are read."""
-        self._new_states[change.stream] = change
-        self._new_states.move_to_end(change.stream)
-        if len(self._new_states) > _MAX_STATES:
-            self._new_states.clear()
-            self._is_outdated = True
-        if self._changes is not None:
-            self._changes.mailbox.wake()
 
-    async def _watch_directory(self) -> None:
-        """Watch for a directory that was restarted: it has a new index, and numbers its changes anew."""
-        with self._watch:
-            is_first = True
-            async for service in self._node.graph.watch_services():
-                if service == FIND_DEVICES or (service is None and not is_first):
-                    self._is_outdated = True
-                    if self._changes is not None:
-                        self._changes.mailbox.wake()
-                is_first = False
+def _of_values(change: StateChange, device: Device, *, does_match: bool) -> DeviceChange:
+    values = ", ".join(f"its {one.capability} is {one.value.plain()}" for one in change.readings)
+    kind: ChangeKind = "appeared" if does_match else "removed"
+    why = f"{values} now" if does_match else NO_LONGER
+    return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
 
-    async def _compare(self) -> None:
-        """Take a snapshot; the subscription is older, so that no change can fall between."""
-        client = self._node.create_client(FindDevices, FIND_DEVICES)
-        try:
-            found = await self._ask(client)
-        finally:
-            client.close()
-        self._is_outdated = False
-        self._ready.extend(self._state.compare(found.devices, found.sequence))
 
-    async def _ask(self, client: Client[FindDevicesRequest, FindDevicesResponse]) -> FindDevicesResponse:
-        while True:
-            await client.wait_for_service()
-            try:
-                return await client.call(self._request)
-            except ServiceError as exc:
-                if self._limit.allows(NO_ANSWER) is not None:
-                    self._node.log.warning(NO_ANSWER, message=f"{exc}; trying again")
-                await anyio.sleep(_PAUSE)
-
-    async def _yield_sometimes(self) -> None:
-        self._turns += 1
-        if self._turns >= _TURN:
-            self._turns = 0
-            await anyio.lowlevel.checkpoint()
+def _has_states(query: Query) -> bool:
+    match query:
+        case And(terms) | Or(terms):
+            return any(_has_states(term) for term in terms)
+        case Not(term):
+            return _has_states(term)
+        case _:
+            return isinstance(query, StateIs)
 
 
 def _parsed(text: str) -> Query:

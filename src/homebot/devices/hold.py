@@ -14,7 +14,7 @@ from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import Setting
 from homebot.devices.command_results import outcome_of
 from homebot.devices.commander import NO_CONTROL
-from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.device_view import DeviceView
 from homebot.devices.lease_messages import (
     LONGEST_TTL,
     SHORTEST_TTL,
@@ -61,10 +61,10 @@ class Hold:
 
 
 def hold_part(
-    node: Node, tracked: TrackedDevice, part_id: str, word: str, by: str, ttl: float
+    node: Node, view: DeviceView, part_id: str, word: str, by: str, ttl: float
 ) -> AbstractAsyncContextManager[Hold]:
     """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
-    return _HoldBlock(_hold(node, tracked, part_id, word, by, ttl))
+    return _HoldBlock(_hold(node, view, part_id, word, by, ttl))
 
 
 class _HoldBlock(AbstractAsyncContextManager[Hold]):
@@ -91,10 +91,8 @@ _enter.__qualname__ = "Handle.hold.__aenter__"  # the name in the warning
 
 
 @asynccontextmanager
-async def _hold(
-    node: Node, tracked: TrackedDevice, part_id: str, word: str, by: str, ttl: float
-) -> AsyncIterator[Hold]:
-    setting = _setting(tracked, part_id, word)
+async def _hold(node: Node, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AsyncIterator[Hold]:
+    setting = _setting(view, part_id, word)
     if not by.strip():
         raise UsageError("a holder needs a name: by='robot'")
     if not (SHORTEST_TTL <= ttl <= LONGEST_TTL):
@@ -105,7 +103,7 @@ async def _hold(
         yield hold
         return
     request = HoldRequest(
-        device=tracked.device.id,
+        device=view.device.id,
         part=part_id,
         setting=setting,
         lease=f"block-{next(_NUMBERS)}",
@@ -188,13 +186,13 @@ class _BlockHolder:
         self.hold.is_held, self.hold.outcome = False, NoAnswer(0.0, str(error))
 
 
-def _setting(tracked: TrackedDevice, part_id: str, word: str) -> Setting | None:
+def _setting(view: DeviceView, part_id: str, word: str) -> Setting | None:
     """Return the setting that *word* means; None if the device or the part is gone.
 
     Raises:
         RefusedError: The part does not take it, or it does not last.
     """
-    part = None if tracked.is_gone else tracked.device.part(part_id)
+    part = None if view.is_gone else view.device.part(part_id)
     if part is None:
         return None
     capability, value = decode_command(word, part.part)

@@ -13,6 +13,7 @@ from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
 from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
 from homebot.devices.device import Route
+from homebot.devices.device_view import DeviceView
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
@@ -86,7 +87,7 @@ def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, recent:
     """Return the facts of a house with these devices."""
     house = House()
     for device in devices:
-        house.put(device)
+        house.put(DeviceView(device, 0))
     house.is_known = True
     return Facts(now, now, zone, house, recent or RecentCommands(), new_timeline)
 

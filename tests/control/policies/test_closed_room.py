@@ -12,6 +12,7 @@ from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
 from homebot.control.policies.recent_commands import RecentCommands
 from homebot.devices import Device
+from homebot.devices.device_view import DeviceView
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Refused
 
@@ -32,7 +33,7 @@ def facts(*told: Device, now: float) -> Facts:
     """The facts after devices told these one after another."""
     house = House()
     for sequence, device in enumerate(told):
-        house.put(device, sequence)
+        house.put(DeviceView(device, sequence))
     house.is_known = True
     return Facts(START + now, START + now, None, house, RecentCommands(), new_timeline)
 

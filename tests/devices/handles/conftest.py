@@ -114,7 +114,7 @@ class House:
         self._directory = directory
         self._known: dict[str, Device] = {}
         self._sequence = 0
-        self._directory.create_service(FindDevices, FIND_DEVICES, self._find)
+        self._service = directory.create_service(FindDevices, FIND_DEVICES, self._find)
         self._changes = self._directory.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = self._directory.create_publisher(StateChange, DEVICE_STATES, 10)
 
@@ -134,6 +134,11 @@ class House:
 
         node.create_service(SendCommand, GatewayNames(name).send_command, send)
         return node
+
+    def restart_directory(self) -> None:
+        """Close the service of the directory and offer it again."""
+        self._service.close()
+        self._service = self._directory.create_service(FindDevices, FIND_DEVICES, self._find)
 
     def end_directory(self) -> None:
         """Let there be no directory."""

@@ -19,7 +19,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import DevicePart, Endpoint
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.handles import Handles
+from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.graph import Node
 from homebot.wot import property_names, thing_id, to_thing
@@ -115,7 +115,7 @@ class ListedDevices:
         self._allows_commands = allows_commands
         self._max_devices = max_devices
         self._on_change = on_change
-        self._handles = Handles(node)
+        self._view = HouseView.of(node)
         self._properties: dict[str, _Properties] = {}
 
     async def run(self) -> None:
@@ -150,10 +150,10 @@ class ListedDevices:
         described = to_thing(device, forms, self._owner)
         names = described["properties"]
         properties: _Properties = {}
-        tracked = self._handles.track(device, sequence)
+        view = self._view.store(device, sequence)
         for name, part, capability in property_names(device):
             if isinstance(names, dict) and name in names:
-                handle = self._handles.of_parts(Handle, tracked, [part.id])[0]
+                handle = Handle(view, part.id, self._view)
                 properties[name] = ListedProperty(handle, capability, forms.is_writable(part, capability))
         self._properties[listed_id] = properties
         if properties:

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple, final
 
 from homebot.control.policies.detections import Detections
 from homebot.devices import Device, DevicePart, State, StateChange
-from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.device_view import DeviceView
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold
 
@@ -33,64 +33,62 @@ class SensorReading(NamedTuple):
 
 @final
 class House:
-    """The devices that some policy needs, with their newest values.
+    """The devices that some policy needs, by room.
 
     Args:
-        detections: Is told which sensors detect somebody; None for new ones.
+        detections: The sensors that detected a person, kept over restarts; None for new ones.
 
     Attributes:
         is_known: Whether the devices have been read from the directory; before, nothing is known.
-        detections: The sensors that have detected somebody.
+        detections: The sensors that have detected a person.
     """
 
     def __init__(self, detections: Detections | None = None) -> None:
         self.is_known = False
         self.detections = Detections() if detections is None else detections
-        self._devices: dict[str, TrackedDevice] = {}
-        self._rooms: dict[str, dict[str, TrackedDevice]] = {}
+        self._devices: dict[str, DeviceView] = {}
+        self._rooms: dict[str, dict[str, DeviceView]] = {}
+        self._room_of: dict[str, str] = {}
         self._detected_since: dict[str, float] = {}
 
-    def put(self, device: Device, sequence: int = 0) -> None:
-        """Add *device*, or what is new of it; *sequence* is that of the change that tells it."""
-        tracked = self._devices.get(device.id)
-        if tracked is None:
-            tracked = self._devices[device.id] = TrackedDevice(device, sequence)
-        else:
-            self._leave_room(tracked)
-            tracked.update(device, sequence)
-        self._rooms.setdefault(fold(tracked.device.area), {})[device.id] = tracked
-        self._note_detections(tracked.device, device.states)
+    def put(self, view: DeviceView) -> None:
+        """Add a device, or update its room."""
+        device = view.device
+        self._leave_room(device.id)
+        self._devices[device.id] = view
+        room = self._room_of[device.id] = fold(device.area)
+        self._rooms.setdefault(room, {})[device.id] = view
+        self._record_detections(device.id, device.states)
 
     def remove(self, device_id: str) -> None:
         """Forget a device."""
-        if (tracked := self._devices.pop(device_id, None)) is not None:
-            self._leave_room(tracked)
-            for part in tracked.device.parts:
+        if (view := self._devices.pop(device_id, None)) is not None:
+            self._leave_room(device_id)
+            for part in view.device.parts:
                 self.detections.forget(_sensor(device_id, part.id))
                 self._detected_since.pop(_sensor(device_id, part.id), None)
 
-    def take(self, change: StateChange) -> None:
-        """Take in new values; those of other devices are passed over."""
-        if not change.is_event and (tracked := self._devices.get(change.device)) is not None:
-            tracked.take(change)
-            self._note_detections(tracked.device, change.states)
+    def record_values(self, change: StateChange) -> None:
+        """Record the detections among new values; those of other devices are ignored."""
+        if change.device in self._devices:
+            self._record_detections(change.device, change.states)
 
     def readings(self, room: str, capability: str) -> list[SensorReading]:
         """Return the values of all sensors of *capability* in *room*, which is not empty."""
         return [
-            _reading(tracked, part.id, capability)
-            for tracked in self._rooms.get(fold(room), {}).values()
-            for part in tracked.device.parts
+            _reading(view, part.id, capability)
+            for view in self._rooms.get(fold(room), {}).values()
+            for part in view.device.parts
             if any(one.name == capability and one.readable for one in part.part.capabilities)
         ]
 
     def reading_of(self, name: str, capability: str) -> SensorReading | None:
         """Return the value of the only sensor of *capability* whose device has the id or the name *name*."""
         found = [
-            _reading(tracked, part.id, capability)
-            for tracked in self._devices.values()
-            if tracked.device.id == name or fold(name) in map(fold, (tracked.device.name, *tracked.device.names))
-            for part in tracked.device.parts
+            _reading(view, part.id, capability)
+            for view in self._devices.values()
+            if view.device.id == name or fold(name) in map(fold, (view.device.name, *view.device.names))
+            for part in view.device.parts
             if any(one.name == capability and one.readable for one in part.part.capabilities)
         ]
         return found[0] if len(found) == 1 else None
@@ -102,19 +100,19 @@ class House:
     def unproven(self) -> tuple[str, ...]:
         """Return the names of the devices in a room with a motion sensor that has never detected anybody."""
         return tuple(
-            tracked.device.name or tracked.device.id
-            for tracked in self._devices.values()
-            if tracked.device.area and any(self._is_unproven(tracked.device, one) for one in tracked.device.parts)
+            view.device.name or view.device.id
+            for view in self._devices.values()
+            if view.device.area and any(self._is_unproven(view.device, one) for one in view.device.parts)
         )
 
-    def devices(self, room: str | None = None) -> Iterable[TrackedDevice]:
+    def devices(self, room: str | None = None) -> Iterable[DeviceView]:
         """Return the devices in *room*, or all."""
         return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
 
-    def _note_detections(self, device: Device, states: Iterable[State]) -> None:
+    def _record_detections(self, device_id: str, states: Iterable[State]) -> None:
         for state in states:
             if state.capability == OCCUPANCY and state.value.plain() is True:
-                sensor = _sensor(device.id, state.part)
+                sensor = _sensor(device_id, state.part)
                 self.detections.note(sensor, state.told_at.to_seconds())
                 self._detected_since[sensor] = state.since.to_seconds()
 
@@ -122,17 +120,18 @@ class House:
         tells = any(one.name == OCCUPANCY and one.readable for one in part.part.capabilities)
         return tells and _sensor(device.id, part.id) not in self.detections
 
-    def _leave_room(self, tracked: TrackedDevice) -> None:
-        room = fold(tracked.device.area)
-        self._rooms[room].pop(tracked.device.id)
-        if not self._rooms[room]:
-            del self._rooms[room]
+    def _leave_room(self, device_id: str) -> None:
+        room = self._room_of.pop(device_id, None)
+        if room is not None:
+            self._rooms[room].pop(device_id)
+            if not self._rooms[room]:
+                del self._rooms[room]
 
 
-def _reading(tracked: TrackedDevice, part: str, capability: str) -> SensorReading:
-    device = tracked.device
+def _reading(view: DeviceView, part: str, capability: str) -> SensorReading:
+    device = view.device
     name = _sensor(device.id, part)
-    state = tracked.state(part, capability)
+    state = view.state(part, capability)
     is_away = device.reachable.state == "no" or part in device.offline_parts
     if state is None or not state.live or device.freshness != "fresh" or is_away:
         return SensorReading(name, None)

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from homebot.devices.handles.follow import FollowHandles, HandleChange
     from homebot.devices.handles.handle import Handle
     from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
-    from homebot.devices.handles.handles import Handles
     from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
     from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
     from homebot.devices.handles.security import AlarmPanel, DoorLock
@@ -43,7 +42,6 @@ __all__ = [
     "HandleChange",
     "HandleQuery",
     "HandleType",
-    "Handles",
     "HumiditySensor",
     "LawnMower",
     "Light",
@@ -70,7 +68,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.handles.follow": "FollowHandles HandleChange",
             "homebot.devices.handles.handle": "Handle",
             "homebot.devices.handles.handle_query": "CommonFilters HandleQuery HandleType",
-            "homebot.devices.handles.handles": "Handles",
             "homebot.devices.handles.opening": "Closure WaterValve WindowCovering",
             "homebot.devices.handles.robots": "LawnMower RoboticVacuumCleaner",
             "homebot.devices.handles.security": "AlarmPanel DoorLock",

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device import Device, Freshness
+from homebot.devices.device_view import DeviceView
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
-from homebot.devices.handles.handles import Handles
-from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.value import PlainValue
@@ -40,11 +40,11 @@ class Handle:
 
     service_types: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, tracked: TrackedDevice, part_id: str, handles: Handles) -> None:
+    def __init__(self, view: DeviceView, part_id: str, house: HouseView) -> None:
         """Take the result of :meth:`homebot.devices.Devices.find`; not for use by hand."""
-        self._tracked = tracked
+        self._view = view
         self._part_id = part_id
-        self._handles = handles
+        self._house = house
 
     @classmethod
     def where(cls, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
@@ -69,7 +69,7 @@ class Handle:
     @property
     def id(self) -> str:
         """The id of the device, with ``#`` and the id of the part where it has one; renaming does not change it."""
-        return f"{self._tracked.device.id}#{self._part_id}" if self._part_id else self._tracked.device.id
+        return f"{self._view.device.id}#{self._part_id}" if self._part_id else self._view.device.id
 
     @property
     def part_id(self) -> str:
@@ -79,40 +79,40 @@ class Handle:
     @property
     def name(self) -> str:
         """The name for people: the device's, followed by the part's where it has one."""
-        part = self._tracked.device.part(self._part_id)
+        part = self._view.device.part(self._part_id)
         own = part.part.name if part else ""
-        return f"{self._tracked.device.name} {own}" if own else self._tracked.device.name
+        return f"{self._view.device.name} {own}" if own else self._view.device.name
 
     @property
     def area(self) -> str:
         """The room that the device is in; empty if none is known."""
-        return self._tracked.device.area
+        return self._view.device.area
 
     @property
     def device(self) -> Device:
         """The device that it belongs to, as last announced."""
-        return self._tracked.device
+        return self._view.device
 
     @property
     def is_gone(self) -> bool:
         """True once the device was removed or no longer has this part; commands end with `Gone` then."""
-        return self._tracked.is_gone or self._tracked.device.part(self._part_id) is None
+        return self._view.is_gone or self._view.device.part(self._part_id) is None
 
     @property
     def reachable(self) -> bool | None:
         """True if it can be reached, as the part or else the device reports; None if neither reports it."""
-        device = self._tracked.device
+        device = self._view.device
         return False if self._part_id in device.offline_parts else _REACHABLE[device.reachable.state]
 
     @property
     def freshness(self) -> Freshness:
         """``fresh``, ``unconfirmed`` or ``stale``; see :class:`homebot.devices.Device`."""
-        return self._tracked.device.freshness
+        return self._view.device.freshness
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The capabilities of the part, with units, bounds and options."""
-        part = self._tracked.device.part(self._part_id)
+        part = self._view.device.part(self._part_id)
         return part.part.capabilities if part is not None else ()
 
     def can(self, capability: str) -> bool:
@@ -126,7 +126,7 @@ class Handle:
             UsageError: There is no such capability (the message suggests the nearest), or it is an event, not a state.
         """
         self._check_name(capability)
-        return self._tracked.value(self._part_id, capability)
+        return self._view.value(self._part_id, capability)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
@@ -145,7 +145,7 @@ class Handle:
             RefusedError: It does not support this, or not this value. The message names the accepted values.
         """
         plain = {capability: plain_value(value)}
-        return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
+        return await self._house.commander.perform(self._view, self._part_id, plain, transition, code)
 
     async def commands(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set several capabilities in this order, as one command with one outcome; see :meth:`command`.
@@ -159,7 +159,7 @@ class Handle:
             RefusedError: It does not support one of these, or not this value; nothing was sent.
         """
         plain = {capability: plain_value(value) for capability, value in settings.items()}
-        return await self._handles.commander.perform(self._tracked, self._part_id, plain, transition, code)
+        return await self._house.commander.perform(self._view, self._part_id, plain, transition, code)
 
     def hold(self, value: str, *, by: str, ttl: float = 10.0) -> AbstractAsyncContextManager[Hold]:
         """Command *value* and keep it while the block runs: ``async with door.hold("open", by="robot") as hold``.
@@ -177,7 +177,7 @@ class Handle:
             UsageError: *by* is empty or *ttl* out of range.
             RefusedError: It does not take this word, or the word is nothing that lasts, such as ``press``.
         """
-        return self._handles.commander.hold(self._tracked, self._part_id, value, by, ttl)
+        return self._house.commander.hold(self._view, self._part_id, value, by, ttl)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
@@ -188,22 +188,22 @@ class Handle:
             raise UsageError(f"{capability!r} is not a capability; {hint}")
 
     def _flag(self, capability: str) -> bool | None:
-        value = self._tracked.value(self._part_id, capability)
+        value = self._view.value(self._part_id, capability)
         return value if isinstance(value, bool) else None
 
     def _number(self, capability: str) -> float | None:
-        value = self._tracked.value(self._part_id, capability)
+        value = self._view.value(self._part_id, capability)
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
         """Return the result of :meth:`_number`; if the part has none, the value of the only part that has one."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
-        value = self._tracked.only_value(capability)
+        value = self._view.only_value(capability)
         return value if isinstance(value, float) else None
 
     def _text(self, capability: str) -> str | None:
-        value = self._tracked.value(self._part_id, capability)
+        value = self._view.value(self._part_id, capability)
         return value if isinstance(value, str) else None
 
     @classmethod
