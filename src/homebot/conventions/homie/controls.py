@@ -1,7 +1,7 @@
-"""Covers, locks, valves, thermostats, fans, and robots that clean. Pure.
+"""Lamps, covers, locks, fans, and robots that clean: controls of several properties. Pure.
 
-Source: hc-smarthome v2, shutter, garage-door, lock, valve and thermostat; Valetudo 2021.10 to 2025,
-``backend/lib/mqtt``.
+Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level, color, shutter, garage-door and lock; Valetudo
+2021.10 to 2025, ``backend/lib/mqtt``.
 """
 
 from __future__ import annotations
@@ -15,25 +15,26 @@ from homebot.conventions.command_values import bool_writer, option_writer, requi
 from homebot.conventions.description import Publications
 from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.node_types import tokens_in
-from homebot.conventions.homie.property_codecs import (
-    add_enum,
-    add_flag,
-    add_percent,
-    add_temperature,
+from homebot.conventions.homie.properties import (
+    add_properties,
+    add_property,
+    node_part,
     percent_of,
     percent_written,
 )
 from homebot.conventions.homie.roles import NodeRoles
-from homebot.conventions.homie.simple_parts import node_part
-from homebot.conventions.homie.values import publication, read_plain
+from homebot.conventions.homie.values import publication, read_color, read_plain
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
-__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve", "build_vacuum", "find_vacuum"]
+__all__ = ["LIGHT_ROLES", "add_cover", "add_fan", "add_light", "add_lock", "build_vacuum", "find_vacuum"]
 
 
 Props = Mapping[str, HomieProperty]
+
+LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
+"""Roles that a lamp may have, each once."""
 
 _OPENINGS = ("open", "closed", "opening", "closing", "stopped")
 _MOVEMENTS = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
@@ -41,24 +42,14 @@ _MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stoppe
 _PERCENTS = {"open": 100.0, "closed": 0.0}
 _LOCKS = {True: "locked", False: "unlocked"}
 _LOCK_COMMANDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
-_VALVES = {True: "open", False: "closed"}
 
 
 def add_cover(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a cover. Without an enum of commands it is moved by its position."""
     position, state, command = props.get("position"), props.get("movement"), props.get("move")
-    for capability in ("position", "tilt"):
-        if capability in props:
-            add_percent(part, capability, props[capability])
-
-    def read(prop: HomieProperty, payload: bytes) -> Readings:
-        value = read_plain(prop, payload)
-        movement = value.casefold() if isinstance(value, str) else ""
-        movement = _MOVEMENTS.get(movement, movement)
-        return {"movement": movement} if movement in _OPENINGS else NO_READINGS
-
+    add_properties(part, props, "position", "tilt")
     if state is not None:
-        part.read_from(state.topic, partial(read, state))
+        part.read_from(state.topic, partial(_read_movement, state))
     options = _options_by_command(command, _MOVES)
     writer = None
     if command is not None and options:
@@ -70,6 +61,13 @@ def add_cover(part: BytesPart, props: Props) -> None:
         )
     if state is not None or writer is not None:
         part.add_capability("movement", readable=state is not None, writer=writer, options=_OPENINGS)
+
+
+def _read_movement(state: HomieProperty, payload: bytes) -> Readings:
+    value = read_plain(state, payload)
+    movement = value.casefold() if isinstance(value, str) else ""
+    movement = _MOVEMENTS.get(movement, movement)
+    return {"movement": movement} if movement in _OPENINGS else NO_READINGS
 
 
 def add_lock(part: BytesPart, props: Props) -> None:
@@ -97,55 +95,45 @@ def add_lock(part: BytesPart, props: Props) -> None:
     part.add_capability("lock", readable=state is not None, writer=write if is_settable else None)
 
 
-def add_valve(part: BytesPart, props: Props) -> None:
-    """Add the capabilities of a valve, which is open if its state is true."""
-    state = props["valve"]
+def add_light(part: BytesPart, props: Props) -> None:
+    """Add the capabilities of a lamp. Setting brightness or colour also switches it on: Homie leaves that to us."""
+    switch, level, color = (props.get(role) for role in ("on_off", "level", "color"))
+    is_switched = switch is not None and switch.is_settable
+    on, off = ((publication(switch, text),) if switch and is_switched else () for text in ("true", "false"))
+    add_properties(part, props, "on_off")
+    if level is not None:
+        add_property(part, "level", level, on=on, off=off)
+        if switch is None:
+            _add_switch_of_range(part, "level", level)
+    if color is not None:
+        add_property(part, "color", color, on=on)
+        if level is None and set(color.options) & {"hsv", "rgb"}:
+            part.read_from(color.topic, partial(_read_brightness, color))
+            part.add_capability("level")
+    if "color_temperature" in props:
+        add_property(part, "color_temperature", props["color_temperature"], on=on)
 
-    def read(payload: bytes) -> Readings:
-        value = read_plain(state, payload)
-        return {"valve": _VALVES[value]} if isinstance(value, bool) else NO_READINGS
 
-    def publish(target: str) -> Publications:
-        return (publication(state, "true" if target == "open" else "false"),)
-
-    part.read_from(state.topic, read)
-    if state.is_settable:
-        part.add_command_topics(f"{state.topic}/set")
-    writer = option_writer("valve", ("open", "closed"), publish) if state.is_settable else None
-    part.add_capability("valve", writer=writer, options=("open", "closed"))
-
-
-def add_thermostat(part: BytesPart, props: Props) -> None:
-    """Add the capabilities of a thermostat."""
-    for capability in ("heating_setpoint", "cooling_setpoint", "local_temperature"):
-        if capability in props:
-            add_temperature(part, capability, props[capability])
-    for capability in ("thermostat_mode", "fan_mode"):
-        if capability in props:
-            add_enum(part, capability, props[capability])
+def _read_brightness(color: HomieProperty, payload: bytes) -> Readings:
+    value = read_color(color, payload)
+    return NO_READINGS if value is None or value[2] is None else {"level": value[2]}
 
 
 def add_fan(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a fan. Without a switch it is off at speed 0."""
-    speed = props.get("fan_speed")
-    if "on_off" in props:
-        add_flag(part, props["on_off"])
-    elif speed is not None:
-        _add_switch_of_speed(part, speed)
-    if speed is not None:
-        add_percent(part, "fan_speed", speed)
-    if "fan_mode" in props:
-        add_enum(part, "fan_mode", props["fan_mode"])
+    if "on_off" not in props and "fan_speed" in props:
+        _add_switch_of_range(part, "fan_speed", props["fan_speed"])
+    add_properties(part, props, "on_off", "fan_speed", "fan_mode")
 
 
-def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
+def _add_switch_of_range(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
-        percent = percent_of(speed, payload)
+        percent = percent_of(prop, payload)
         return NO_READINGS if percent is None else {"on_off": percent > 0}
 
-    part.read_from(speed.topic, read)
-    writer = bool_writer("on_off", lambda on: (percent_written(speed, "fan_speed", 100.0 if on else 0.0),))
-    part.add_capability("on_off", readable=speed.is_retained, writer=writer if speed.is_settable else None)
+    part.read_from(prop.topic, read)
+    writer = bool_writer("on_off", lambda on: (percent_written(prop, capability, 100.0 if on else 0.0),))
+    part.add_capability("on_off", readable=prop.is_retained, writer=writer if prop.is_settable else None)
 
 
 def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
@@ -201,7 +189,7 @@ def build_vacuum(vacuum: _Vacuum) -> BytesPart:
     writer = option_writer("vacuum", options, lambda state: (publication(command, options[state]),))
     part.add_capability("vacuum", readable=state is not None, writer=writer, options=tuple(options))
     if vacuum.power is not None:
-        add_enum(part, "fan_mode", vacuum.power)
+        add_property(part, "fan_mode", vacuum.power)
     return part
 
 

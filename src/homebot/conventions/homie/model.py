@@ -6,11 +6,11 @@ Source: Homie convention 5, Payload and Property Formats, Device Lifecycle; Homi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import clean_text, shown
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 
@@ -24,6 +24,7 @@ __all__ = [
     "HomieProperty",
     "Range",
     "availability_of",
+    "make_property",
     "parse_options",
     "parse_range",
 ]
@@ -39,6 +40,8 @@ _MAX_OPTIONS = 200
 """Words that an enum may have."""
 
 _LONGEST_OPTION = 255
+_LONGEST_UNIT = 20
+_WITH_OPTIONS = frozenset({"enum", "color"})
 _FIELDS = 3
 
 
@@ -89,20 +92,6 @@ def parse_range(text: str) -> Range:
     return Range(least, most, step)
 
 
-def parse_options(text: str) -> tuple[str, ...]:
-    """Return the options of an enum; blanks count.
-
-    Raises:
-        WireError: There is none, an empty one, one twice, too many, or one too long.
-    """
-    options = tuple(text.split(",", _MAX_OPTIONS + 1))
-    if len(options) > _MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
-        raise WireError(f"format {shown(text)} is not a list of values")
-    if len(set(options)) != len(options):
-        raise WireError(f"format {shown(text)} repeats a value")
-    return options
-
-
 MAX_PROPERTIES = 500
 """Most properties of one device."""
 
@@ -135,6 +124,56 @@ class HomieProperty:
     def is_number(self) -> bool:
         """True if its values are numbers."""
         return self.datatype in {"integer", "float"}
+
+
+def parse_options(text: str) -> tuple[str, ...]:
+    """Return the options of an enum; blanks count.
+
+    Raises:
+        WireError: There is none, an empty one, one twice, too many, or one too long.
+    """
+    options = tuple(text.split(",", _MAX_OPTIONS + 1))
+    if len(options) > _MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
+        raise WireError(f"format {shown(text)} is not a list of values")
+    if len(set(options)) != len(options):
+        raise WireError(f"format {shown(text)} repeats a value")
+    return options
+
+
+def make_property(
+    fields: Callable[[str], str],
+    *,
+    prop_id: str,
+    topic: str,
+    is_settable: bool,
+    is_retained: bool,
+    names_form: bool = True,
+) -> HomieProperty:
+    """Return the property with these *fields*, by the names of version 5; a missing one is empty.
+
+    Raises:
+        WireError: Its datatype is unknown, or its format does not fit.
+    """
+    datatype, form = fields("datatype"), fields("format")
+    if datatype not in DATATYPES:
+        raise WireError(f"datatype is {shown(datatype)}")
+    options = parse_options(form) if datatype in _WITH_OPTIONS or (datatype == "boolean" and form) else ()
+    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
+        raise WireError(f"format {shown(form)} names no colour formats")
+    if datatype == "boolean" and options and len(options) != len(("false", "true")):
+        raise WireError(f"format {shown(form)} does not name false and true")
+    return HomieProperty(
+        id=prop_id,
+        name=clean_text(fields("name")),
+        datatype=datatype,
+        topic=topic,
+        unit=clean_text(fields("unit"), _LONGEST_UNIT),
+        range=parse_range(form) if datatype in {"integer", "float"} else Range(),
+        options=options if datatype in _WITH_OPTIONS else (),
+        is_settable=is_settable,
+        is_retained=is_retained,
+        names_form=names_form,
+    )
 
 
 @dataclass(frozen=True, slots=True)

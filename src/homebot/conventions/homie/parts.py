@@ -1,4 +1,4 @@
-"""Parts of a Homie device, and its description. Pure.
+"""Parts of a Homie device. Pure.
 
 The controls of a node are one part, each reported value is another, and each other settable value is a setting. Switch,
 brightness and colour of a lamp are one part, also from several nodes. In a robot that cleans, nodes without a declared
@@ -9,26 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.homie.controls import (
+    LIGHT_ROLES,
     add_cover,
     add_fan,
+    add_light,
     add_lock,
-    add_thermostat,
-    add_valve,
     build_vacuum,
     find_vacuum,
 )
-from homebot.conventions.homie.lights import LIGHT_ROLES, add_light
-from homebot.conventions.homie.model import HomieDevice, HomieProperty, availability_of
+from homebot.conventions.homie.model import HomieDevice, HomieNode, HomieProperty
 from homebot.conventions.homie.node_types import KINDS, declared_class, tokens_in
-from homebot.conventions.homie.property_codecs import add_flag
-from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, as_settings, find_roles
-from homebot.conventions.homie.simple_parts import build_meters, build_singles, node_part
+from homebot.conventions.homie.properties import add_properties, add_property, node_part
+from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role, as_settings, find_roles
 from homebot.conventions.part_builder import BytesPart
-from homebot.devices.identity import identifiers
+from homebot.conventions.units import sensor_type
+from homebot.devices.part import Category
 
-__all__ = ["build_parts", "describe"]
+__all__ = ["build_parts"]
 
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
@@ -47,24 +46,30 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     for node in nodes:
         if node not in lamp:
             controls.extend(_controls(device, node))
-        others.extend(build_meters(node))
-        others.extend(build_singles(node))
+        others.extend(_meters(node))
+        others.extend(_singles(node))
     return tuple(part.build() for part in (*controls, *others))
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
-_Add = Callable[[BytesPart, Mapping[str, HomieProperty]], None]
-_ADDERS: Mapping[str, _Add] = {
+_ADDERS: Mapping[str, Callable[[BytesPart, Mapping[str, HomieProperty]], None]] = {
     "window_covering": add_cover,
     "closure": add_cover,
     "door_lock": add_lock,
-    "water_valve": add_valve,
-    "thermostat": add_thermostat,
     "fan": add_fan,
     "light": add_light,
-    "switch": lambda part, props: add_flag(part, props["on_off"]),
-    "plug": lambda part, props: add_flag(part, props["on_off"]),
 }
+"""Adders of controls that are more than their single properties."""
+
+_SINGLE = (
+    "on_off",
+    "valve",
+    "heating_setpoint",
+    "cooling_setpoint",
+    "local_temperature",
+    "thermostat_mode",
+    "fan_mode",
+)
 
 
 def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
@@ -113,7 +118,10 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
         return
     tag = KINDS[node.kind].tag if node.kind else ""
     part = node_part(node.node, service_type, tag=tag, guessed=node.is_guess)
-    _ADDERS[service_type](part, props)
+    if service_type in _ADDERS:
+        _ADDERS[service_type](part, props)
+    else:
+        add_properties(part, props, *_SINGLE)
     if not part.is_empty:
         yield part
 
@@ -143,26 +151,59 @@ _NEEDED: Mapping[str, frozenset[str]] = {
 }
 
 
-def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
-    """Return the description of *device*; None if it has no parts itself, as a bridge.
+_ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
+_DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
+_SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
 
-    Its identifier is its id in its domain, with a hardware address if the id ends with one. The ``$mac`` of version 4
-    belongs to the publishing computer, perhaps of many devices.
-    """
-    parts = build_parts(device)
-    if not parts:
-        return None
-    return DeviceAnnounced(
-        key=device.topic,
-        convention="homie",
-        native=True,
-        whole_device=True,
-        identifiers=identifiers((f"{domain}/{device.id}",)),
-        name=device.name,
-        parts=parts,
-        topic=f"{device.topic}/$state",
-        facts={**device.facts, **({"type": device.type} if device.type else {})},
-        availability=availability_of(device.topic, device.root),
-        owns=(device.topic,),
-        implies_alive=is_alive,
+
+def _meters(node: NodeRoles) -> Iterator[BytesPart]:
+    """Describe the electrical measurements of a node as one meter."""
+    roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
+    if not roles:
+        return
+    part = node_part(
+        node.node, "electrical_meter", suffix="$meter", guessed=any(role.is_guess for role in roles.values())
     )
+    for role in reversed(roles.values()):
+        add_property(part, role.name, role.prop)
+    yield part
+
+
+def _singles(node: NodeRoles) -> Iterator[BytesPart]:
+    """Describe the other properties of a node: sensors and settings, each a part."""
+    has_thermostat = any(role.name in THERMOSTAT_ROLES for role in node.roles)
+    metered: set[str] = set()
+    for role in node.roles:
+        if role.name in _ELECTRICAL and role.name not in metered:
+            metered.add(role.name)
+        elif role.name == "local_temperature":
+            if not has_thermostat:
+                yield _sensor(node.node, Role("temperature", role.prop, role.is_guess))
+        elif role.name and role.name not in CONTROLS:
+            yield _sensor(node.node, role)
+        elif not role.name and not _is_relative(role.prop):
+            yield _setting(node.node, role.prop)
+
+
+def _is_relative(prop: HomieProperty) -> bool:
+    """Return whether all its commands are relative; homebot's commands are absolute."""
+    return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
+
+
+_RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "trigger"})
+
+
+def _sensor(node: HomieNode, role: Role) -> BytesPart:
+    category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
+    service_type = sensor_type(role.name)
+    part = node_part(
+        node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess
+    )
+    add_property(part, role.name, role.prop)
+    return part
+
+
+def _setting(node: HomieNode, prop: HomieProperty) -> BytesPart:
+    part = node_part(node, "x_setting", suffix=prop.id, name=prop.name, category="config")
+    add_property(part, _SETTINGS.get(prop.datatype, "text"), prop)
+    return part

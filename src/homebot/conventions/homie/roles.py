@@ -5,8 +5,9 @@ Source: hc-smarthome v2; the words and forms that Homie devices commonly use.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.node_types import (
@@ -43,6 +44,35 @@ def _is_speed(prop: HomieProperty) -> bool:
     return not _STANDING.isdisjoint(_options(prop)) and not _is_moving(prop)
 
 
+def _is_white(prop: HomieProperty) -> bool:
+    """Return whether its unit and its range are those of a colour temperature."""
+    return prop.unit in _WHITES and (prop.unit != "K" or prop.range.most is None or prop.range.most > _LEAST_KELVIN)
+
+
+def _is_fraction(prop: HomieProperty) -> bool:
+    """Return whether its range is that of a percentage or a byte, from 0 or 1."""
+    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
+
+
+def _is_level(prop: HomieProperty) -> bool:
+    return _is_fraction(prop) and prop.range.most is not None
+
+
+def _is_speed_range(prop: HomieProperty) -> bool:
+    """Return whether its numbers are percent or steps from 0."""
+    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
+
+
+def _is_room_temperature(prop: HomieProperty) -> bool:
+    """Return whether 20 °C is in its range, unlike in that of an offset or a hysteresis."""
+    unit = prop.unit.strip()
+    return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
+
+
+def _is_climate_mode(prop: HomieProperty) -> bool:
+    return prop.id in _MODES and bool(_options(prop) & _THERMAL)
+
+
 _SWITCHING = frozenset({"power", "on", "onoff", "state", "switch", "relay", "value"})
 _LOCKING = frozenset({"lock", "locked", "bolt", "latch", "state", "value"})
 _FLOWING = frozenset({"valve", "open", "opened", *_SWITCHING})
@@ -64,110 +94,74 @@ _CELSIUS = frozenset({"", "°C", "C"})
 _FAHRENHEIT = frozenset({"°F", "F"})
 _ENDS = frozenset({1.0, 100.0, 254.0, 255.0})
 _LEAST_KELVIN = 1000.0
+_NUMBER = frozenset({"integer", "float"})
+_BOOLEAN = frozenset({"boolean"})
+_ENUM = frozenset({"enum"})
+_COLOR = frozenset({"color"})
+_COVERS = ("shutter", "garage-door")
+_SWITCHED = tuple(kind for kind in ("", *KINDS) if kind not in {"lock", "valve"})
 
 
-def _settable_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    if is_setting(tokens_in(node.id, node.name)) or is_beside(tokens - _OF_VALVES if kind == "valve" else tokens):
+class _Guess(NamedTuple):
+    """A role of a property, guessed from its node's kind, its datatype, its words and its form.
+
+    Attributes:
+        kinds: Kinds of nodes; None for every kind.
+        words: One of them is required; None for any words.
+        is_main: Whether the property with the id of its node needs no words.
+    """
+
+    role: str
+    kinds: tuple[str, ...] | None
+    datatypes: frozenset[str]
+    words: frozenset[str] | None = None
+    fits: Callable[[HomieProperty], bool] = lambda _: True
+    is_main: bool = False
+
+
+_SETTABLE = (
+    _Guess("color", ("light", ""), _COLOR),
+    _Guess("lock", ("lock",), _BOOLEAN, _LOCKING, is_main=True),
+    _Guess("valve", ("valve",), _BOOLEAN, _FLOWING, is_main=True),
+    _Guess("on_off", _SWITCHED, _BOOLEAN, _SWITCHING, is_main=True),
+    _Guess("heating_setpoint", ("thermostat",), _NUMBER, _SETPOINTS, _is_room_temperature),
+    _Guess("tilt", (*_COVERS, "position"), _NUMBER, _TILTS),
+    _Guess("position", (*_COVERS, "position"), _NUMBER, _POSITIONS, _is_fraction, is_main=True),
+    _Guess("fan_speed", ("fan",), _NUMBER, _SPEEDS, _is_speed_range, is_main=True),
+    _Guess("color_temperature", ("light", "level", ""), _NUMBER, None, _is_white),
+    _Guess("level", ("light", "level"), _NUMBER, _LEVELS, _is_level),
+    _Guess("level", ("",), _NUMBER, _BRIGHT, _is_level),
+    _Guess("fan_mode", ("fan",), _ENUM, _SPEEDS, is_main=True),
+    _Guess("fan_mode", ("thermostat",), _ENUM, frozenset({"fan", "fanmode"})),
+    _Guess("thermostat_mode", ("thermostat",), _ENUM, None, _is_climate_mode),
+    _Guess("move", _COVERS, _ENUM, None, _is_moving),
+    _Guess("lock_action", ("lock",), _ENUM, None, lambda prop: {"lock", "unlock"} <= _options(prop)),
+)
+_REPORTED = (
+    _Guess("local_temperature", ("thermostat",), _NUMBER, frozenset({"temperature"})),
+    _Guess("movement", _COVERS, _ENUM, None, lambda prop: _is_opening(prop) and _is_moving(prop)),
+    _Guess("lock", ("lock",), _BOOLEAN, _LOCKING, is_main=True),
+    _Guess("press", None, _BOOLEAN, frozenset({"button", "doorbell"})),
+)
+_ALSO_BESIDE = frozenset({"movement", "press"})
+"""Reported roles of properties that do not serve the purpose of their node."""
+
+
+def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
+    """Return the guessed role of *prop* in a node of *kind*; empty for none."""
+    tokens = tokens_in(prop.id, prop.name)
+    beside = is_beside(tokens - _OF_VALVES if kind == "valve" and prop.is_settable else tokens)
+    if prop.is_settable and (beside or is_setting(tokens_in(node.id, node.name))):
         return ""
-    if prop.datatype == "color":
-        return "color" if kind in {"light", ""} else ""
-    is_main = prop.id == node.id
-    if prop.is_number:
-        return _settable_number_role(node, prop, kind, tokens)
-    if prop.datatype == "boolean":
-        return _settable_flag_role(kind, tokens, is_main=is_main)
-    return _settable_enum_role(prop, kind, tokens, is_main=is_main) if prop.datatype == "enum" else ""
-
-
-def _settable_flag_role(kind: str, tokens: frozenset[str], *, is_main: bool) -> str:
-    if kind == "lock":
-        return "lock" if tokens & _LOCKING or is_main else ""
-    if kind == "valve":
-        return "valve" if tokens & _FLOWING or is_main else ""
-    return "on_off" if tokens & _SWITCHING or is_main else ""
-
-
-def _settable_number_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    is_main = prop.id == node.id
-    match kind:
-        case "thermostat":
-            return _setpoint_role(prop, tokens)
-        case "shutter" | "garage-door":
-            return _opening_role(prop, tokens, is_main=is_main)
-        case "fan":
-            return "fan_speed" if (tokens & _SPEEDS or is_main) and _is_speed_range(prop) else ""
-        case "" if "position" in tokens:
-            return _opening_role(prop, tokens, is_main=is_main)
-        case "light" | "":
-            return _lamp_role(node, prop, kind, tokens)
-        case _:
-            return ""
-
-
-def _setpoint_role(prop: HomieProperty, tokens: frozenset[str]) -> str:
-    if not tokens & _SETPOINTS or not _is_room_temperature(prop):
-        return ""
-    return "cooling_setpoint" if any(token.startswith("cool") for token in tokens) else "heating_setpoint"
-
-
-def _opening_role(prop: HomieProperty, tokens: frozenset[str], *, is_main: bool) -> str:
-    if tokens & _TILTS:
-        return "tilt"
-    return "position" if (tokens & _POSITIONS or is_main) and _is_fraction(prop) else ""
-
-
-def _lamp_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    if prop.unit in _WHITES:
-        is_white = prop.unit != "K" or prop.range.most is None or prop.range.most > _LEAST_KELVIN
-        return "color_temperature" if is_white else ""
-    names = _LEVELS if kind == "light" or tokens_in(node.id, node.type) & _LEVELS else _BRIGHT
-    return "level" if tokens & names and _is_fraction(prop) and prop.range.most is not None else ""
-
-
-def _is_fraction(prop: HomieProperty) -> bool:
-    """Return whether its range is that of a percentage or a byte, from 0 or 1."""
-    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
-
-
-def _is_speed_range(prop: HomieProperty) -> bool:
-    """Return whether its numbers are percent or steps from 0."""
-    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
-
-
-def _is_room_temperature(prop: HomieProperty) -> bool:
-    """Return whether 20 °C is in its range, unlike in that of an offset or a hysteresis."""
-    unit = prop.unit.strip()
-    return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
-
-
-def _settable_enum_role(prop: HomieProperty, kind: str, tokens: frozenset[str], *, is_main: bool) -> str:
-    options = _options(prop)
-    match kind:
-        case "fan":
-            return "fan_mode" if tokens & _SPEEDS or is_main else ""
-        case "thermostat" if tokens & {"fan", "fanmode"}:
-            return "fan_mode"
-        case "thermostat":
-            return "thermostat_mode" if prop.id in _MODES and options & _THERMAL else ""
-        case "shutter" | "garage-door":
-            return "move" if _is_moving(prop) else ""
-        case "lock":
-            return "lock_action" if {"lock", "unlock"} <= options else ""
-        case _:
-            return ""
-
-
-def _reported_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
-    is_flag, is_main_value = prop.datatype == "boolean", not is_beside(tokens)
-    match kind:
-        case "thermostat" if prop.is_number and is_main_value and "temperature" in tokens:
-            return "local_temperature"
-        case "shutter" | "garage-door" if _is_opening(prop) and _is_moving(prop):
-            return "movement"
-        case "lock" if is_flag and is_main_value:
-            return "lock" if tokens & _LOCKING or prop.id == node.id else ""
-        case _:
-            return "press" if is_flag and tokens & {"button", "doorbell"} else ""
+    if prop.is_number and not kind:
+        kind = "position" if "position" in tokens else "level" if tokens_in(node.id, node.type) & _LEVELS else ""
+    for guess in _SETTABLE if prop.is_settable else _REPORTED:
+        is_candidate = (guess.kinds is None or kind in guess.kinds) and prop.datatype in guess.datatypes
+        is_named = guess.words is None or bool(tokens & guess.words) or (guess.is_main and prop.id == node.id)
+        if is_candidate and is_named and guess.fits(prop) and not (beside and guess.role not in _ALSO_BESIDE):
+            is_cooling = guess.role == "heating_setpoint" and any(token.startswith("cool") for token in tokens)
+            return "cooling_setpoint" if is_cooling else guess.role
+    return ""
 
 
 CONTROLS = frozenset(
@@ -267,13 +261,12 @@ _EVIDENCE: Mapping[str, frozenset[str]] = {
 }
 """By kind, except fans: the roles that prove it."""
 
-_NUMBER = frozenset({"integer", "float"})
 _DATATYPES: Mapping[str, frozenset[str]] = {
-    **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), frozenset({"boolean"})),
+    **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), _BOOLEAN),
     **dict.fromkeys(("level", "color_temperature", "position", "tilt", "fan_speed", "battery"), _NUMBER),
     **dict.fromkeys(("heating_setpoint", "cooling_setpoint", "local_temperature"), _NUMBER),
-    **dict.fromkeys(("move", "lock_action", "thermostat_mode", "fan_mode", "movement"), frozenset({"enum"})),
-    "color": frozenset({"color"}),
+    **dict.fromkeys(("move", "lock_action", "thermostat_mode", "fan_mode", "movement"), _ENUM),
+    "color": _COLOR,
     "press": frozenset({"enum", "string"}),
 }
 """Datatypes of each declared role."""
@@ -299,8 +292,7 @@ def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 
 def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    find_role = _settable_role if prop.is_settable else _reported_role
-    name = find_role(node, prop, kind, tokens_in(prop.id, prop.name))
+    name = _guess(node, prop, kind)
     return Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind)
 
 

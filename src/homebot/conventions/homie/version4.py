@@ -12,22 +12,17 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.homie.convention import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 from homebot.conventions.homie.model import (
-    COLOR_FORMS,
-    DATATYPES,
     MAX_PROPERTIES,
     STATES,
     HomieDevice,
     HomieNode,
     HomieProperty,
-    Range,
-    parse_options,
-    parse_range,
+    make_property,
 )
-from homebot.conventions.homie.parts import describe
+from homebot.conventions.homie.registry import RegisteredDevice, Registry
 from homebot.conventions.payload import clean_text, shown, to_text
 from homebot.errors import WireError
 
@@ -94,26 +89,19 @@ class _AttributeCollector:
         )
 
     def _property(self, node_id: str, element: str, prop_id: str) -> HomieProperty:
-        def field(attribute: str) -> str:
-            return self._attributes.get(f"{node_id}/{prop_id}/{attribute}", "")
-
         self._count += 1
-        datatype, spelled = field("$datatype"), field("$format")
-        if datatype not in DATATYPES or self._count > MAX_PROPERTIES:
-            raise WireError(f"datatype is {shown(datatype)}, or there are more than {MAX_PROPERTIES}")
-        options = parse_options(spelled) if datatype in {"enum", "color"} else ()
-        if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-            raise WireError(f"format {shown(spelled)} names no colour format")
-        return HomieProperty(
-            id=prop_id,
-            name=clean_text(field("$name")),
-            datatype=datatype,
+        if self._count > MAX_PROPERTIES:
+            raise WireError(f"a device has more than {MAX_PROPERTIES} properties")
+
+        def field(name: str) -> str:
+            return self._attributes.get(f"{node_id}/{prop_id}/${name}", "")
+
+        return make_property(
+            lambda name: "" if name == "format" and field("datatype") == "boolean" else field(name),
+            prop_id=prop_id,
             topic=f"{self._topic}/{element}/{prop_id}",
-            unit=clean_text(field("$unit"), 20),
-            range=parse_range(spelled) if datatype in {"integer", "float"} else Range(),
-            options=options,
-            is_settable=field("$settable") == "true",
-            is_retained=field("$retained") != "false",
+            is_settable=field("settable") == "true",
+            is_retained=field("retained") != "false",
             names_form=False,
         )
 
@@ -135,33 +123,22 @@ _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version
 
 
 @dataclass(slots=True)
-class _Homie4Device:
+class _Homie4Device(RegisteredDevice):
     attributes: dict[str, str] = field(default_factory=dict)
     size: int = 0
     datatypes: int = 0
     is_changed: bool = True
-    is_described: bool = False
 
 
-class Version4:
+class Version4(Registry[_Homie4Device]):
     """Registry of the devices of versions 3 and 4.
 
     Of more than 2,000 devices the oldest incomplete one is dropped; of more than 16 million characters the newest.
-
-    Attributes:
-        ignored: Number of invalid properties.
     """
 
     def __init__(self) -> None:
-        self.ignored = 0
-        self._devices: BoundedDict[_Homie4Device] = BoundedDict(_MAX_DEVICES, self._release)
+        super().__init__(_MAX_DEVICES)
         self._size = 0
-        self._refused = 0
-
-    @property
-    def dropped(self) -> int:
-        """Number of dropped devices and attributes."""
-        return self._devices.dropped + self._refused
 
     def read_attribute(
         self, domain: str, device_id: str, attribute: str, payload: bytes
@@ -177,13 +154,13 @@ class Version4:
         if not _ID.fullmatch(device_id) or text is None:
             raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
         name = f"{domain}/{device_id}"
-        device = self._devices.get(name)
+        device = self.devices.get(name)
         if not text and attribute in {"$state", "$homie"}:
             return self._removed(name, device)
         _check(attribute, text)
         if device is None:
             device = _Homie4Device()
-            if not self._devices.add(name, device):
+            if not self.devices.add(name, device):
                 return ()
         if not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
@@ -195,7 +172,7 @@ class Version4:
             return attribute == "$state"
         grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
         if self._size + grown > _MAX_CHARACTERS or (known is None and len(device.attributes) >= _MAX_ATTRIBUTES):
-            self._refused += 1
+            self.refused += 1
             return False
         if known is None and attribute.endswith("/$datatype"):
             device.datatypes += 1
@@ -227,20 +204,14 @@ class Version4:
                 if (text := clean_text(device.attributes.get(attribute, "")))
             },
         )
-        described = describe(whole, domain, is_alive=bool(STATES[state]))
-        if described is None:
-            was_described, device.is_described = device.is_described, False
-            return (DeviceWithdrawn(whole.topic, "it no longer has any nodes"),) if was_described else ()
-        self._devices.pin(whole.topic)
-        device.is_described = True
-        return (described,)
+        return self.announce(device, whole, domain, state)
 
     def _removed(self, name: str, device: _Homie4Device | None) -> tuple[AnnouncementEvent, ...]:
         if device is None:
             return ()
-        self._devices.remove(name)
+        self.devices.remove(name)
         self._release(device)
-        return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
+        return self.withdraw(device, name, "its state was removed", is_final=True)
 
     def _release(self, device: _Homie4Device) -> None:
         self._size -= device.size

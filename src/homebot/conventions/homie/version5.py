@@ -13,21 +13,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.homie.model import (
-    COLOR_FORMS,
-    DATATYPES,
     MAX_PROPERTIES,
     STATES,
     HomieDevice,
     HomieNode,
     HomieProperty,
-    Range,
-    parse_options,
-    parse_range,
+    make_property,
 )
-from homebot.conventions.homie.parts import describe
+from homebot.conventions.homie.registry import RegisteredDevice, Registry
 from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.errors import WireError
 
@@ -39,7 +34,6 @@ T = TypeVar("T")
 _ID = re.compile(r"[a-z0-9-]{1,100}")
 _VERSION = re.compile(r"5\.[0-9]{1,5}")
 _LONGEST_TYPE = 200
-_LONGEST_UNIT = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,34 +130,13 @@ class _DocumentReader:
         name = _legal_id(prop_id)
         if not isinstance(fields, dict):
             raise WireError(f"property {shown(name)} is {shown(fields)}, not an object")
-        datatype = _optional(fields, "datatype", str)
-        if datatype not in DATATYPES:
-            raise WireError(f"datatype is {shown(datatype)}")
-        spelled = _optional(fields, "format", str) or ""
-        return HomieProperty(
-            id=name,
-            name=clean_text(_optional(fields, "name", str) or ""),
-            datatype=datatype,
+        return make_property(
+            lambda key: _optional(fields, key, str) or "",
+            prop_id=name,
             topic=f"{self._topic}/{node_id}/{name}",
-            unit=clean_text(_optional(fields, "unit", str) or "", _LONGEST_UNIT),
-            range=parse_range(spelled) if datatype in {"integer", "float"} else Range(),
-            options=_options(datatype, spelled),
             is_settable=_optional(fields, "settable", bool) or False,
             is_retained=_optional(fields, "retained", bool) is not False,
         )
-
-
-def _options(datatype: str, spelled: str) -> tuple[str, ...]:
-    if datatype not in {"enum", "color", "boolean"} or (datatype == "boolean" and not spelled):
-        return ()
-    options = parse_options(spelled)
-    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-        raise WireError(f"format {shown(spelled)} names no colour formats")
-    if datatype == "boolean":
-        if len(options) != len(("false", "true")):
-            raise WireError(f"format {shown(spelled)} does not name false and true")
-        return ()
-    return options
 
 
 def _optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | None:
@@ -191,39 +164,28 @@ _MAX_WAITING = 16_000_000
 
 
 @dataclass(slots=True)
-class _Homie5Device:
+class _Homie5Device(RegisteredDevice):
     """State and document of one device; *waiting* is a document that the state makes ineffective."""
 
     state: str = ""
     document_hash: int | None = None
     waiting: bytes = b""
-    is_described: bool = False
 
     @property
     def is_ready(self) -> bool:
         return self.state not in {"", "init"}
 
 
-class Version5:
+class Version5(Registry[_Homie5Device]):
     """Registry of the devices of version 5.
 
     Of more than 5,000 devices the oldest undescribed one is dropped; of more than 16 MB of waiting documents the
     newest.
-
-    Attributes:
-        ignored: Number of invalid nodes and properties.
     """
 
     def __init__(self) -> None:
-        self.ignored = 0
-        self._devices: BoundedDict[_Homie5Device] = BoundedDict(_MAX_DEVICES, self._release)
+        super().__init__(_MAX_DEVICES)
         self._waiting = 0
-        self._refused = 0
-
-    @property
-    def dropped(self) -> int:
-        """Number of dropped devices and documents."""
-        return self._devices.dropped + self._refused
 
     def read_attribute(
         self, domain: str, device_id: str, attribute: str, payload: bytes
@@ -238,14 +200,17 @@ class Version5:
         name = f"{domain}/5/{device_id}"
         if not payload:
             return self._removed(name, attribute)
-        device = self._devices.get(name)
+        device = self.devices.get(name)
         if device is None:
             device = _Homie5Device()
-            if not self._devices.add(name, device):
+            if not self.devices.add(name, device):
                 return ()
         read = self._on_state if attribute == "$state" else self._on_document
         document = read(device, domain, device_id, payload)
-        return () if document is None else self._describe(device, name, domain, document)
+        if document is None:
+            return ()
+        self.ignored += document.ignored
+        return self.announce(device, document.device, domain, device.state)
 
     def _on_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document that waited for this state."""
@@ -275,7 +240,7 @@ class Version5:
     def _store(self, device: _Homie5Device, payload: bytes) -> None:
         if self._waiting + len(payload) > _MAX_WAITING:
             device.document_hash = None
-            self._refused += 1
+            self.refused += 1
             return
         device.waiting = payload
         self._waiting += len(payload)
@@ -284,27 +249,13 @@ class Version5:
         self._waiting -= len(device.waiting)
         device.waiting = b""
 
-    def _describe(
-        self, device: _Homie5Device, name: str, domain: str, document: Document
-    ) -> tuple[AnnouncementEvent, ...]:
-        self.ignored += document.ignored
-        described = describe(document.device, domain, is_alive=bool(STATES[device.state]))
-        if described is None:
-            was_described, device.is_described = device.is_described, False
-            return (DeviceWithdrawn(name, "it no longer has any nodes"),) if was_described else ()
-        self._devices.pin(name)
-        device.is_described = True
-        return (described,)
-
     def _removed(self, name: str, attribute: str) -> tuple[AnnouncementEvent, ...]:
-        device = self._devices.get(name)
+        device = self.devices.get(name)
         if device is None:
             return ()
-        if attribute == "$state":
-            self._release(device)
-            self._devices.remove(name)
-            return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
         self._release(device)
+        if attribute == "$state":
+            self.devices.remove(name)
+            return self.withdraw(device, name, "its state was removed", is_final=True)
         device.document_hash = None
-        was_described, device.is_described = device.is_described, False
-        return (DeviceWithdrawn(name, "its description was removed"),) if was_described else ()
+        return self.withdraw(device, name, "its description was removed")

@@ -1,0 +1,89 @@
+"""Registry of the devices of one version of Homie, and their descriptions. Pure, and bounded."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from homebot.conventions.bounded_dict import BoundedDict
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.homie.model import STATES, HomieDevice, availability_of
+from homebot.conventions.homie.parts import build_parts
+from homebot.devices.identity import identifiers
+
+__all__ = ["RegisteredDevice", "Registry"]
+
+
+@dataclass(slots=True)
+class RegisteredDevice:
+    """A device of a registry."""
+
+    is_described: bool = False
+
+
+DeviceT = TypeVar("DeviceT", bound=RegisteredDevice)
+
+
+class Registry(Generic[DeviceT]):
+    """Devices by topic; described ones are never dropped.
+
+    Attributes:
+        ignored: Number of invalid nodes and properties.
+        refused: Number of refused attributes and documents.
+    """
+
+    def __init__(self, most: int) -> None:
+        self.ignored = 0
+        self.refused = 0
+        self.devices: BoundedDict[DeviceT] = BoundedDict(most, self._release)
+
+    @property
+    def dropped(self) -> int:
+        """Number of dropped devices, attributes and documents."""
+        return self.devices.dropped + self.refused
+
+    def announce(self, device: DeviceT, whole: HomieDevice, domain: str, state: str) -> tuple[AnnouncementEvent, ...]:
+        """Return the description of *device*, or its withdrawal if it has no parts."""
+        described = _describe(whole, domain, is_alive=bool(STATES[state]))
+        if described is None:
+            return self.withdraw(device, whole.topic, "it no longer has any nodes")
+        self.devices.pin(whole.topic)
+        device.is_described = True
+        return (described,)
+
+    def withdraw(
+        self, device: DeviceT, name: str, why: str, *, is_final: bool = False
+    ) -> tuple[AnnouncementEvent, ...]:
+        """Return the withdrawal of *device* if it was described."""
+        was_described, device.is_described = device.is_described, False
+        return (DeviceWithdrawn(name, why, is_final=is_final),) if was_described else ()
+
+    @abstractmethod
+    def _release(self, device: DeviceT) -> None:
+        """Release the memory of *device*."""
+
+
+def _describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
+    """Return the description of *device*; None if it has no parts itself, as a bridge.
+
+    Its identifier is its id in its domain, with a hardware address if the id ends with one. The ``$mac`` of version 4
+    belongs to the publishing computer, perhaps of many devices.
+    """
+    parts = build_parts(device)
+    if not parts:
+        return None
+    return DeviceAnnounced(
+        key=device.topic,
+        convention="homie",
+        native=True,
+        whole_device=True,
+        identifiers=identifiers((f"{domain}/{device.id}",)),
+        name=device.name,
+        parts=parts,
+        topic=f"{device.topic}/$state",
+        facts={**device.facts, **({"type": device.type} if device.type else {})},
+        availability=availability_of(device.topic, device.root),
+        owns=(device.topic,),
+        implies_alive=is_alive,
+    )
