@@ -12,12 +12,13 @@ from functools import partial
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage
+from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,
     kelvin_mired,
+    mired_bounds,
     to_hue_saturation,
     white_kelvin,
 )
@@ -25,7 +26,7 @@ from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compa
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["build_json_light"]
+__all__ = ["build_json_light", "read_white_range"]
 
 
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
@@ -93,7 +94,7 @@ class _State:
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
         if isinstance(mode, str) and mode in lamp.modes:
             self._add_color(mode, message, found)
-        if lamp.effects or lamp.any_effect:
+        if lamp.has_effect:
             effect = message.get("effect")
             if isinstance(effect, str):
                 found["effect"] = clean_text(effect)
@@ -150,3 +151,25 @@ def _hue_saturation(mode: str, color: object, white: KelvinRange) -> tuple[float
             return None
         channels.append(number if letter in _BOUNDS else float(int(number)))
     return to_hue_saturation(mode, tuple(channels), white)
+
+
+def read_white_range(config: DiscoveryConfig) -> WhiteRange:
+    """Return the range of whites, in kelvin or mired in the config."""
+    if _WHITE_FIELDS.isdisjoint(config.values):
+        return _USUAL_WHITE
+    most = config.integer("max_mireds", 0, least=0, most=_MOST_WHITE)
+    least = config.integer("min_mireds", 0, least=0, most=_MOST_WHITE)
+    low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MOST_WHITE)
+    high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MOST_WHITE)
+    return WhiteRange(
+        kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
+        bounds=(
+            mired_bounds(most, most)[0] if most else float(low),
+            mired_bounds(least, least)[1] if least else float(high),
+        ),
+    )
+
+
+_WHITE_FIELDS = frozenset({"max_mireds", "min_mireds", "min_kelvin", "max_kelvin"})
+_USUAL_WHITE = WhiteRange((2_000, 6_535), (2_000.0, 6_535.0))
+_MOST_WHITE = 1_000_000

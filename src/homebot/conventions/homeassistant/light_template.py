@@ -13,8 +13,9 @@ from functools import partial
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
+from homebot.conventions.homeassistant.light_json import read_white_range
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
+from homebot.conventions.lamp import LightCommand, LightFeatures
 from homebot.conventions.light_color import kelvin_mired, to_hue_saturation, white_kelvin
 from homebot.conventions.payload import NO_READINGS, Readings, whole_of
 from homebot.errors import WireError

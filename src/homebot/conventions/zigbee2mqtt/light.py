@@ -9,18 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.light_color import (
-    CHANNELS,
-    KelvinRange,
-    from_hue_saturation,
-    kelvin_mired,
-    mired_bounds,
-    to_hue_saturation,
-)
+from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.light_color import CHANNELS, KelvinRange, kelvin_mired, mired_bounds, to_hue_saturation
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
-from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
+from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, flag_of, text_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
@@ -35,33 +28,47 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
     features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
     lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
     state = features.get("state")
-    is_readable = state is not None and state.is_published
+    readable = {"color_temperature", "color"} | ({"on_off", "level"} if state and state.is_published else set())
     part.read_from(part.topics.state, lamp.read)
     part.add_command_topics(part.topics.command)
-    part.add_capability("on_off", readable=is_readable, writer=lamp.switch)
-    if "brightness" in features:
-        part.add_capability("level", readable=is_readable, writer=lamp.set_level)
-    if "color_temp" in features:
-        part.add_capability("color_temperature", writer=lamp.set_white, bounds=_kelvins(features["color_temp"]))
-    if lamp.mode:
-        part.add_capability("color", writer=lamp.set_color)
-    if effect is not None:
-        part.add_capability(
-            "effect", readable=effect.is_published, writer=lamp.set_effect, options=tuple(effect.options)
-        )
+    modes = {name for name in ("brightness", "color_temp") if name in features} | ({lamp.mode} if lamp.mode else set())
+    white = features.get("color_temp")
+    LightFeatures(
+        modes=frozenset(modes or {"onoff"}),
+        white=WhiteRange(_NO_WHITE, _kelvins(white) if white else ()),
+        effects=tuple(effect.options) if effect else (),
+        is_dimmable="brightness" in features,
+    ).add_to(part, readable | ({"effect"} if effect and effect.is_published else set()), lamp.publish)
     part.request(*features.values())
     return part.build()
 
 
 @dataclass(frozen=True, slots=True)
 class _Zigbee2MqttLamp:
-    """Reader and writers of one lamp; its colour mode is ``xy``, ``hs`` or empty."""
+    """Reader and writer of one lamp; its colour mode is ``xy``, ``hs`` or empty."""
 
     topics: Zigbee2MqttTopics
     features: Mapping[str, Expose]
     suffix: str
     mode: str
     effect: Expose | None
+
+    def publish(self, command: LightCommand) -> Publications:
+        """Encode a command; the brightness is rounded twice, by way of 0 to 255, as Home Assistant does."""
+        message: dict[str, object] = {}
+        state = self.features.get("state")
+        if state is not None:
+            message[state.key] = state.value_on if command.on else state.value_off
+        if command.brightness is not None:
+            brightness = self.features["brightness"]
+            message[brightness.key] = max(1, round(command.brightness * _full(brightness) / 255))
+        if command.kelvin is not None:
+            message[self.features["color_temp"].key] = kelvin_mired(command.kelvin)
+        if command.color:
+            message[self._color_property] = dict(zip(CHANNELS[command.mode], command.color, strict=True))
+        if command.effect and self.effect is not None:
+            message[self.effect.key] = self.effect.options[command.effect]
+        return self.topics.publish(message, command.transition or 0.0)
 
     def read(self, message: JsonMessage) -> Readings:
         """Read the brightness; 0 is that of a lamp that is off, and is no report."""
@@ -84,43 +91,9 @@ class _Zigbee2MqttLamp:
         on = flag_of(state, value)
         return {"on_off": on} if on is not None or value is None else NO_READINGS
 
-    def switch(self, value: PlainValue, transition: float) -> Publications:
-        return self._publish({}, transition, on=require_bool("on_off", value))
-
-    def set_level(self, value: PlainValue, transition: float) -> Publications:
-        """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
-        percent = require_number("level", value, 0, 100, "%")
-        if not percent:
-            return self._publish({}, transition, on=False)
-        brightness = self.features["brightness"]
-        steps = max(1, round(round(255 * percent / 100) * _full(brightness) / 255))
-        return self._publish({brightness.key: steps}, transition)
-
-    def set_white(self, value: PlainValue, transition: float) -> Publications:
-        low, high = _kelvins(self.features["color_temp"]) or _KELVIN
-        kelvin = require_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
-        return self._publish({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
-
-    def set_color(self, value: PlainValue, transition: float) -> Publications:
-        hue, saturation = require_color(value)
-        channels = from_hue_saturation(self.mode, hue, saturation, _NO_WHITE)
-        color = dict(zip(CHANNELS[self.mode], channels, strict=True))
-        return self._publish({self._color_property: color}, transition)
-
-    def set_effect(self, value: PlainValue, transition: float) -> Publications:
-        if self.effect is None:
-            return ()
-        option: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
-        return self._publish({self.effect.key: option}, transition)
-
     @property
     def _color_property(self) -> str:
         return self.features[f"color_{self.mode}"].key
-
-    def _publish(self, message: Mapping[str, object], transition: float, *, on: bool = True) -> Publications:
-        state = self.features.get("state")
-        state_fields = {} if state is None else {state.key: state.value_on if on else state.value_off}
-        return self.topics.publish({**state_fields, **message}, transition)
 
     def _only_mode(self, message: JsonMessage) -> str:
         """Return the only mode with a value in the message; empty for none or several."""
@@ -159,7 +132,6 @@ _NO_WHITE: KelvinRange = (2_000, 6_535)
 """Only colours with channels of white need it."""
 
 _MOST_MIRED = 1_000_000
-_KELVIN = (1_000.0, 40_000.0)
 _FULL = 254.0
 
 
