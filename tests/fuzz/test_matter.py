@@ -7,7 +7,8 @@ import math
 import random
 from typing import TYPE_CHECKING
 
-from homebot.conventions.matter.other_clusters import press_of
+from homebot.conventions.matter.cluster_row import MatterCommand
+from homebot.conventions.matter.switch_cluster import press_of
 from homebot.conventions.payload import parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
@@ -69,7 +70,7 @@ def check_device(rng: random.Random, device: NodeDevice) -> None:
             if ability.write is not None:
                 wanted: PlainValue = rng.choice((*WANTED, *capability.options))
                 try:
-                    orders = ability.write(endpoint, wanted, rng.choice((0.0, 1.5, 1e5)), "")
+                    orders = ability.write(endpoint, MatterCommand(wanted, rng.choice((0.0, 1.5, 1e5))))
                 except RefusedError:
                     continue
                 for order in orders:

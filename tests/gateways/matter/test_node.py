@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import pytest
 
-from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint
+from homebot.conventions.matter.cluster_row import MatterAbility, MatterCommand
+from homebot.conventions.matter.endpoint import MatterEndpoint
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.value_check import can_report
@@ -69,7 +70,7 @@ def ability(device: NodeDevice, name: str) -> tuple[MatterEndpoint, MatterAbilit
 def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code: str = "") -> list[dict[str, object]]:
     endpoint, found = ability(only_device(attributes), name)
     assert found.write is not None
-    return [dict(one.server_call(5, 1)[1]) for one in found.write(endpoint, value, 0.0, code)]
+    return [dict(one.server_call(5, 1)[1]) for one in found.write(endpoint, MatterCommand(value, code=code))]
 
 
 @pytest.mark.parametrize(
@@ -210,7 +211,7 @@ def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_show
     assert args["timed_request_timeout_ms"] == 1000
     endpoint, found = ability(only_device(coded), "lock")
     assert found.write is not None
-    (order,) = found.write(endpoint, "unlocked", 0.0, "1234")
+    (order,) = found.write(endpoint, MatterCommand("unlocked", code="1234"))
     assert order.is_secret
     assert "MTIzNA" not in repr(order)
 

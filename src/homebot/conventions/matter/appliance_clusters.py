@@ -1,4 +1,4 @@
-"""The clusters of appliances: the modes that they run in, whether they run, vacuum cleaners, and car chargers. Pure.
+"""The clusters of appliances: modes, temperatures, operational states, vacuum cleaners and car chargers. Pure.
 
 Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 7.2 to 7.4
 (RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy EVSE).
@@ -6,41 +6,35 @@ Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
-from typing import Final, NamedTuple
+from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, number, one_of
+from homebot.conventions.matter.endpoint import (
+    ClusterInvocation,
+    MatterEndpoint,
+    MatterOrders,
+    field_of,
+    whole_number,
+)
 from homebot.conventions.payload import clean_text
-from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["appliance_abilities", "is_oven_cabinet"]
+__all__ = ["APPLIANCE_ROWS", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
-OVEN_CAVITY, OVEN_MODE = 72, 73
-_HEATER_MODE: Final = 158
-
-
-class _ModeAttributes(NamedTuple):
-    supported: int
-    current: int
-
-
-_SELECTED, _BASED = _ModeAttributes(2, 3), _ModeAttributes(0, 1)
-_MODES: Final[Mapping[int, _ModeAttributes]] = {
-    MODE_SELECT: _SELECTED,
-    **dict.fromkeys((OVEN_MODE, 81, 82, 85, 89, 94, 157, _HEATER_MODE, 159), _BASED),
-}
-"""Oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy: an
-endpoint with several is operated by the first."""
+OVEN_CAVITY, OVEN_MODE, HEATER_MODE = 72, 73, 158
+_MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, 159)
+"""Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
+an endpoint with several is operated by the first."""
 
 _CHANGE_TO_MODE: Final = 0
 _MOST_MODES: Final = 100
-
 _SETPOINT, _LIMITS, _LEVEL, _LEVELS = 0, (1, 2), 4, 5
 _BY_NUMBER: Final = 1 << 0
+_ANY_CELSIUS: Final = (-273.15, 327.67)
 
 _STATE: Final = 4
 _STOPPED, _RUNNING, _PAUSED, _ERROR = 0, 1, 2, 3
@@ -51,89 +45,27 @@ _VACUUM_COMMANDS: Final = {"paused": (0, "Pause"), "returning": (128, "GoHome")}
 _RESUME: Final = 3
 
 
-def appliance_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield modes, and the operational state."""
-    for cluster, attributes in _MODES.items():
-        labels = _labels(endpoint, cluster)
-        if labels and endpoint.has(cluster, attributes.current):
-            settable = endpoint.accepts(cluster, _CHANGE_TO_MODE)
-            name = "water_heater_mode" if cluster == _HEATER_MODE else "option"
-            capability = Capability(name=name, settable=settable, options=tuple(labels.values()))
-            write = partial(_write_mode, cluster, name) if settable else None
-            yield MatterAbility(cluster, capability, partial(_read_mode, cluster), write)
-    yield from _temperature_control(endpoint)
-    for cluster in (OPERATION, OVEN_CAVITY):
-        if endpoint.has(cluster, _STATE):
-            yield MatterAbility(cluster, Capability(name="running"), partial(_read_state, cluster, _RUNNING))
-            yield MatterAbility(cluster, Capability(name="problem"), partial(_read_state, cluster, _ERROR))
-    if endpoint.has(CLEANING, _STATE) and endpoint.has(RUN_MODE, _BASED.current):
-        capability = Capability(name="vacuum", settable=True, options=_VACUUM_OPTIONS)
-        yield MatterAbility(CLEANING, capability, _read_vacuum, _write_vacuum, also_read=RUN_MODE)
-    if endpoint.has(EVSE, 0):
-        yield MatterAbility(EVSE, Capability(name="plugged_in"), _read_plugged_in)
-
-
 def is_oven_cabinet(endpoint: MatterEndpoint) -> bool:
     """Return whether it is the inside of an oven; that of a refrigerator has the same device type."""
     return endpoint.has(OVEN_CAVITY) or endpoint.has(OVEN_MODE)
 
 
-def _temperature_control(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield the temperature of an oven, a refrigerator or a washer, or its level: a number or a name."""
-    if endpoint.features(TEMPERATURE) & _BY_NUMBER:
-        bounds = tuple(one / 100 for one in map(partial(endpoint.number, TEMPERATURE), _LIMITS) if one is not None)
-        bounds = bounds if len(bounds) == 2 and bounds[0] < bounds[1] else ()
-        capability = Capability(name="number", settable=True, unit="°C", bounds=bounds)
-        yield MatterAbility(TEMPERATURE, capability, _read_temperature, partial(_write_temperature, bounds))
-    elif levels := _levels(endpoint):
-        capability = Capability(name="option", settable=True, options=levels)
-        yield MatterAbility(TEMPERATURE, capability, _read_temperature_level, _write_temperature_level)
-
-
-def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    listed = endpoint.value(TEMPERATURE, _LEVELS)
-    return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
-
-
-def _read_temperature(endpoint: MatterEndpoint) -> PlainValue:
-    hundredths = endpoint.number(TEMPERATURE, _SETPOINT)
-    return None if hundredths is None else hundredths / 100
-
-
-def _write_temperature(
-    bounds: tuple[float, ...], _at: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    least, most = bounds or (-273.15, 327.67)
-    celsius = require_number("number", value, least, most, "°C")
-    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperature": round(celsius * 100)}),)
-
-
-def _read_temperature_level(endpoint: MatterEndpoint) -> PlainValue:
-    levels, level = _levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL)
-    return levels[level] if level is not None and 0 <= level < len(levels) else None
-
-
-def _write_temperature_level(
-    endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    levels = _levels(endpoint)
-    level = levels.index(require_option("option", value, levels))
-    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
+def _current_attribute(cluster: int) -> int:
+    return 3 if cluster == MODE_SELECT else 1
 
 
 def _modes(endpoint: MatterEndpoint, cluster: int) -> Iterator[tuple[int, str, tuple[int, ...]]]:
     """Yield number, label and standard tags of each supported mode."""
-    for one in endpoint.structs(cluster, _MODES.get(cluster, _BASED).supported):
-        label, mode = one.get("0", one.get("label")), one.get("1", one.get("mode"))
-        tags = one.get("2", one.get("modeTags"))
-        if not isinstance(label, str) or type(mode) is not int:
-            continue
-        listed = tags if isinstance(tags, list) else []
-        values = [tag.get("1", tag.get("value")) for tag in listed if isinstance(tag, dict)]
-        yield mode, clean_text(label), tuple(value for value in values if type(value) is int)
+    for struct in endpoint.structs(cluster, 2 if cluster == MODE_SELECT else 0):
+        label, mode = field_of(struct, 0, "label"), whole_number(field_of(struct, 1, "mode"))
+        if isinstance(label, str) and mode is not None:
+            listed = field_of(struct, 2, "modeTags")
+            tags = [tag for tag in (listed if isinstance(listed, list) else []) if isinstance(tag, dict)]
+            values = [whole_number(field_of(tag, 1, "value")) for tag in tags]
+            yield mode, clean_text(label), tuple(value for value in values if value is not None)
 
 
-def _labels(endpoint: MatterEndpoint, cluster: int) -> dict[int, str]:
+def _labels(cluster: int, endpoint: MatterEndpoint) -> dict[int, str]:
     found: dict[int, str] = {}
     for mode, label, _ in _modes(endpoint, cluster):
         if label and len(found) < _MOST_MODES:
@@ -141,52 +73,122 @@ def _labels(endpoint: MatterEndpoint, cluster: int) -> dict[int, str]:
     return found
 
 
-def _read_mode(cluster: int, endpoint: MatterEndpoint) -> PlainValue:
-    mode = endpoint.whole(cluster, _MODES[cluster].current)
-    return None if mode is None else _labels(endpoint, cluster).get(mode)
+def _mode_options(cluster: int, endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return tuple(_labels(cluster, endpoint).values())
 
 
-def _write_mode(
-    cluster: int, name: str, endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    numbers = {label: mode for mode, label in _labels(endpoint, cluster).items()}
-    mode = numbers[require_option(name, value, numbers)]
+def _read_mode(cluster: int, endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    mode = endpoint.whole(cluster, _current_attribute(cluster))
+    return None if mode is None else _labels(cluster, endpoint).get(mode)
+
+
+def _write_mode(cluster: int, name: str, endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    numbers = {label: mode for mode, label in _labels(cluster, endpoint).items()}
+    mode = numbers[require_option(name, command.value, numbers)]
     return (ClusterInvocation(cluster, "ChangeToMode", {"newMode": mode}),)
 
 
-def _read_state(cluster: int, wanted: int, endpoint: MatterEndpoint) -> PlainValue:
-    state = endpoint.whole(cluster, _STATE)
-    return None if state is None else state == wanted
+def _mode_row(cluster: int) -> ClusterRow:
+    name = "water_heater_mode" if cluster == HEATER_MODE else "option"
+    return ClusterRow(
+        cluster,
+        _current_attribute(cluster),
+        name,
+        partial(_read_mode, cluster),
+        partial(_write_mode, cluster, name),
+        when=partial(_labels, cluster),
+        options=partial(_mode_options, cluster),
+        accepts=_CHANGE_TO_MODE,
+    )
 
 
-def _read_vacuum(endpoint: MatterEndpoint) -> PlainValue:
+def _temperature_bounds(endpoint: MatterEndpoint) -> tuple[float, float] | tuple[()]:
+    least, most = (endpoint.number(TEMPERATURE, limit) for limit in _LIMITS)
+    return (least / 100, most / 100) if least is not None and most is not None and least < most else ()
+
+
+def _write_temperature(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    celsius = require_number("number", command.value, *(_temperature_bounds(endpoint) or _ANY_CELSIUS), "°C")
+    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperature": round(celsius * 100)}),)
+
+
+def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    """Return the names of temperature levels; empty if the temperature is a number."""
+    listed = endpoint.value(TEMPERATURE, _LEVELS)
+    if not isinstance(listed, list) or endpoint.features(TEMPERATURE) & _BY_NUMBER:
+        return ()
+    return tuple(clean_text(one) for one in listed if isinstance(one, str))
+
+
+def _read_temperature_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    levels, level = _levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL)
+    return levels[level] if level is not None and 0 <= level < len(levels) else None
+
+
+def _write_temperature_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    levels = _levels(endpoint)
+    level = levels.index(require_option("option", command.value, levels))
+    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
+
+
+def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     state = endpoint.whole(CLEANING, _STATE)
     if state in _VACUUM_STATES:
         return _VACUUM_STATES[state]
-    current = endpoint.whole(RUN_MODE, _BASED.current)
+    current = endpoint.whole(RUN_MODE, _current_attribute(RUN_MODE))
     tags = next((tags for mode, _, tags in _modes(endpoint, RUN_MODE) if mode == current), ())
     if _CLEANING_TAG in tags or _MAPPING_TAG in tags:
         return "cleaning"
     return "idle" if _IDLE_TAG in tags else {_RUNNING: "cleaning", _STOPPED: "idle"}.get(-1 if state is None else state)
 
 
-def _write_vacuum(
-    endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
+def _write_vacuum(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
     tagged = {tag: mode for mode, _, tags in reversed(list(_modes(endpoint, RUN_MODE))) for tag in tags}
-    orders: dict[str, ClusterInvocation] = {
-        option: ClusterInvocation(CLEANING, command)
-        for option, (number, command) in _VACUUM_COMMANDS.items()
-        if endpoint.accepts(CLEANING, number)
+    orders = {
+        option: ClusterInvocation(CLEANING, name)
+        for option, (number_, name) in _VACUUM_COMMANDS.items()
+        if endpoint.accepts(CLEANING, number_)
     }
     for option, tag in (("cleaning", _CLEANING_TAG), ("idle", _IDLE_TAG)):
         if tag in tagged:
             orders[option] = ClusterInvocation(RUN_MODE, "ChangeToMode", {"newMode": tagged[tag]})
     if endpoint.whole(CLEANING, _STATE) == _PAUSED and endpoint.accepts(CLEANING, _RESUME):
         orders["cleaning"] = ClusterInvocation(CLEANING, "Resume")
-    return (orders[require_option("vacuum", value, orders)],)
+    return (orders[require_option("vacuum", command.value, orders)],)
 
 
-def _read_plugged_in(endpoint: MatterEndpoint) -> PlainValue:
-    state = endpoint.whole(EVSE, 0)
-    return None if state is None or state > 5 else state != 0  # 6 is a fault, which says nothing of the plug
+def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
+    state = whole_number(raw)
+    return None if state is None or state > 5 else state != 0  # 6 is a fault, without a statement on the plug
+
+
+def _has_run_mode(endpoint: MatterEndpoint) -> bool:
+    return endpoint.has(RUN_MODE, _current_attribute(RUN_MODE))
+
+
+def _read_setpoint(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    return number(100)(endpoint, endpoint.value(TEMPERATURE, _SETPOINT))
+
+
+APPLIANCE_ROWS: Final = (
+    *map(_mode_row, _MODE_CLUSTERS),
+    ClusterRow(
+        TEMPERATURE,
+        None,
+        "number",
+        _read_setpoint,
+        _write_temperature,
+        _BY_NUMBER,
+        bounds=_temperature_bounds,
+        unit="°C",
+    ),
+    ClusterRow(TEMPERATURE, None, "option", _read_temperature_level, _write_temperature_level, 0, _levels, _levels),
+    ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
+    ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
+    ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
+    ClusterRow(OVEN_CAVITY, _STATE, "problem", one_of(_ERROR)),
+    ClusterRow(
+        CLEANING, _STATE, "vacuum", _read_vacuum, _write_vacuum, 0, _has_run_mode, _VACUUM_OPTIONS, also_read=RUN_MODE
+    ),
+    ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),
+)

@@ -1,44 +1,57 @@
 """The clusters of heating and air: Thermostat and Fan Control. Pure.
 
-Source: Matter 1.4 Application Clusters, 4.3 (Thermostat), 4.4 (Fan Control).
+A preset of a thermostat, such as *Home* and *Away*, is a named temperature.
+
+Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (Fan Control).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.endpoint import AttributeWrite, MatterAbility, MatterEndpoint, MatterOrder
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, choice, number
+from homebot.conventions.matter.endpoint import (
+    AttributeWrite,
+    ClusterInvocation,
+    MatterEndpoint,
+    MatterOrders,
+    field_of,
+    whole_number,
+)
 from homebot.conventions.matter.light_clusters import ON_OFF
-from homebot.conventions.matter.thermostat_presets import preset_abilities
-from homebot.devices.part import Capability
+from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
 
-__all__ = ["climate_abilities"]
+__all__ = ["CLIMATE_ROWS"]
 
 THERMOSTAT, FAN = 513, 514
 
 _LOCAL, _COOLING, _HEATING = 0, 0x11, 0x12
-_SYSTEM_MODE, _RUNNING_STATE = 0x1C, 0x29
+_SYSTEM_MODE, _RUNNING_STATE, _ACTIVE_PRESET, _PRESETS = 0x1C, 0x29, 0x4E, 0x50
 _LIMITS: Final = {_HEATING: ((0x15, 0x16), (3, 4)), _COOLING: ((0x17, 0x18), (5, 6))}
 """Of each setpoint: the attributes of the limits that people set, and of those of the device."""
 
-_HEATS, _COOLS, _CHANGES_BY_ITSELF = 1 << 0, 1 << 1, 1 << 5
+_USUAL_LIMITS: Final = {_HEATING: (7.0, 30.0), _COOLING: (16.0, 32.0)}
+_HEATS, _COOLS, _CHANGES_BY_ITSELF, _HAS_PRESETS = 1 << 0, 1 << 1, 1 << 5, 1 << 8
 _CONTROL_SEQUENCE: Final = 0x1B
 _SEQUENCE_FEATURES: Final = {0: 2, 1: 2, 2: 1, 3: 1, 4: 3, 5: 3}
-"""By the control sequence, of devices that have no feature map."""
+"""By the control sequence, of devices without a feature map."""
 
-_MODES: Final = {0: "off", 1: "auto", 3: "cool", 4: "heat", 5: "emergency_heat", 6: "precooling", 7: "fan_only"}
-_MODES_ALL: Final = {**_MODES, 8: "dry", 9: "sleep"}
-_MODE_NUMBERS: Final = {name: number for number, name in _MODES_ALL.items()}
-_UNKNOWN: Final = -32_768
+_MODE_NAMES: Final = ("off", "auto", "", "cool", "heat", "emergency_heat", "precooling", "fan_only", "dry", "sleep")
+_MODES: Final = {number: name for number, name in enumerate(_MODE_NAMES) if name}
+_MODE_NUMBERS: Final = {name: number for number, name in _MODES.items()}
+_SETTABLE_MODES: Final = (("heat", _HEATS), ("cool", _COOLS), ("auto", _CHANGES_BY_ITSELF))
+_ACTIONS: Final = ((0b0_1001, "heating"), (0b1_0010, "cooling"), (0b110_0100, "fan"))
+_SCENARIOS: Final = {1: "occupied", 2: "unoccupied", 3: "sleep", 4: "wake", 5: "vacation", 6: "going_to_sleep"}
+_MOST_PRESETS: Final = 50
+_LONGEST_HANDLE: Final = 64
 
-_FAN_MODE, _FAN_SEQUENCE, _FAN_SETTING, _FAN_PERCENT, _AIRFLOW = 0, 1, 2, 3, 11
-_ROCK_SUPPORT, _ROCK = 7, 8
-_FAN_MODES: Final = {0: "off", 1: "low", 2: "medium", 3: "high", 4: "on", 5: "auto", 6: "smart"}
+_FAN_MODE, _FAN_SEQUENCE, _FAN_SETTING, _FAN_PERCENT, _ROCK_SUPPORT, _ROCK, _AIRFLOW = 0, 1, 2, 3, 7, 8, 11
+_FAN_MODES: Final = dict(enumerate(("off", "low", "medium", "high", "on", "auto", "smart")))
 _FAN_NUMBERS: Final = {name: number for number, name in _FAN_MODES.items()}
+_HIGH: Final = 3
 _SEQUENCES: Final = {
     0: ("off", "low", "medium", "high"),
     1: ("off", "low", "high"),
@@ -48,154 +61,142 @@ _SEQUENCES: Final = {
     5: ("off", "high"),
 }
 _ROCKS, _TURNS_AROUND = 1 << 2, 1 << 5
+_DIRECTIONS: Final = ("forward", "reverse")
 
 
-def climate_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield the setpoints, modes and speeds that the endpoint has."""
-    if endpoint.has(THERMOSTAT):
-        yield from _thermostat_abilities(endpoint)
-        yield from preset_abilities(endpoint)
-    if endpoint.has(FAN):
-        yield from _fan_abilities(endpoint)
-
-
-def _thermostat_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
+def _has_setpoint(feature: int, endpoint: MatterEndpoint) -> bool:
     features = endpoint.features(THERMOSTAT)
-    if endpoint.has(THERMOSTAT, _LOCAL):
-        yield MatterAbility(THERMOSTAT, Capability(name="local_temperature"), _hundredths_reader(_LOCAL))
-    for name, attribute, feature in (("heating_setpoint", _HEATING, _HEATS), ("cooling_setpoint", _COOLING, _COOLS)):
-        if endpoint.has(THERMOSTAT, attribute) and (not features or features & feature):
-            capability = Capability(name=name, settable=True, bounds=_setpoint_bounds(endpoint, attribute))
-            yield MatterAbility(
-                THERMOSTAT, capability, _hundredths_reader(attribute), partial(_write_setpoint, name, attribute)
-            )
-    if endpoint.has(THERMOSTAT, _SYSTEM_MODE):
-        features = features or _SEQUENCE_FEATURES.get(endpoint.whole(THERMOSTAT, _CONTROL_SEQUENCE) or 0, 0)
-        modes = ["off"]
-        modes += ["heat"] if features & _HEATS else []
-        modes += ["cool"] if features & _COOLS else []
-        modes += ["auto"] if features & _CHANGES_BY_ITSELF else []
-        capability = Capability(name="thermostat_mode", settable=True, options=tuple(modes))
-        yield MatterAbility(THERMOSTAT, capability, _read_mode, _write_mode)
-    if endpoint.has(THERMOSTAT, _RUNNING_STATE):
-        yield MatterAbility(THERMOSTAT, Capability(name="thermostat_action"), _read_action)
+    return not features or bool(features & feature)
 
 
-def _hundredths_reader(attribute: int) -> Callable[[MatterEndpoint], PlainValue]:
-    def read(endpoint: MatterEndpoint) -> PlainValue:
-        value = endpoint.number(THERMOSTAT, attribute)
-        return None if value is None or value <= _UNKNOWN or value > 32_767 else value / 100
-
-    return read
-
-
-def _setpoint_bounds(endpoint: MatterEndpoint, attribute: int) -> tuple[float, ...]:
-    for low, high in _LIMITS[attribute]:
-        least, most = endpoint.number(THERMOSTAT, low), endpoint.number(THERMOSTAT, high)
-        if least is not None and most is not None and _UNKNOWN < least < most <= 32_767:
+def _setpoint_bounds(attribute: int, endpoint: MatterEndpoint) -> tuple[float, float]:
+    for limits in _LIMITS[attribute]:
+        least, most = (endpoint.number(THERMOSTAT, limit, -32_767, 32_767) for limit in limits)
+        if least is not None and most is not None and least < most:
             return least / 100, most / 100
-    return (7.0, 30.0) if attribute == _HEATING else (16.0, 32.0)
+    return _USUAL_LIMITS[attribute]
 
 
-def _write_setpoint(
-    name: str, attribute: int, endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    least, most = _setpoint_bounds(endpoint, attribute)
-    celsius = require_number(name, value, least, most, "°C")
+def _write_setpoint(name: str, attribute: int, endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    celsius = require_number(name, command.value, *_setpoint_bounds(attribute, endpoint), "°C")
     return (AttributeWrite(THERMOSTAT, attribute, round(celsius * 100)),)
 
 
-def _read_mode(endpoint: MatterEndpoint) -> PlainValue:
-    mode = endpoint.whole(THERMOSTAT, _SYSTEM_MODE)
-    return None if mode is None else _MODES_ALL.get(mode)
+def _settable_modes(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    sequence = endpoint.whole(THERMOSTAT, _CONTROL_SEQUENCE) or 0
+    features = endpoint.features(THERMOSTAT) or _SEQUENCE_FEATURES.get(sequence, 0)
+    return ("off", *(mode for mode, feature in _SETTABLE_MODES if features & feature))
 
 
-def _write_mode(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    mode = require_option("thermostat_mode", value, _MODE_NUMBERS)
+def _write_system_mode(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    mode = require_option("thermostat_mode", command.value, _MODE_NUMBERS)
     return (AttributeWrite(THERMOSTAT, _SYSTEM_MODE, _MODE_NUMBERS[mode]),)
 
 
-def _read_action(endpoint: MatterEndpoint) -> PlainValue:
+def _read_action(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     state = endpoint.whole(THERMOSTAT, _RUNNING_STATE)
     if state is None:
         return None
-    if state & 0b0_1001:
-        return "heating"
-    if state & 0b1_0010:
-        return "cooling"
-    if state & 0b110_0100:
-        return "fan"
-    return "off" if endpoint.whole(THERMOSTAT, _SYSTEM_MODE) == 0 else "idle"
+    rests = "off" if endpoint.whole(THERMOSTAT, _SYSTEM_MODE) == 0 else "idle"
+    return next((action for bits, action in _ACTIONS if state & bits), rests)
 
 
-def _fan_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    if not endpoint.has(ON_OFF) and endpoint.has(FAN, _FAN_MODE):
-        yield MatterAbility(FAN, Capability(name="on_off", settable=True), _read_fan_on, _write_fan_on)
-    if endpoint.has(FAN, _FAN_SETTING):
-        yield MatterAbility(FAN, Capability(name="fan_speed", settable=True), _read_speed, _write_speed)
-    if endpoint.has(FAN, _FAN_MODE):
-        options = _SEQUENCES.get(endpoint.whole(FAN, _FAN_SEQUENCE) or 0, _SEQUENCES[0])
-        yield MatterAbility(
-            FAN, Capability(name="fan_mode", settable=True, options=options), _read_fan_mode, _write_fan_mode
-        )
-    if endpoint.features(FAN) & _ROCKS and endpoint.has(FAN, _ROCK):
-        yield MatterAbility(FAN, Capability(name="oscillation", settable=True), _read_rock, _write_rock)
-    if endpoint.features(FAN) & _TURNS_AROUND and endpoint.has(FAN, _AIRFLOW):
-        capability = Capability(name="direction", settable=True, options=("forward", "reverse"))
-        yield MatterAbility(FAN, capability, _read_direction, _write_direction)
+def _presets(endpoint: MatterEndpoint) -> dict[str, str]:
+    """Return the handles of the presets by name; the server has bytes in Base64."""
+    found: dict[str, str] = {}
+    for preset in endpoint.structs(THERMOSTAT, _PRESETS):
+        handle = field_of(preset, 0, "presetHandle")
+        scenario = whole_number(field_of(preset, 1, "presetScenario"))
+        name = text_of(field_of(preset, 2, "name")) or _SCENARIOS.get(scenario or 0, "")
+        if name and isinstance(handle, str) and 0 < len(handle) <= _LONGEST_HANDLE and len(found) < _MOST_PRESETS:
+            found.setdefault(name, handle)
+    return found
 
 
-def _read_fan_on(endpoint: MatterEndpoint) -> PlainValue:
-    mode = endpoint.whole(FAN, _FAN_MODE)
-    return None if mode is None else mode != 0
+def _preset_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return tuple(_presets(endpoint))
 
 
-def _write_fan_on(
-    endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str
-) -> tuple[MatterOrder, ...]:
-    if value is not True:
+def _read_preset(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    active = endpoint.value(THERMOSTAT, _ACTIVE_PRESET)
+    return next((name for name, handle in _presets(endpoint).items() if handle == active), None)
+
+
+def _write_preset(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    presets = _presets(endpoint)
+    handle = presets[require_option("preset_mode", command.value, presets)]
+    return (ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle}),)
+
+
+def _read_not_zero(_at: MatterEndpoint, raw: object) -> PlainValue:
+    value = whole_number(raw)
+    return None if value is None else value != 0
+
+
+def _write_fan_on(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    if command.value is not True:
         return (AttributeWrite(FAN, _FAN_MODE, 0),)
     if endpoint.whole(FAN, _FAN_MODE):
         return ()  # it is on; another mode would change its speed
-    return (AttributeWrite(FAN, _FAN_MODE, _FAN_NUMBERS["high"]),)
+    return (AttributeWrite(FAN, _FAN_MODE, _HIGH),)
 
 
-def _read_speed(endpoint: MatterEndpoint) -> PlainValue:
+def _read_speed(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     if endpoint.whole(FAN, _FAN_MODE) == 0:
         return 0.0  # some keep the speed of before
-    for attribute in (_FAN_PERCENT, _FAN_SETTING):
-        percent = endpoint.number(FAN, attribute)
-        if percent is not None and 0 <= percent <= 100:
-            return percent
-    return None
+    percent = endpoint.number(FAN, _FAN_PERCENT, 0, 100)
+    return endpoint.number(FAN, _FAN_SETTING, 0, 100) if percent is None else percent
 
 
-def _write_speed(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    return (AttributeWrite(FAN, _FAN_SETTING, round(require_number("fan_speed", value, 0.0, 100.0, "%"))),)
+def _write_speed(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    return (AttributeWrite(FAN, _FAN_SETTING, round(require_number("fan_speed", command.value, 0.0, 100.0, "%"))),)
 
 
-def _read_fan_mode(endpoint: MatterEndpoint) -> PlainValue:
-    mode = endpoint.whole(FAN, _FAN_MODE)
-    return None if mode is None else _FAN_MODES.get(mode)
+def _fan_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return _SEQUENCES.get(endpoint.whole(FAN, _FAN_SEQUENCE) or 0, _SEQUENCES[0])
 
 
-def _write_fan_mode(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    return (AttributeWrite(FAN, _FAN_MODE, _FAN_NUMBERS[require_option("fan_mode", value, _FAN_NUMBERS)]),)
+def _write_fan_mode(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    return (AttributeWrite(FAN, _FAN_MODE, _FAN_NUMBERS[require_option("fan_mode", command.value, _FAN_NUMBERS)]),)
 
 
-def _read_rock(endpoint: MatterEndpoint) -> PlainValue:
-    rock = endpoint.whole(FAN, _ROCK)
-    return None if rock is None else rock != 0
-
-
-def _write_rock(endpoint: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
+def _write_rock(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
     supported = endpoint.whole(FAN, _ROCK_SUPPORT) or 1
-    return (AttributeWrite(FAN, _ROCK, supported if value is True else 0),)
+    return (AttributeWrite(FAN, _ROCK, supported if command.value is True else 0),)
 
 
-def _read_direction(endpoint: MatterEndpoint) -> PlainValue:
-    return {0: "forward", 1: "reverse"}.get(endpoint.whole(FAN, _AIRFLOW) or 0)
+def _read_direction(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    return dict(enumerate(_DIRECTIONS)).get(endpoint.whole(FAN, _AIRFLOW) or 0)
 
 
-def _write_direction(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    return (AttributeWrite(FAN, _AIRFLOW, 1 if value == "reverse" else 0),)
+def _write_direction(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    return (AttributeWrite(FAN, _AIRFLOW, 1 if command.value == "reverse" else 0),)
+
+
+def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
+    return ClusterRow(
+        THERMOSTAT,
+        attribute,
+        name,
+        number(100, -32_767, 32_767),
+        partial(_write_setpoint, name, attribute),
+        when=partial(_has_setpoint, feature),
+        bounds=partial(_setpoint_bounds, attribute),
+    )
+
+
+CLIMATE_ROWS: Final = (
+    ClusterRow(THERMOSTAT, _LOCAL, "local_temperature", number(100, -32_767, 32_767)),
+    _setpoint_row("heating_setpoint", _HEATING, _HEATS),
+    _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
+    ClusterRow(
+        THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), _write_system_mode, options=_settable_modes
+    ),
+    ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
+    ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, _write_preset, _HAS_PRESETS, _presets, _preset_options),
+    ClusterRow(FAN, _FAN_MODE, "on_off", _read_not_zero, _write_fan_on, when=lambda one: not one.has(ON_OFF)),
+    ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, _write_speed),
+    ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), _write_fan_mode, options=_fan_options),
+    ClusterRow(FAN, _ROCK, "oscillation", _read_not_zero, _write_rock, _ROCKS),
+    ClusterRow(FAN, _AIRFLOW, "direction", _read_direction, _write_direction, _TURNS_AROUND, options=_DIRECTIONS),
+)

@@ -1,29 +1,36 @@
-"""The clusters of things that open and close: Window Covering, Door Lock, Valve Configuration and Control. Pure.
+"""The clusters of things that open and close: Window Covering, Door Lock, Valve, and closures since Matter 1.5. Pure.
 
-Matter counts how far a covering is closed, the vocabulary how far it is open.
+Matter counts how far a covering is closed, the vocabulary how far it is open. A closure, such as a garage door, opens
+and closes as a whole; its panels, endpoints of their own, have positions.
 
-Source: Matter 1.4 Application Clusters, 5.2 (Door Lock), 5.3 (Window Covering), 4.6 (Valve).
+Source: Matter 1.4 Application Clusters, 5.2 (Door Lock), 5.3 (Window Covering), 4.6 (Valve); Matter 1.5, 5.4 (Closure
+Control), 5.5 (Closure Dimension).
 """
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.endpoint import ClusterInvocation, MatterAbility, MatterEndpoint, MatterOrder
-from homebot.devices.part import Capability
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, choice, closed_hundredths
+from homebot.conventions.matter.endpoint import (
+    ClusterInvocation,
+    MatterEndpoint,
+    MatterOrders,
+    field_of,
+    whole_number,
+)
+from homebot.conventions.payload import as_fields
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 
-__all__ = ["opening_abilities"]
+__all__ = ["OPENING_ROWS", "is_covering"]
 
-LOCK, COVERING, VALVE = 257, 258, 129
+VALVE, LOCK, COVERING, CLOSURE, DIMENSION = 129, 257, 258, 260, 261
 
 _MOVES = ("open", "closed", "opening", "closing", "stopped")
-_STATUS, _LIFT, _TILT = 10, 14, 15
-_LIFT_PERCENT, _TILT_PERCENT = 8, 9
+_STATUS: Final = 10
 _HAS_LIFT, _KNOWS_LIFT, _KNOWS_TILT = 1 << 0, 1 << 2, 1 << 4
 _COVERING_COMMANDS: Final = {"open": "UpOrOpen", "closed": "DownOrClose", "stopped": "StopMotion"}
 
@@ -35,124 +42,166 @@ _HAS_DOOR, _CAN_UNBOLT = 1 << 5, 1 << 12
 _VALVE_STATE, _VALVE_TARGET, _VALVE_LEVEL = 4, 5, 6
 _HAS_LEVEL: Final = 1 << 1
 
-
-def opening_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield position, movement, lock and valve, as the endpoint has them."""
-    if endpoint.has(COVERING):
-        yield from _covering_abilities(endpoint)
-    if endpoint.has(LOCK, _LOCK_STATE):
-        can_unbolt = endpoint.features(LOCK) & _CAN_UNBOLT
-        options = ("locked", "unlocked", "open") if can_unbolt else ("locked", "unlocked")
-        yield MatterAbility(LOCK, Capability(name="lock", settable=True, options=options), _read_lock, _write_lock)
-        if endpoint.features(LOCK) & _HAS_DOOR and endpoint.has(LOCK, _DOOR_STATE):
-            yield MatterAbility(LOCK, Capability(name="contact"), _read_door)
-    if endpoint.has(VALVE, _VALVE_STATE):
-        capability = Capability(name="valve", settable=True, options=("open", "closed", "opening", "closing"))
-        yield MatterAbility(VALVE, capability, _read_valve, _write_valve)
-        if endpoint.features(VALVE) & _HAS_LEVEL:
-            yield MatterAbility(VALVE, Capability(name="position", settable=True), _read_flow, _write_flow)
+_MAIN_STATE, _CLOSURE_STATE, _CLOSURE_TARGET, _PANEL_STATE = 1, 3, 4, 0
+_POSITIONS, _LATCHES, _INSTANT = 1 << 0, 1 << 1, 1 << 2
+_MOVING, _CLOSED, _STOP = 1, 0, 0
+_MOVE_TO: Final = {"closed": 0, "open": 1}
+_COVERING_TAG: Final = (0x44, 0)
+_TILT_TAG: Final = (0x45, 1)
+"""The tag of a panel with turning slats."""
 
 
-def _covering_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    features = endpoint.features(COVERING)
-    if features & _KNOWS_LIFT:
-        yield MatterAbility(COVERING, Capability(name="position", settable=True), _read_lift, _write_lift)
-    if features & _KNOWS_TILT:
-        yield MatterAbility(COVERING, Capability(name="tilt", settable=True), _read_tilt, _write_tilt)
-    capability = Capability(name="movement", settable=True, options=_MOVES)
-    yield MatterAbility(COVERING, capability, _read_movement, _write_movement)
+def is_covering(endpoint: MatterEndpoint) -> bool:
+    """Return whether its tags say that it is a blind, shutter or awning rather than a door, gate or window."""
+    return _COVERING_TAG in endpoint.tags
 
 
 def _open_percent(endpoint: MatterEndpoint, hundredths: int, percent: int) -> float | None:
-    closed = endpoint.number(COVERING, hundredths)
-    if closed is not None and 0 <= closed <= 10_000:
+    closed = endpoint.number(COVERING, hundredths, 0, 10_000)
+    if closed is not None:
         return round(100 - closed / 100, 2)
-    closed = endpoint.number(COVERING, percent)
-    return 100 - closed if closed is not None and 0 <= closed <= 100 else None
+    closed = endpoint.number(COVERING, percent, 0, 100)
+    return None if closed is None else 100 - closed
 
 
-def _read_lift(endpoint: MatterEndpoint) -> PlainValue:
-    return _open_percent(endpoint, _LIFT, _LIFT_PERCENT)
+def _read_lift(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    return _open_percent(endpoint, 14, 8)
 
 
-def _read_tilt(endpoint: MatterEndpoint) -> PlainValue:
-    return _open_percent(endpoint, _TILT, _TILT_PERCENT)
+def _read_tilt(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    return _open_percent(endpoint, 15, 9)
 
 
-def _write_lift(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    closed = _closed_hundredths("position", value)
+def _write_lift(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    closed = closed_hundredths("position", command.value)
     return (ClusterInvocation(COVERING, "GoToLiftPercentage", {"liftPercent100thsValue": closed}),)
 
 
-def _write_tilt(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    closed = _closed_hundredths("tilt", value)
+def _write_tilt(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    closed = closed_hundredths("tilt", command.value)
     return (ClusterInvocation(COVERING, "GoToTiltPercentage", {"tiltPercent100thsValue": closed}),)
 
 
-def _closed_hundredths(capability: str, value: PlainValue) -> int:
-    return 10_000 - round(require_number(capability, value, 0.0, 100.0, "%") * 100)
-
-
-def _read_movement(endpoint: MatterEndpoint) -> PlainValue:
-    status = endpoint.whole(COVERING, _STATUS)
+def _read_covering_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    status, features = endpoint.whole(COVERING, _STATUS), endpoint.features(COVERING)
     if status is None:
         return None
-    if (moves := {1: "opening", 2: "closing"}.get(status & 3)) is not None:
-        return moves
-    lift = _read_lift(endpoint) if endpoint.features(COVERING) & _KNOWS_LIFT else None
-    if lift is None and endpoint.features(COVERING) & _KNOWS_TILT and not endpoint.features(COVERING) & _HAS_LIFT:
-        lift = _read_tilt(endpoint)
-    if lift is None:
-        return "stopped"
-    return "closed" if lift == 0 else "open"
+    if status & 3 in {1, 2}:
+        return "opening" if status & 3 == 1 else "closing"
+    lift = _read_lift(endpoint, None) if features & _KNOWS_LIFT else None
+    if lift is None and features & _KNOWS_TILT and not features & _HAS_LIFT:
+        lift = _read_tilt(endpoint, None)
+    return "stopped" if lift is None else "closed" if lift == 0 else "open"
 
 
-def _write_movement(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    option = require_option("movement", value, _COVERING_COMMANDS)
+def _write_covering_movement(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    option = require_option("movement", command.value, _COVERING_COMMANDS)
     return (ClusterInvocation(COVERING, _COVERING_COMMANDS[option]),)
 
 
-def _read_lock(endpoint: MatterEndpoint) -> PlainValue:
-    state = endpoint.whole(LOCK, _LOCK_STATE)
-    return None if state is None else _LOCK_STATES.get(state)
+def _lock_commands(endpoint: MatterEndpoint) -> dict[str, str]:
+    if endpoint.features(LOCK) & _CAN_UNBOLT:
+        return {"locked": "LockDoor", "unlocked": "UnboltDoor", "open": "UnlockDoor"}
+    return {"locked": "LockDoor", "unlocked": "UnlockDoor"}
 
 
-def _read_door(endpoint: MatterEndpoint) -> PlainValue:
-    state = endpoint.whole(LOCK, _DOOR_STATE)
-    return None if state is None else _DOOR_STATES.get(state)
-
-
-def _write_lock(endpoint: MatterEndpoint, value: PlainValue, _transition: float, code: str) -> tuple[MatterOrder, ...]:
-    can_unbolt = bool(endpoint.features(LOCK) & _CAN_UNBOLT)
-    commands = {"locked": "LockDoor", "unlocked": "UnboltDoor" if can_unbolt else "UnlockDoor"}
-    if can_unbolt:
-        commands["open"] = "UnlockDoor"
-    command = commands[require_option("lock", value, commands)]
+def _write_lock(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    commands, code = _lock_commands(endpoint), command.code
+    name = commands[require_option("lock", command.value, commands)]
     if not code and endpoint.flag(LOCK, _NEEDS_PIN):
         raise WrongCodeError("the lock", "it requires its PIN code")
     payload = {"PINCode": base64.b64encode(code.encode()).decode()} if code else {}
-    return (ClusterInvocation(LOCK, command, payload, is_timed=True, is_secret=bool(code)),)
+    return (ClusterInvocation(LOCK, name, payload, is_timed=True, is_secret=bool(code)),)
 
 
-def _read_valve(endpoint: MatterEndpoint) -> PlainValue:
+def _lock_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return tuple(_lock_commands(endpoint))
+
+
+def _has_lock_state(endpoint: MatterEndpoint) -> bool:
+    return endpoint.has(LOCK, _LOCK_STATE)
+
+
+def _read_valve(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     state = endpoint.whole(VALVE, _VALVE_STATE)
     if state == 2:
         return {0: "closing", 1: "opening"}.get(endpoint.whole(VALVE, _VALVE_TARGET) or 0)
     return {0: "closed", 1: "open"}.get(-1 if state is None else state)
 
 
-def _write_valve(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    option = require_option("valve", value, ("open", "closed"))
+def _write_valve(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    option = require_option("valve", command.value, ("open", "closed"))
     return (ClusterInvocation(VALVE, "Open" if option == "open" else "Close"),)
 
 
-def _read_flow(endpoint: MatterEndpoint) -> PlainValue:
-    level = endpoint.number(VALVE, _VALVE_LEVEL)
-    return level if level is not None and 0 <= level <= 100 else None
+def _read_flow(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    return endpoint.number(VALVE, _VALVE_LEVEL, 0, 100)
 
 
-def _write_flow(_at: MatterEndpoint, value: PlainValue, _transition: float, _code: str) -> tuple[MatterOrder, ...]:
-    percent = round(require_number("position", value, 0.0, 100.0, "%"))
+def _write_flow(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    percent = round(require_number("position", command.value, 0.0, 100.0, "%"))
     if percent == 0:
         return (ClusterInvocation(VALVE, "Close"),)
     return (ClusterInvocation(VALVE, "Open", {"targetLevel": percent}),)
+
+
+def _closure_moves(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    stops = endpoint.accepts(CLOSURE, _STOP) and not endpoint.features(CLOSURE) & _INSTANT
+    return _MOVES if stops else _MOVES[:-1]
+
+
+def _position(state: object) -> int | None:
+    position = whole_number(field_of(as_fields(state), 0, "position"))
+    return position if position is not None and position >= 0 else None
+
+
+def _read_closure_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    position, target = (_position(endpoint.value(CLOSURE, one)) for one in (_CLOSURE_STATE, _CLOSURE_TARGET))
+    if endpoint.whole(CLOSURE, _MAIN_STATE) == _MOVING:
+        return None if target is None else "closing" if target == _CLOSED else "opening"
+    return None if position is None else "closed" if position == _CLOSED else "open"
+
+
+def _write_closure_movement(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    option = require_option("movement", command.value, (*_MOVE_TO, "stopped"))
+    if option == "stopped":
+        return (ClusterInvocation(CLOSURE, "Stop"),)
+    latch = {"latch": option == "closed"} if endpoint.features(CLOSURE) & _LATCHES else {}
+    return (ClusterInvocation(CLOSURE, "MoveTo", {"position": _MOVE_TO[option], **latch}, is_timed=True),)
+
+
+def _read_panel(_at: MatterEndpoint, state: object) -> PlainValue:
+    closed = _position(state)
+    return round(100 - closed / 100, 2) if closed is not None and closed <= 10_000 else None
+
+
+def _write_panel(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    latch = {"latch": False} if endpoint.features(DIMENSION) & _LATCHES else {}  # a latched panel does not move
+    payload = {"position": closed_hundredths("position", command.value), **latch}
+    return (ClusterInvocation(DIMENSION, "SetTarget", payload, is_timed=True),)
+
+
+def _tilts(endpoint: MatterEndpoint) -> bool:
+    return _TILT_TAG in endpoint.tags
+
+
+OPENING_ROWS: Final = (
+    ClusterRow(COVERING, None, "position", _read_lift, _write_lift, _KNOWS_LIFT),
+    ClusterRow(COVERING, None, "tilt", _read_tilt, _write_tilt, _KNOWS_TILT),
+    ClusterRow(COVERING, None, "movement", _read_covering_movement, _write_covering_movement, options=_MOVES),
+    ClusterRow(LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=_lock_options),
+    ClusterRow(LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, _has_lock_state),
+    ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, _write_valve, options=_MOVES[:-1]),
+    ClusterRow(VALVE, _VALVE_STATE, "position", _read_flow, _write_flow, _HAS_LEVEL),
+    ClusterRow(
+        CLOSURE,
+        _CLOSURE_STATE,
+        "movement",
+        _read_closure_movement,
+        _write_closure_movement,
+        _POSITIONS,
+        options=_closure_moves,
+    ),
+    ClusterRow(DIMENSION, _PANEL_STATE, "tilt", _read_panel, _write_panel, _POSITIONS, _tilts),
+    ClusterRow(DIMENSION, _PANEL_STATE, "position", _read_panel, _write_panel, _POSITIONS, lambda one: not _tilts(one)),
+)

@@ -1,6 +1,8 @@
-"""The parts that an endpoint of a Matter node is. Pure.
+"""Parts of an endpoint of a Matter node, with their names. Pure.
 
 The tables of device types are the vocabulary's.
+
+Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label); Standard Namespaces.
 """
 
 from __future__ import annotations
@@ -8,22 +10,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from homebot.conventions.matter.appliance_clusters import appliance_abilities, is_oven_cabinet
-from homebot.conventions.matter.climate_clusters import climate_abilities
-from homebot.conventions.matter.closure_clusters import closure_abilities
-from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint
-from homebot.conventions.matter.endpoint_name import name_of
-from homebot.conventions.matter.light_clusters import light_abilities
-from homebot.conventions.matter.opening_clusters import opening_abilities
-from homebot.conventions.matter.other_clusters import other_abilities
-from homebot.conventions.matter.sensor_clusters import BATTERY, sensor_abilities
+from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, is_oven_cabinet
+from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
+from homebot.conventions.matter.cluster_row import MatterAbility
+from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of, whole_number
+from homebot.conventions.matter.light_clusters import LIGHT_ROWS
+from homebot.conventions.matter.opening_clusters import OPENING_ROWS
+from homebot.conventions.matter.sensor_clusters import BATTERY, SENSOR_ROWS
+from homebot.conventions.matter.switch_cluster import SWITCH_ROWS
+from homebot.conventions.payload import text_of
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
 
 __all__ = ["find_abilities", "parts_of"]
 
+_ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS, *SWITCH_ROWS)
 _SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
-_METERS: Final = frozenset({"electrical_meter"})
+_METER: Final = "electrical_meter"
 _CAPABILITY_TYPES: Final = {
     "occupancy": "occupancy_sensor",
     "movement": "closure",
@@ -33,25 +36,35 @@ _CAPABILITY_TYPES: Final = {
     "option": "x_setting",  # of an appliance too: a command to turn all switches off must not stop a freezer
     "on_off": "switch",
     "press": "generic_switch",
-    "power": "electrical_meter",
-    "energy": "electrical_meter",
+    "power": _METER,
+    "energy": _METER,
     "temperature": "temperature_sensor",
     "humidity": "humidity_sensor",
 }
 """By capability: the type of an endpoint with unknown device types."""
 
 _COOKERS: Final = {0x0077: "cooktop", 0x0078: "cooktop", 0x0079: "microwave oven", 0x007B: "oven"}
-"""By device type: devices that have no type in the vocabulary and get hot, under the names of people and policies."""
+"""By device type: hot devices without a type in the vocabulary, under the names of people and policies."""
 
-_FINDERS: Final = (
-    light_abilities,
-    opening_abilities,
-    closure_abilities,
-    climate_abilities,
-    appliance_abilities,
-    sensor_abilities,
-    other_abilities,
-)
+USER_LABEL, FIXED_LABEL = 65, 64
+_NAMING: Final = frozenset({"name", "label", "button"})
+"""The labels that name an endpoint; others say where it is, or describe it."""
+
+_ORIENTATION: Final = "orientation"
+_PLACES: Final = frozenset({"top", "bottom", "left", "right", "middle", "center", "upper", "lower", "front", "back"})
+"""Orientations on the device itself, such as of one of two sockets; ``North`` is none."""
+
+_NUMBER: Final = 0x07
+_NAMESPACES: Final[Mapping[int, tuple[str, ...]]] = {
+    0x08: ("left", "right", "top", "bottom", "middle", "row", "column"),
+    0x41: ("refrigerator", "freezer"),
+    0x43: ("on", "off", "toggle", "up", "down", "next", "previous", "select"),
+    0x45: ("lift", "tilt"),
+}
+"""Common Position, Refrigerator, Switches and Closure Panel: each the words of its tags."""
+
+_COUNTED: Final = frozenset({"row", "column"})
+_LONGEST_NAME: Final = 40
 
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
@@ -61,45 +74,41 @@ def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tupl
         endpoint: The endpoint.
         covers: Whether a closure is a blind, or a panel of one.
     """
-    abilities = tuple(find_abilities(endpoint))
-    main = tuple(one for one in abilities if not one.beside)
+    by_suffix: dict[str, list[MatterAbility]] = {"": []}
+    for ability in find_abilities(endpoint):
+        by_suffix.setdefault(ability.part_suffix, []).append(ability)
+    main = tuple(by_suffix.pop(""))
     if any(one.read is not None or one.capability.name == "press" for one in main):
         service_type, is_guessed = _service_type(endpoint, main)
-        service_type = "window_covering" if covers and service_type == "closure" else service_type
-        capabilities = tuple(one.capability for one in main)
-        yield (
-            Part(
-                id=str(endpoint.id),
-                name=name_of(endpoint),
-                service_type=service_type,
-                advertised=_advertised(endpoint),
-                guessed=is_guessed,
-                capabilities=capabilities,
-            ),
-            main,
-        )
-    for beside in dict.fromkeys(one.beside for one in abilities if one.beside):
-        found = tuple(one for one in abilities if one.beside == beside)
-        is_battery = beside == BATTERY
         part = Part(
-            id=f"{endpoint.id}-{beside}",
-            name="" if is_battery else beside.replace("_", " ").capitalize(),
+            id=str(endpoint.id),
+            name=_name(endpoint),
+            service_type="window_covering" if covers and service_type == "closure" else service_type,
+            advertised=_advertised(endpoint),
+            guessed=is_guessed,
+            capabilities=tuple(one.capability for one in main),
+        )
+        yield part, main
+    for suffix, found in by_suffix.items():
+        is_battery = suffix == BATTERY
+        part = Part(
+            id=f"{endpoint.id}-{suffix}",
+            name="" if is_battery else suffix.replace("_", " ").capitalize(),
             service_type="x_battery" if is_battery else "air_quality_sensor",
             category="diagnostic" if is_battery else "",
             capabilities=tuple(one.capability for one in found),
         )
-        yield part, found
+        yield part, tuple(found)
 
 
 def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield everything that an endpoint can do and report, each capability of a part once."""
+    """Yield the abilities of an endpoint, each capability of a part once."""
     seen: set[tuple[str, str]] = set()
-    for find in _FINDERS:
-        for ability in find(endpoint):
-            name = (ability.beside, ability.capability.name)
-            if name not in seen:
-                seen.add(name)
-                yield ability
+    for row in _ROWS:
+        key = row.part_suffix, row.capability
+        if key not in seen and (ability := row.ability(endpoint)) is not None:
+            seen.add(key)
+            yield ability
 
 
 def _advertised(endpoint: MatterEndpoint) -> str:
@@ -111,9 +120,41 @@ def _advertised(endpoint: MatterEndpoint) -> str:
 
 
 def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]) -> tuple[str, bool]:
-    """Return the type of a part, and whether it is guessed; a meter only where it is nothing else."""
+    """Return the type of a part, and whether it is guessed; a meter only if it is nothing else."""
     found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
-    for one in (*(one for one in found if one not in _METERS), *found):
-        return one, False
-    names = [one.capability.name for one in abilities]
+    if found:
+        return next((one for one in found if one != _METER), _METER), False
+    names = {one.capability.name for one in abilities}
     return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
+
+
+def _name(endpoint: MatterEndpoint) -> str:
+    """Return a name such as ``2``, ``top`` or ``column 1 up``; empty if it has none of its own."""
+    if label := next(_label_names(endpoint), ""):
+        return label
+    words = list(dict.fromkeys(_tag_words(endpoint)))
+    while len(" ".join(words)) > _LONGEST_NAME:
+        words.pop()
+    return " ".join(words)
+
+
+def _label_names(endpoint: MatterEndpoint) -> Iterator[str]:
+    for struct in (*endpoint.structs(USER_LABEL, 0), *endpoint.structs(FIXED_LABEL, 0)):
+        label, value = text_of(field_of(struct, 0, "label")).casefold(), text_of(field_of(struct, 1, "value"))
+        if value and (label in _NAMING or (label == _ORIENTATION and value.casefold() in _PLACES)):
+            yield value
+
+
+def _tag_words(endpoint: MatterEndpoint) -> Iterator[str]:
+    for struct in endpoint.structs(DESCRIPTOR, TAG_LIST):
+        namespace = whole_number(field_of(struct, 1, "namespaceID"))
+        tag, label = whole_number(field_of(struct, 2, "tag")), text_of(field_of(struct, 3, "label"))
+        if namespace is None or tag is None or tag < 0:
+            continue
+        words = _NAMESPACES.get(namespace, ())
+        if namespace == _NUMBER:
+            yield label or str(tag)
+        elif tag < len(words):
+            yield f"{words[tag]} {label}" if words[tag] in _COUNTED and label else words[tag]
+        elif words and label:
+            yield label

@@ -11,9 +11,10 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
-from homebot.conventions.matter.other_clusters import SWITCH, press_of
 from homebot.conventions.matter.parts import parts_of
+from homebot.conventions.matter.switch_cluster import SWITCH, press_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -348,6 +349,6 @@ class MatterGateway(Gateway):
             raise LinkError(f"{device.device.name} does not answer the Matter server")
         endpoint, write = find_writer(device, command.part, command.capability)
         what = f"{command.capability} for {device.device.name}"
-        for order in write(endpoint, command.value.plain(), command.transition, command.code):
+        for order in write(endpoint, MatterCommand(command.value.plain(), command.transition, command.code)):
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await link.call(what, name, args, is_secret=order.is_secret))

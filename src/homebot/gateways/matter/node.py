@@ -16,8 +16,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self
 
-from homebot.conventions.matter.closure_clusters import is_covering
-from homebot.conventions.matter.endpoint import MatterAbility, MatterEndpoint, WriteValue
+from homebot.conventions.matter.cluster_row import MatterAbility, WriteValue
+from homebot.conventions.matter.endpoint import MatterEndpoint
+from homebot.conventions.matter.opening_clusters import is_covering
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import shown
 from homebot.devices.identity import identifiers

@@ -1,0 +1,150 @@
+"""Rows: the capabilities of clusters, with their readers and encoders. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple, TypeAlias
+
+from homebot.conventions.command_values import require_number
+from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrders, whole_number
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.support.numbers import finite_number
+
+__all__ = [
+    "ClusterRow",
+    "MatterAbility",
+    "MatterCommand",
+    "Reader",
+    "WriteValue",
+    "choice",
+    "closed_hundredths",
+    "flag",
+    "number",
+    "one_of",
+]
+
+Reader: TypeAlias = Callable[[MatterEndpoint, object], PlainValue]
+"""Returns the value of a capability from an endpoint and the raw value of the row's attribute; None for unknown. Never
+raises."""
+
+
+class MatterCommand(NamedTuple):
+    """A commanded value, with a transition in seconds and a code."""
+
+    value: PlainValue
+    transition: float = 0.0
+    code: str = ""
+
+
+WriteValue: TypeAlias = Callable[[MatterEndpoint, MatterCommand], MatterOrders]
+"""Returns the orders that set a value; raises RefusedError."""
+
+
+@dataclass(frozen=True, slots=True)
+class MatterAbility:
+    """A capability of an endpoint; see :class:`ClusterRow`."""
+
+    cluster: int
+    capability: Capability
+    read: Callable[[MatterEndpoint], PlainValue] | None = None
+    write: WriteValue | None = None
+    also_read: int | None = None
+    part_suffix: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterRow:
+    """A capability of a cluster; an endpoint with the attribute, the feature and the condition has it.
+
+    Attributes:
+        attribute: Its attribute; None if the cluster is enough.
+        capability: The name of the capability.
+        read: The reader; None if it is never reported.
+        write: The encoder; None if it cannot be set.
+        feature: Bits of the cluster's feature map, one of which is needed; 0 for none.
+        when: A further condition.
+        accepts: The number of the command that it needs to be settable.
+        also_read: A further cluster of its value.
+        part_suffix: The part of the endpoint with it, such as ``battery``; empty for the main part.
+    """
+
+    cluster: int
+    attribute: int | None
+    capability: str
+    read: Reader | None = None
+    write: WriteValue | None = None
+    feature: int = 0
+    when: Callable[[MatterEndpoint], object] | None = None
+    options: tuple[str, ...] | Callable[[MatterEndpoint], tuple[str, ...]] = ()
+    bounds: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
+    unit: str | Callable[[MatterEndpoint], str] = ""
+    accepts: int | None = None
+    also_read: int | None = None
+    part_suffix: str = ""
+
+    def ability(self, endpoint: MatterEndpoint) -> MatterAbility | None:
+        """Return the ability of *endpoint* by this row; None if it has none."""
+        if not endpoint.has(self.cluster, self.attribute):
+            return None
+        if self.feature and not endpoint.features(self.cluster) & self.feature:
+            return None
+        if self.when is not None and not self.when(endpoint):
+            return None
+        is_settable = self.accepts is None or endpoint.accepts(self.cluster, self.accepts)
+        write = self.write if is_settable else None
+        capability = Capability(
+            name=self.capability,
+            readable=self.read is not None or write is None,
+            settable=write is not None,
+            unit=self.unit if isinstance(self.unit, str) else self.unit(endpoint),
+            bounds=() if self.bounds is None else self.bounds(endpoint),
+            options=self.options if isinstance(self.options, tuple) else self.options(endpoint),
+        )
+        read = None if self.read is None else partial(self._read, self.read)
+        return MatterAbility(self.cluster, capability, read, write, self.also_read, self.part_suffix)
+
+    def _read(self, read: Reader, endpoint: MatterEndpoint) -> PlainValue:
+        return read(endpoint, None if self.attribute is None else endpoint.value(self.cluster, self.attribute))
+
+
+def number(divisor: float = 1, least: float = -1e12, most: float = 1e12) -> Reader:
+    """Return a reader of raw numbers from *least* to *most*."""
+
+    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
+        value = finite_number(raw)
+        return round(value / divisor, 6) if value is not None and least <= value <= most else None
+
+    return read
+
+
+def flag(*, means: bool = True) -> Reader:
+    """Return a reader of booleans; the value *means* is true."""
+    return lambda _at, raw: raw is means if isinstance(raw, bool) else None
+
+
+def choice(meanings: Mapping[int, PlainValue]) -> Reader:
+    """Return a reader of an enumeration; other numbers are unknown."""
+
+    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
+        value = whole_number(raw)
+        return None if value is None else meanings.get(value)
+
+    return read
+
+
+def one_of(*values: int) -> Reader:
+    """Return a reader of an enumeration into whether it is one of *values*."""
+
+    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
+        value = whole_number(raw)
+        return None if value is None else value in values
+
+    return read
+
+
+def closed_hundredths(capability: str, value: PlainValue) -> int:
+    """Return the hundredths of a percent by which a covering shall be closed, for a value that is its opening."""
+    return 10_000 - round(require_number(capability, value, 0.0, 100.0, "%") * 100)
