@@ -56,7 +56,7 @@ def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz, mutator: Call
         assert parts.keys() == device.entities.keys()
         for part_id, entity in device.entities.items():
             part = parts[part_id]
-            state = STATES.get(KINDS[entity.kind])
+            state = STATES.get(KINDS[entity.component])
             for _ in range(2 if state else 0):
                 assert state is not None
                 for name, value in entity.read(fields(mutate, state)).items():

@@ -4,7 +4,6 @@ import pytest
 from tests.conventions.wled.wled_documents import RGB_0_15
 
 from homebot.conventions.wled import WledStrip, preset_names
-from homebot.conventions.wled.presets import shown_preset
 from homebot.errors import RefusedError
 
 NAMES = {1: "Warm", 2: "Preset 2", 5: "Warm (5)", 7: "Party"}
@@ -21,7 +20,8 @@ def test_each_preset_has_a_name_of_its_own() -> None:
     [({"ps": 1, "pl": -1}, "Warm"), ({"ps": 1, "pl": 7}, "Party"), ({"ps": -1, "pl": -1}, None), ({"ps": "1"}, None)],
 )
 def test_a_playlist_that_runs_counts_before_its_preset(state: dict[str, object], name: str | None) -> None:
-    assert shown_preset(state, NAMES) == name
+    strip = WledStrip({"state": state, "info": {}}, (), NAMES)
+    assert dict(strip.readings())["preset"] == {"option": name}
 
 
 def test_a_preset_is_chosen_by_its_number() -> None:

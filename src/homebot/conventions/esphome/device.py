@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from typing import TypeAlias
 
-from homebot.conventions.esphome.climate import build_climate, build_fan, build_water_heater
 from homebot.conventions.esphome.entity import EsphomeEntity, Fields, key_of, text_of, whole_of
-from homebot.conventions.esphome.light import build_light
-from homebot.conventions.esphome.openings import build_cover, build_lock, build_valve
-from homebot.conventions.esphome.simple_entities import SIMPLE_BUILDERS
+from homebot.conventions.esphome.kinds import KINDS
 from homebot.conventions.secrets import names_secret
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
@@ -23,19 +20,7 @@ ListedEntity: TypeAlias = tuple[str, Fields]
 MAX_ENTITIES = 500
 """Entities of one device; a large one has a hundred."""
 
-_BUILDERS: Mapping[str, Callable[[str, Fields], EsphomeEntity]] = {
-    "climate": build_climate,
-    "water_heater": build_water_heater,
-    "light": build_light,
-    "cover": build_cover,
-    "lock": build_lock,
-    "valve": build_valve,
-    "fan": build_fan,
-    **SIMPLE_BUILDERS,
-}
-"""By component, in the order of parts: the first part that is no setting decides the type of the device."""
-
-_ORDER = {kind: number for number, kind in enumerate(_BUILDERS)}
+_ORDER = {component: number for number, component in enumerate(KINDS)}
 
 
 class EsphomeDevice:
@@ -51,7 +36,7 @@ class EsphomeDevice:
     Attributes:
         sleeps: Whether it sleeps most of the time, out of reach.
         entities: Its entities by the ids of their parts.
-        left_out: How many more entities it lists than are taken.
+        left_out: Number of listed entities above the limit.
     """
 
     def __init__(self, info: Fields, listed: Iterable[ListedEntity]) -> None:
@@ -59,25 +44,25 @@ class EsphomeDevice:
         self.entities: dict[str, EsphomeEntity] = {}
         self._by_key: dict[tuple[str, tuple[int, int]], str] = {}
         self._info = info
-        known = [(kind, fields) for kind, fields in listed if kind in _BUILDERS and _is_to_be_read(kind, fields)]
+        known = [(kind, fields) for kind, fields in listed if kind in KINDS and _is_to_be_read(kind, fields)]
         self.left_out = max(0, len(known) - MAX_ENTITIES)
         for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda one: _ORDER[one[0]]):
-            self._add(_BUILDERS[kind](kind, fields), text_of(fields, "object_id")[:_MAX_ID])
+            self._add(EsphomeEntity(kind, fields, KINDS[kind]), text_of(fields, "object_id")[:_MAX_ID])
 
     @property
     def name(self) -> str:
-        """Its name for people; empty if it does not say."""
+        """Its name; empty for none."""
         return text_of(self._info, "friendly_name") or text_of(self._info, "name")
 
     @property
     def area(self) -> str:
-        """The room that it is in; empty if it does not say."""
+        """Its room; empty for none."""
         area = self._info.get("area")
         return (text_of(area, "name") if isinstance(area, dict) else "") or text_of(self._info, "suggested_area")
 
     @property
     def identifiers(self) -> tuple[str, ...]:
-        """Its hardware addresses; its name where it has none."""
+        """Its hardware addresses, or its name without one."""
         addresses = [text_of(self._info, "mac_address"), text_of(self._info, "bluetooth_mac_address")]
         return identifiers(addresses if any(addresses) else [text_of(self._info, "name")])
 
@@ -113,15 +98,15 @@ class EsphomeDevice:
         return self.entities[part_id]
 
     def _add(self, entity: EsphomeEntity, object_id: str) -> None:
-        if (entity.kind, entity.key) in self._by_key:
+        if (entity.component, entity.key) in self._by_key:
             return
-        base = part_id = f"{entity.kind}_{object_id}" if object_id else f"{entity.kind}_{entity.key[1]}"
+        base = part_id = f"{entity.component}_{object_id}" if object_id else f"{entity.component}_{entity.key[1]}"
         number = 1
         while part_id in self.entities:
             number += 1
             part_id = f"{base}_{number}"
         self.entities[part_id] = entity
-        self._by_key[entity.kind, entity.key] = part_id
+        self._by_key[entity.component, entity.key] = part_id
 
 
 def _is_to_be_read(kind: str, fields: Fields) -> bool:

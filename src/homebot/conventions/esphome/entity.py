@@ -1,4 +1,4 @@
-"""An entity of an ESPHome device as a part of the vocabulary: decodes its states and encodes its commands. Pure.
+"""Entities of ESPHome devices as parts: rows of capability, reader and writer; states in, commands out. Pure.
 
 Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbers of enums are taken from there.
 """
@@ -6,7 +6,8 @@ Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbe
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option, require_transition
 from homebot.conventions.payload import Readings, clean_text, shown
@@ -17,144 +18,153 @@ from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = [
+    "EntityKind",
+    "EntityRow",
     "EsphomeEntity",
-    "FieldReader",
-    "FieldWriter",
     "Fields",
-    "flag_reader",
+    "ReadField",
+    "WriteField",
+    "choice_row",
+    "flag_row",
+    "has_feature",
     "key_of",
     "number_of",
     "numbers_of",
     "options_of",
-    "percent_reader",
-    "percent_writer",
-    "table_reader",
+    "percent_row",
+    "read_flag",
+    "read_named",
+    "read_percent",
+    "read_text",
     "text_of",
     "whole_of",
+    "write_option",
+    "write_percent",
 ]
 
 Fields: TypeAlias = Mapping[str, object]
-"""The fields of a message by name; an enum is its number, or None if that is not known."""
+"""The fields of a message by name; an enum is its number, or None if that is unknown."""
 
-FieldReader: TypeAlias = Callable[[Fields], PlainValue]
-"""Returns the value of one capability from a complete state; None for unknown. Never raises."""
+ReadField: TypeAlias = Callable[[Fields, Fields], PlainValue]
+"""Returns the value of a capability from the description and a complete state; None for unknown. Never raises."""
 
-FieldWriter: TypeAlias = Callable[[PlainValue, str], Fields]
-"""Returns the fields of the command that sets a value, given a code for those that need one; raises RefusedError."""
+WriteField: TypeAlias = Callable[[Fields, PlainValue, str], Fields]
+"""Returns the fields of a command from the description, a value and a code, which may be empty; raises RefusedError."""
 
 _MAX_OPTIONS = 500
 _MAX_TEXT = 255
+_MOST_SECONDS = 4_000_000.0
+"""Longest transition: ESPHome counts milliseconds with 32 bits."""
+
 _CATEGORIES: Mapping[int, Category] = {1: "config", 2: "diagnostic"}
 
 
-class EsphomeEntity:
-    """An entity: capabilities are added first, then it decodes states and encodes commands.
-
-    Args:
-        kind: Its component: ``light``, ``binary_sensor``.
-        info: Its description, as listed by the device.
-        service_type: The type of the part; see :data:`homebot.devices.device_types.DEVICE_TYPES`.
-        tag: The kind within its type; by default its device class.
+@dataclass(frozen=True, slots=True)
+class EntityRow:
+    """A capability of a kind of entity; texts and functions of the description.
 
     Attributes:
-        kind: The same.
-        info: The same.
-        key: The device's number for it, and that of the sub-device that it belongs to, which is 0 for the device.
+        read: The reader; None if it is not readable.
+        write: The writer; None if it is not settable.
+        needs: The boolean field of the description that an entity with it has; empty for none.
+        when: A further condition.
+    """
+
+    capability: str | Callable[[Fields], str]
+    read: ReadField | None
+    write: WriteField | None = None
+    needs: str = ""
+    when: Callable[[Fields], object] | None = None
+    options: tuple[str, ...] | Callable[[Fields], tuple[str, ...]] = ()
+    bounds: Callable[[Fields], tuple[float, ...]] | None = None
+    unit: str | Callable[[Fields], str] = ""
+
+    def applies(self, info: Fields) -> bool:
+        """Return whether an entity with the description *info* has the capability."""
+        return (not self.needs or info.get(self.needs) is True) and (self.when is None or bool(self.when(info)))
+
+    def describe(self, info: Fields) -> Capability:
+        """Return the capability of an entity with the description *info*."""
+        is_assumed = info.get("assumed_state") is True  # it reports its last command
+        return Capability(
+            name=self.capability if isinstance(self.capability, str) else self.capability(info),
+            readable=self.read is not None,
+            settable=self.write is not None,
+            unit=self.unit if isinstance(self.unit, str) else self.unit(info),
+            bounds=() if self.bounds is None else self.bounds(info),
+            options=self.options if isinstance(self.options, tuple) else self.options(info),
+            echoed=is_assumed and self.read is not None and self.write is not None,
+        )
+
+
+class EntityKind(NamedTuple):
+    """A component: the type of its parts, or a function of the description, and its rows.
+
+    Attributes:
+        tag: The tag of its parts; None for the device class.
+    """
+
+    service_type: str | Callable[[Fields], str]
+    rows: tuple[EntityRow, ...]
+    tag: str | None = None
+
+
+class EsphomeEntity:
+    """An entity of a device.
+
+    Attributes:
+        component: Its component: ``light``, ``binary_sensor``.
+        info: Its description, as listed by the device.
+        key: The device's numbers for its sub-device, 0 for the device itself, and for it.
         state: The fields of its last state; empty before the first.
     """
 
-    def __init__(self, kind: str, info: Fields, service_type: str, tag: str | None = None) -> None:
-        self.kind = kind
+    def __init__(self, component: str, info: Fields, kind: EntityKind) -> None:
+        self.component = component
+        self.info = info
         self.key = key_of(info)
         self.state: Fields = {}
-        self.info = info
-        self._service_type = service_type
-        self._tag = text_of(info, "device_class") if tag is None else tag
-        self._capabilities: list[Capability] = []
-        self._readers: dict[str, FieldReader] = {}
-        self._writers: dict[str, FieldWriter] = {}
-
-    def add(
-        self,
-        name: str,
-        read: FieldReader | None,
-        write: FieldWriter | None = None,
-        *,
-        unit: str = "",
-        bounds: tuple[float, ...] = (),
-        options: tuple[str, ...] = (),
-    ) -> None:
-        """Add the capability *name*: readable if *read* is given, settable if *write* is."""
-        if read is not None:
-            self._readers[name] = read
-        if write is not None:
-            self._writers[name] = write
-        is_assumed = self.info.get("assumed_state") is True  # it reports its last command
-        self._capabilities.append(
-            Capability(
-                name=name,
-                readable=read is not None,
-                settable=write is not None,
-                unit=unit,
-                bounds=bounds,
-                options=options,
-                echoed=is_assumed and read is not None and write is not None,
-            )
-        )
-
-    def add_flag(self, name: str, field: str) -> None:
-        """Add a capability that is a boolean field of state and command."""
-        self.add(name, flag_reader(field), lambda value, _code: {field: require_bool(name, value)})
-
-    def add_percent(self, name: str, field: str) -> None:
-        """Add a percentage that is a field from 0 to 1 in state and command."""
-        self.add(name, percent_reader(field), percent_writer(name, field))
-
-    def add_choice(self, name: str, field: str, choices: Mapping[str, object]) -> None:
-        """Add a choice that is a field of state and command; *choices* are the values of the field by option."""
-        read = table_reader(field, {number: option for option, number in choices.items()})
-        options = tuple(choices)
-        self.add(
-            name, read, lambda value, _code: {field: choices[require_option(name, value, options)]}, options=options
-        )
+        self._kind = kind
+        rows = [(row.describe(info), row) for row in kind.rows if row.applies(info)]
+        self._capabilities = tuple(capability for capability, _ in rows)
+        self._rows = {capability.name: row for capability, row in rows}
 
     def part(self, part_id: str, owner: str = "") -> Part:
         """Return its part; the name of its sub-device, *owner*, precedes its own."""
+        service_type, _, tag = self._kind
         return Part(
             id=part_id,
             name=f"{owner} {text_of(self.info, 'name')}".strip(),
-            service_type=self._service_type,
-            advertised=self.kind,
-            tag=self._tag,
+            service_type=service_type if isinstance(service_type, str) else service_type(self.info),
+            advertised=self.component,
+            tag=text_of(self.info, "device_class") if tag is None else tag,
             category=_CATEGORIES.get(whole_of(self.info, "entity_category"), ""),
-            capabilities=tuple(self._capabilities),
+            capabilities=self._capabilities,
         )
 
     def read(self, state: Fields) -> Readings:
         """Return the values in a state; all are unknown if the device has no state."""
         self.state = state
+        readers = [(name, row.read) for name, row in self._rows.items() if row.read is not None]
         if state.get("missing_state") is True:
-            return dict.fromkeys(self._readers, None)
-        found = {name: read(state) for name, read in self._readers.items()}
+            return {name: None for name, _ in readers}
+        found = {name: read(self.info, state) for name, read in readers}
         return {name: value for name, value in found.items() if value is not None or name not in EVENTS}
 
     def command(self, capability: str, value: PlainValue, transition: float = 0.0, code: str = "") -> Fields:
-        """Return the fields of the command that makes *capability* become *value*.
+        """Return the fields of the command that sets *capability*.
 
         Raises:
-            RefusedError: It cannot do that, or is not allowed to without a code; says which values it takes.
+            RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        write = self._writers.get(capability)
-        if write is None:
-            raise RefusedError(shown(capability), f"this part takes {', '.join(self._writers) or 'nothing'}")
-        fields = write(value, code)
-        if self.kind == "light" and transition:
+        row = self._rows.get(capability)
+        if row is None or row.write is None:
+            settable = ", ".join(name for name, row in self._rows.items() if row.write is not None)
+            raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
+        fields = row.write(self.info, value, code)
+        if self.component == "light" and transition:
             return {**fields, "transition_length": require_transition(transition, _MOST_SECONDS)}
         return fields
-
-
-_MOST_SECONDS = 4_000_000.0
-"""Longest transition: ESPHome counts milliseconds with 32 bits."""
 
 
 def key_of(fields: Fields) -> tuple[int, int]:
@@ -193,36 +203,72 @@ def numbers_of(fields: Fields, name: str) -> tuple[int, ...]:
     return tuple(int(one) for one in value if isinstance(one, int)) if isinstance(value, list) else ()
 
 
-def flag_reader(field: str) -> FieldReader:
-    """Return a reader of a field that is true or false."""
-
-    def read(state: Fields) -> PlainValue:
-        value = state.get(field)
-        return value if isinstance(value, bool) else None
-
-    return read
+def has_feature(field: str, bits: int) -> Callable[[Fields], bool]:
+    """Return a condition: all *bits* are set in a field of the description."""
+    return lambda info: whole_of(info, field) & bits == bits
 
 
-def percent_reader(field: str) -> FieldReader:
+def read_flag(field: str) -> ReadField:
+    """Return a reader of a boolean field."""
+    return lambda _info, state: value if isinstance(value := state.get(field), bool) else None
+
+
+def read_text(field: str) -> ReadField:
+    """Return a reader of a text field."""
+    return lambda _info, state: text_of(state, field) if isinstance(state.get(field), str) else None
+
+
+def read_percent(field: str) -> ReadField:
     """Return a reader of a field from 0 to 1."""
 
-    def read(state: Fields) -> PlainValue:
+    def read(_info: Fields, state: Fields) -> PlainValue:
         number = number_of(state, field)
         return None if number is None or not 0 <= number <= 1 else round(number * 100, 4)
 
     return read
 
 
-def percent_writer(name: str, field: str) -> FieldWriter:
-    """Return a writer of a field from 0 to 1."""
-    return lambda value, _code: {field: require_number(name, value, 0, 100, "%") / 100}
+def read_named(field: str, meanings: Mapping[int, str]) -> ReadField:
+    """Return a reader of an enum with these *meanings*; another number is unknown."""
+    return lambda _info, state: meanings.get(value) if isinstance(value := state.get(field), int) else None
 
 
-def table_reader(field: str, meanings: Mapping[object, str]) -> FieldReader:
-    """Return a reader of a field with values of these *meanings*; another value is unknown."""
+def write_percent(name: str, field: str, **more: object) -> WriteField:
+    """Return a writer of a field from 0 to 1, with *more* fields."""
+    return lambda _info, value, _code: {**more, field: require_number(name, value, 0, 100, "%") / 100}
 
-    def read(state: Fields) -> PlainValue:
+
+def write_option(name: str, field: str, listed: str, **more: object) -> WriteField:
+    """Return a writer of one of the texts in the field *listed* of the description, with *more* fields."""
+    return lambda info, value, _code: {**more, field: require_option(name, value, options_of(info, listed))}
+
+
+def flag_row(name: str, field: str, needs: str = "") -> EntityRow:
+    """Return the row of a boolean field of state and command."""
+    return EntityRow(name, read_flag(field), lambda _info, value, _code: {field: require_bool(name, value)}, needs)
+
+
+def percent_row(name: str, field: str, needs: str = "") -> EntityRow:
+    """Return the row of a field from 0 to 1 in state and command."""
+    return EntityRow(name, read_percent(field), write_percent(name, field), needs)
+
+
+def choice_row(
+    name: str,
+    field: str,
+    choices: Callable[[Fields], Mapping[str, object]],
+    needs: str = "",
+    when: Callable[[Fields], object] | None = None,
+) -> EntityRow:
+    """Return the row of a field of state and command, with a value for each of the *choices* of the description."""
+
+    def read(info: Fields, state: Fields) -> PlainValue:
         value = state.get(field)
-        return meanings.get(value) if isinstance(value, (int, str)) else None
+        is_known = isinstance(value, (int, str))
+        return next((option for option, known in choices(info).items() if is_known and known == value), None)
 
-    return read
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        known = choices(info)
+        return {field: known[require_option(name, value, known)]}
+
+    return EntityRow(name, read, write, needs, when, lambda info: tuple(choices(info)))

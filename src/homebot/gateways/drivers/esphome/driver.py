@@ -69,7 +69,7 @@ class EsphomeDriver(Driver):
         entity = device.entity(command.part)
         value = command.value.plain()
         fields = entity.command(command.capability, value, command.transition, command.code)
-        connection.send(entity.kind, entity.key, fields)
+        connection.send(entity.component, entity.key, fields)
 
     def _described(self, device: EsphomeDevice, *, authenticated: bool) -> GatewayDevice:
         return GatewayDevice(

@@ -1,0 +1,324 @@
+"""The components of ESPHome as tables of rows: openings, sensors, switches, settings, alarms. Pure.
+
+Source: ESPHome 2026.10, ``components/api/api.proto``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from datetime import UTC, date, datetime, time
+from functools import partial
+from typing import Final
+
+from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
+from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
+from homebot.conventions.esphome.entity import (
+    EntityKind,
+    EntityRow,
+    Fields,
+    choice_row,
+    flag_row,
+    has_feature,
+    number_of,
+    options_of,
+    percent_row,
+    read_flag,
+    read_named,
+    read_percent,
+    read_text,
+    text_of,
+    whole_of,
+    write_option,
+    write_percent,
+)
+from homebot.conventions.esphome.light import LIGHT
+from homebot.conventions.payload import shown
+from homebot.conventions.secrets import names_secret
+from homebot.conventions.units import Quantity
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WrongCodeError
+
+__all__ = ["KINDS"]
+
+_OPERATIONS = {1: "opening", 2: "closing"}
+_LOCK_STATES = dict(enumerate(("locked", "unlocked", "jammed", "locking", "unlocking", "opening", "open"), 1))
+_ALARMS = ("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation", "armed_custom_bypass")
+_ALARM_STATES = (*_ALARMS, "pending", "arming", "disarming", "triggered")
+_ALARM_COMMANDS: Mapping[str, tuple[int, int]] = {
+    "disarmed": (0, 0),
+    "armed_away": (1, 2),
+    "armed_home": (2, 1),
+    "armed_night": (3, 4),
+    "armed_vacation": (4, 32),
+    "armed_custom_bypass": (5, 16),
+    "triggered": (6, 8),
+}
+"""State to the number of its command, and to the bit of the feature that it needs."""
+
+_PLAYER_STATES = dict(enumerate(("idle", "playing", "paused", "announcing", "off", "on"), 1))
+_PLAYER_VOLUME, _PLAYER_SWITCHES = 4, 128 | 256
+_PLAYER_COMMANDS = {True: {"command": 12}, False: {"command": 13}}
+_PASSWORD = 1
+_ANY_NUMBER = (-1e30, 1e30)
+_MOST_SECONDS = 2**32
+
+
+def _class_of(info: Fields) -> str:
+    return text_of(info, "device_class")
+
+
+def _listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
+    return lambda info: {one: one for one in options_of(info, field)}
+
+
+def _read_movement(_info: Fields, state: Fields) -> PlainValue:
+    """Read the movement; without a measured position it is 0 or 1."""
+    operation, position = state.get("current_operation"), number_of(state, "position")
+    if isinstance(operation, int) and operation in _OPERATIONS:
+        return _OPERATIONS[operation]
+    return None if position is None else "open" if position > 0 else "closed"
+
+
+def _write_movement(name: str, info: Fields, value: PlainValue, _code: str) -> Fields:
+    moves: dict[str, Fields] = {"open": {"position": 1.0}, "closed": {"position": 0.0}}
+    if info.get("supports_stop") is True:
+        moves["stopped"] = {"stop": True}
+    return moves[require_option(name, value, moves)]
+
+
+def _movement_rows(name: str) -> tuple[EntityRow, ...]:
+    return (
+        EntityRow(name, _read_movement, partial(_write_movement, name)),
+        percent_row("position", "position", "supports_position"),
+    )
+
+
+def _with_code(command: int, code: str) -> Fields:
+    return {"command": command, "code": code} if code else {"command": command}
+
+
+def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
+    """Write a lock state; the device checks the code if it needs one."""
+    commands = {"unlocked": 0, "locked": 1} | ({"open": 2} if info.get("supports_open") is True else {})
+    command = commands[require_option("lock", value, commands)]
+    if info.get("requires_code") is True and not code:
+        raise WrongCodeError(f"lock {value}", "it needs a code")
+    return _with_code(command, code)
+
+
+def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
+    """Write an alarm state; the device checks the code if it needs one."""
+    features = whole_of(info, "supported_features")
+    commands = {name: number for name, (number, bit) in _ALARM_COMMANDS.items() if not bit or features & bit}
+    state = require_option("alarm", value, commands)
+    field = {"disarmed": "requires_code", "triggered": ""}.get(state, "requires_code_to_arm")
+    if not code and info.get(field) is True:
+        raise WrongCodeError(f"alarm {state}", "it needs a code")
+    return _with_code(commands[state], code)
+
+
+def _quantity(info: Fields) -> Quantity:
+    return quantity_of(_class_of(info), text_of(info, "unit_of_measurement"))
+
+
+def _read_quantity(info: Fields, state: Fields) -> PlainValue:
+    number = number_of(state, "state")
+    return None if number is None else _quantity(info).value(number)
+
+
+def _number_bounds(info: Fields) -> tuple[float, float] | tuple[()]:
+    low, high = number_of(info, "min_value"), number_of(info, "max_value")
+    return (low, high) if low is not None and high is not None and low < high else ()
+
+
+def _write_number(info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"state": require_number("number", value, *(_number_bounds(info) or _ANY_NUMBER))}
+
+
+def _is_secret(info: Fields) -> bool:
+    return info.get("mode") == _PASSWORD or names_secret(text_of(info, "name"))
+
+
+def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
+    """Write a text; the device checks the pattern."""
+    least, most = (int(number_of(info, name) or 0) for name in ("min_length", "max_length"))
+    if not isinstance(value, str) or not least <= len(value.encode(errors="replace")) <= most:
+        raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+    return {"state": value}
+
+
+def _push_row(name: str, when: Callable[[Fields], object] | None = None) -> EntityRow:
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        if value is not True:
+            raise RefusedError(f"{name} {shown(value)}", "it takes only true")
+        return {}
+
+    return EntityRow(name, None, write, "", when)
+
+
+def _read_event(info: Fields, state: Fields) -> PlainValue:
+    event = state.get("event_type")
+    return event if isinstance(event, str) and event in options_of(info, "event_types") else None
+
+
+def _read_player_on(_info: Fields, state: Fields) -> PlainValue:
+    known = state.get("state")
+    return _PLAYER_STATES[known] != "off" if isinstance(known, int) and known in _PLAYER_STATES else None
+
+
+def _read_update(_info: Fields, state: Fields) -> PlainValue:
+    current, latest = text_of(state, "current_version"), text_of(state, "latest_version")
+    return latest != current if current and latest else None
+
+
+_DATE, _TIME = ("year", "month", "day"), ("hour", "minute", "second")
+
+
+def _whole_numbers(state: Fields, names: tuple[str, str, str]) -> tuple[int, int, int]:
+    """Return whole numbers; raises ValueError for a missing one."""
+    first, second, third = (number_of(state, name) for name in names)
+    if first is None or second is None or third is None:
+        raise ValueError("not a number")
+    return int(first), int(second), int(third)
+
+
+def _moment_text(kind: str, state: Fields) -> str:
+    if kind == "date":
+        return date(*_whole_numbers(state, _DATE)).isoformat()
+    if kind == "time":
+        return time(*_whole_numbers(state, _TIME)).isoformat()
+    seconds = state.get("epoch_seconds")
+    return datetime.fromtimestamp(seconds if isinstance(seconds, int) else -1e20, UTC).isoformat()
+
+
+def _moment_fields(kind: str, text: str) -> Fields:
+    if kind == "date":
+        day = date.fromisoformat(text)
+        return {name: getattr(day, name) for name in _DATE}
+    if kind == "time":
+        moment = time.fromisoformat(text)
+        return {name: getattr(moment, name) for name in _TIME}
+    instant = datetime.fromisoformat(text)
+    if instant.tzinfo is None or not 0 <= instant.timestamp() < _MOST_SECONDS:
+        raise ValueError("without time zone, or out of range")
+    return {"epoch_seconds": int(instant.timestamp())}
+
+
+def _moment(kind: str) -> EntityKind:
+    """Return the kind of a date, a time of day, or both: a text in ISO 8601."""
+
+    def read(_info: Fields, state: Fields) -> PlainValue:
+        try:
+            return _moment_text(kind, state)
+        except (ValueError, OverflowError, OSError):
+            return None
+
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        try:
+            return _moment_fields(kind, value if isinstance(value, str) else "")
+        except (ValueError, OverflowError):
+            zone = " with a time zone" if kind == "datetime" else ""
+            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format{zone}") from None
+
+    return EntityKind("x_setting", (EntityRow("text", read, write),), kind)
+
+
+KINDS: Final[Mapping[str, EntityKind]] = {
+    "climate": CLIMATE,
+    "water_heater": WATER_HEATER,
+    "light": LIGHT,
+    "cover": EntityKind(
+        lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
+        (*_movement_rows("movement"), percent_row("tilt", "tilt", "supports_tilt")),
+    ),
+    "lock": EntityKind("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
+    "valve": EntityKind("water_valve", _movement_rows("valve")),
+    "fan": FAN,
+    "switch": EntityKind(
+        lambda info: "plug" if _class_of(info) == "outlet" else "switch", (flag_row("on_off", "state"),)
+    ),
+    "siren": EntityKind(  # it only reports whether it is on; tone and volume also turn it on
+        "siren",
+        (
+            flag_row("on_off", "state"),
+            EntityRow(
+                "siren_tone",
+                None,
+                write_option("siren_tone", "tone", "tones", state=True),
+                when=_listed("tones"),
+                options=lambda info: options_of(info, "tones"),
+            ),
+            EntityRow("volume", None, write_percent("volume", "volume", state=True), "supports_volume"),
+        ),
+    ),
+    "alarm_control_panel": EntityKind(
+        "x_alarm_panel",
+        (EntityRow("alarm", read_named("state", dict(enumerate(_ALARM_STATES))), _write_alarm, options=_ALARM_STATES),),
+    ),
+    "media_player": EntityKind(
+        "speaker",
+        (
+            EntityRow(
+                "on_off",
+                _read_player_on,
+                lambda _info, value, _code: _PLAYER_COMMANDS[require_bool("on_off", value)],
+                when=has_feature("feature_flags", _PLAYER_SWITCHES),
+            ),
+            EntityRow(
+                "volume",
+                read_percent("volume"),
+                write_percent("volume", "volume"),
+                when=has_feature("feature_flags", _PLAYER_VOLUME),
+            ),
+            EntityRow("value", read_named("state", _PLAYER_STATES)),
+        ),
+    ),
+    "event": EntityKind(
+        "generic_switch", (EntityRow("press", _read_event, options=lambda info: options_of(info, "event_types")),)
+    ),
+    "binary_sensor": EntityKind(
+        lambda info: condition_of(_class_of(info))[0],
+        (EntityRow(lambda info: condition_of(_class_of(info))[1], read_flag("state")),),
+    ),
+    "sensor": EntityKind(
+        lambda info: _quantity(info).service_type,
+        (EntityRow(lambda info: _quantity(info).capability, _read_quantity, unit=lambda info: _quantity(info).unit),),
+    ),
+    "text_sensor": EntityKind("x_sensor", (EntityRow("value", read_text("state")),)),
+    "number": EntityKind(
+        "x_setting",
+        (
+            EntityRow(
+                "number",
+                lambda _info, state: number_of(state, "state"),
+                _write_number,
+                bounds=_number_bounds,
+                unit=lambda info: text_of(info, "unit_of_measurement"),
+            ),
+        ),
+    ),
+    "select": EntityKind("x_setting", (choice_row("option", "state", _listed("options")),)),
+    "text": EntityKind(  # a password can be set but is never read
+        "x_setting",
+        (
+            EntityRow("text", None, _write_text, when=_is_secret),
+            EntityRow("text", read_text("state"), _write_text, when=lambda info: not _is_secret(info)),
+        ),
+    ),
+    "button": EntityKind(
+        "x_setting", (_push_row("push"), _push_row("locate", lambda info: _class_of(info) == "identify"))
+    ),
+    "date": _moment("date"),
+    "time": _moment("time"),
+    "datetime": _moment("datetime"),
+    "update": EntityKind(  # homebot never installs an update
+        "x_update",
+        (
+            EntityRow("version", read_text("current_version")),
+            EntityRow("latest_version", read_text("latest_version")),
+            EntityRow("update_available", _read_update),
+        ),
+    ),
+}
+"""By component, in the order of parts: the first part that is no setting decides the type of the device."""
