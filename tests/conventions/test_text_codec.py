@@ -6,7 +6,7 @@ import pytest
 
 from homebot.conventions.description import Publication
 from homebot.conventions.text_codec import TextCodec
-from homebot.conventions.thesis.convention import thesis_part
+from homebot.conventions.thesis import thesis_part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.thesis.convention import thesis_part
+from homebot.conventions.thesis import thesis_part
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.text.commands import decode_command, encode_command

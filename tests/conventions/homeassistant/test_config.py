@@ -59,7 +59,6 @@ def test_options_are_texts_and_one_needs_no_list(value: object, options: tuple[s
         (lambda one: one.integer("k", 0), "9" * 5_000),
         (lambda one: one.number("k", 0), "nan"),
         (lambda one: one.number("k", 0), 10**400),
-        (lambda one: one.optional_number("k"), {}),
         (lambda one: one.options("k"), [[]]),
         (lambda one: one.options("k"), ["x"] * (MAX_OPTIONS + 1)),
         (lambda one: one.options("k"), ["x" * 256]),

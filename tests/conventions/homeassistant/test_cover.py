@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.cover import build_cover
+from homebot.conventions.homeassistant.openings import build_cover
 
 _ROLLER = {
     "command_topic": "shades/1/direction/set",

@@ -3,7 +3,7 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.appliances import build_water_heater
+from homebot.conventions.homeassistant.climate import build_water_heater
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

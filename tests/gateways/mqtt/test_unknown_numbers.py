@@ -14,7 +14,7 @@ from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.payload import is_unknown, read_number
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.thesis.convention import thesis_part
+from homebot.conventions.thesis import thesis_part
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue

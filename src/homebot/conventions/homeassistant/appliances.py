@@ -1,7 +1,6 @@
-"""Fans, humidifiers, water heaters, sirens, and robots that clean or mow. Pure.
+"""Fans, humidifiers, sirens, and robots that clean or mow. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py and
-water_heater.py.
+Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from homebot.conventions.command_values import Writer, bool_writer, number_write
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.temperature import Thermometer, read_thermometer, source_of
 from homebot.conventions.payload import (
     NO_READINGS,
     Readings,
@@ -29,14 +27,12 @@ from homebot.conventions.payload import (
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["build_fan", "build_humidifier", "build_lawn_mower", "build_siren", "build_vacuum", "build_water_heater"]
+__all__ = ["build_fan", "build_humidifier", "build_lawn_mower", "build_siren", "build_vacuum"]
 
 _PERCENT = (0.0, 100.0)
 _LONGEST_MODE = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")
-_WATER_HEATER_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
-_WATER_HEATER_BOUNDS = tuple(map(Thermometer(is_fahrenheit=True).celsius, (110.0, 140.0)))
 _MOWER_ACTIONS = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
 _MOWER_STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})
 _VACUUM_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
@@ -150,28 +146,6 @@ def _whole_within(least: float, most: float) -> Callable[[float], float | None]:
         return whole if least <= whole <= most else None
 
     return convert
-
-
-def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a water heater. Its switch, if it has a topic, is never reported."""
-    thermometer = read_thermometer(config)
-    limits = thermometer.limits(config, *_WATER_HEATER_BOUNDS)
-    entity = Entity(config, "water_heater")
-    entity.add_number(
-        "heating_setpoint",
-        source_of(config, "temperature_state"),
-        config.command_of("temperature"),
-        bounds=limits.bounds,
-        unit="°C",
-        from_device=thermometer.celsius,
-        to_device=limits.number,
-    )
-    measured = source_of(config, "current_temperature")
-    entity.add_number("local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
-    modes = config.options("modes") if config.has("modes") else _WATER_HEATER_MODES
-    entity.add_choice("water_heater_mode", source_of(config, "mode_state"), config.command_of("mode"), modes)
-    entity.add_flag("on_off", None, config.command_of("power"), config.on_off_payloads())
-    return entity.build()
 
 
 def build_siren(config: DiscoveryConfig) -> DescribedPart:

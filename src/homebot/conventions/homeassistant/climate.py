@@ -1,28 +1,28 @@
-"""The component ``climate``: thermostats, radiator valves, air conditioners, heat pumps. Pure.
+"""Thermostats, air conditioners, heat pumps and water heaters, with temperatures in °C or °F. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``components/climate/__init__.py``.
+Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_heater.py``,
+``components/climate/__init__.py`` and ``util/unit_conversion.py``.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from functools import partial
 
-from homebot.conventions.command_values import require_bool
+from homebot.conventions.command_values import require_bool, require_number
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.temperature import (
-    TargetMode,
-    add_temperatures,
-    source_at,
-    source_of,
-)
-from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import NO_READINGS, Readings, shown
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["build_climate"]
+__all__ = ["build_climate", "build_water_heater"]
+
+_HEATER_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
+_HEATER_RANGE = (to_celsius(110.0), to_celsius(140.0))
 
 
 def build_climate(config: DiscoveryConfig) -> DescribedPart:
@@ -30,19 +30,19 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     modes = _modes(config)
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
-    target_mode = TargetMode(is_reported=config.has("mode_state_topic") and not config.flag("optimistic"))
-    add_temperatures(entity, config, modes, target_mode)
+    target_mode = _TargetMode(is_reported=config.has("mode_state_topic") and not config.flag("optimistic"))
+    _add_temperatures(entity, config, modes, target_mode)
     _add_humidity(entity, config)
-    mode = config.command("mode_command_topic", "mode_command_template")
+    mode = config.command_of("mode")
     entity.add_choice(
-        "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.on_command
+        "thermostat_mode", _source_of(config, "mode_state"), mode, modes, on_command=target_mode.on_command
     )
     _add_switch(entity, config, mode, modes, target_mode)
-    entity.add_choice("thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
+    entity.add_choice("thermostat_action", _source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
-        command = config.command(f"{name}_command_topic", f"{name}_command_template")
+        command = config.command_of(name)
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
-        entity.add_choice(name, source_of(config, f"{name}_state"), command, options)
+        entity.add_choice(name, _source_of(config, f"{name}_state"), command, options)
     _add_preset(entity, config)
     return entity.build()
 
@@ -68,9 +68,9 @@ def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
 
 
 def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
-    entity.add_number("humidity", source_of(config, "current_humidity"), None, unit="%")
-    command = config.command("target_humidity_command_topic", "target_humidity_command_template")
-    source = source_of(config, "target_humidity_state")
+    entity.add_number("humidity", _source_of(config, "current_humidity"), None, unit="%")
+    command = config.command_of("target_humidity")
+    source = _source_of(config, "target_humidity_state")
     least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
     if least >= most or most > 100:
         raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
@@ -80,14 +80,13 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
 
 
 def _add_switch(
-    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
+    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: _TargetMode
 ) -> None:
     """Add ``on_off``: with a topic of its own, or else by the mode, as in Home Assistant."""
-    power = config.command("power_command_topic", "power_command_template")
-    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
+    power = config.command_of("power")
     command = power or mode
-    texts = payloads if power else _modes_of_switch(modes)
-    source = source_of(config, "mode_state") if "off" in modes else None
+    texts = config.on_off_payloads() if power else _modes_of_switch(modes)
+    source = _source_of(config, "mode_state") if "off" in modes else None
 
     def write(value: PlainValue, _transition: float) -> Publications:
         is_on = require_bool("on_off", value)
@@ -120,7 +119,210 @@ def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     presets = config.options("preset_modes")
     if "none" in presets:
         raise WireError("climate: preset_modes has none, which means that there is no preset")
-    command = config.command("preset_mode_command_topic", "preset_mode_command_template")
+    command = config.command_of("preset_mode")
     if presets and command is not None:
-        source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
+        source = _source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
         entity.add_choice("preset_mode", source, command, ("none", *presets), meanings={"None": "none"})
+
+
+def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a water heater. Its switch, if it has a topic, is never reported."""
+    temperatures = _read_temperatures(config, *_HEATER_RANGE)
+    entity = Entity(config, "water_heater")
+    temperatures.add_setpoint(entity, "heating_setpoint", config, "temperature")
+    temperatures.add_measured(entity, config)
+    modes = config.options("modes") if config.has("modes") else _HEATER_MODES
+    entity.add_choice("water_heater_mode", _source_of(config, "mode_state"), config.command_of("mode"), modes)
+    entity.add_flag("on_off", None, config.command_of("power"), config.on_off_payloads())
+    return entity.build()
+
+
+@dataclass(frozen=True, slots=True)
+class _Temperatures:
+    """Temperatures of a device: its unit, °F or °C, and its lowest and highest setpoint in that unit."""
+
+    is_fahrenheit: bool
+    low: float
+    high: float
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The setpoints in °C; see :func:`celsius_bounds`."""
+        return celsius_bounds(self.low, self.high) if self.is_fahrenheit else (self.low, self.high)
+
+    def celsius(self, number: float) -> float:
+        """Return the device's *number* in °C."""
+        return to_celsius(number) if self.is_fahrenheit else number
+
+    def number(self, celsius: float) -> float:
+        """Return a setpoint in °C as the device's number, which is within its range."""
+        return min(max(to_fahrenheit(celsius) if self.is_fahrenheit else celsius, self.low), self.high)
+
+    def add_setpoint(self, entity: Entity, name: str, config: DiscoveryConfig, key: str) -> None:
+        """Add the setpoint *name* from the fields that begin with *key*."""
+        entity.add_number(
+            name,
+            _source_of(config, f"{key}_state"),
+            config.command_of(key),
+            bounds=self.bounds,
+            unit="°C",
+            from_device=self.celsius,
+            to_device=self.number,
+        )
+
+    def add_measured(self, entity: Entity, config: DiscoveryConfig) -> None:
+        """Add the measured temperature."""
+        source = _source_of(config, "current_temperature")
+        entity.add_number("local_temperature", source, None, unit="°C", from_device=self.celsius)
+
+
+def _read_temperatures(config: DiscoveryConfig, least: float, most: float) -> _Temperatures:
+    """Return the temperatures of a config, with the default range *least* to *most* in °C."""
+    unit = config.text("temperature_unit", "C").strip().upper().removeprefix("°")
+    if unit not in ("C", "F"):
+        raise WireError(f"{config.component}: temperature_unit is {shown(unit)}, not C or F")
+    low, high = (to_fahrenheit(end) if unit == "F" else end for end in (least, most))
+    return _Temperatures(unit == "F", config.number("min_temp", low), config.number("max_temp", high))
+
+
+def _source_of(config: DiscoveryConfig, name: str) -> ValueSource | None:
+    """Return the source of *name* of a climate device; ``value_template`` is the default template."""
+    return _source_at(config, f"{name}_topic", f"{name}_template")
+
+
+def _source_at(config: DiscoveryConfig, topic_key: str, template_key: str) -> ValueSource | None:
+    """Return a source as :func:`_source_of`, for fields with other names."""
+    return config.source(topic_key, template_key if config.has(template_key) else "value_template")
+
+
+@dataclass(slots=True)
+class _TargetMode:
+    """The mode of a thermostat, on which its targets depend.
+
+    Attributes:
+        is_reported: Whether it reports its mode; otherwise its last command is assumed.
+        mode: Its last mode; None for unknown.
+    """
+
+    is_reported: bool
+    mode: str | None = None
+
+    def on_command(self, mode: str) -> None:
+        """Record the mode of a command."""
+        if not self.is_reported:
+            self.mode = mode
+
+    @property
+    def is_pair(self) -> bool:
+        """True if the pair of targets is effective, not the single one."""
+        return self.mode == "heat_cool"
+
+
+def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: _TargetMode) -> None:
+    """Add the current temperature and the setpoints.
+
+    A single target is a ``heating_setpoint`` if the device heats or has no modes, and a ``cooling_setpoint`` if it
+    cools. Of a pair the lower one heats and the upper one cools. Of both, the pair is effective in the mode
+    ``heat_cool``, and the single one in any other. In an unknown mode neither is commanded. Without modes the pair is
+    effective.
+    """
+    temperatures = _read_temperatures(config, 7.0, 35.0)
+    has_pair = any(_is_there(config, end) for end in _ENDS.values())
+    by_single = _by_single(modes)
+    if has_pair and modes and _is_there(config, _SINGLE):
+        _add_both(entity, config, modes, _Targets(mode, temperatures, by_single))
+    else:
+        for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
+            temperatures.add_setpoint(entity, name, config, key)
+    temperatures.add_measured(entity, config)
+
+
+_SINGLE = "temperature"
+_ENDS = {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
+_HEATS = frozenset({"heat", "heat_cool", "auto"})
+_COOLS = frozenset({"cool", "heat_cool"})
+
+
+def _is_there(config: DiscoveryConfig, key: str) -> bool:
+    return config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic")
+
+
+def _by_single(modes: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the capabilities of a single target."""
+    cools = ("cooling_setpoint",) if _COOLS.intersection(modes) else ()
+    return (*cools, "heating_setpoint") if not cools or _HEATS.intersection(modes) else cools
+
+
+def _add_both(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], targets: _Targets) -> None:
+    """Add a single target and a pair."""
+    keys = (_SINGLE, *(end for end in _ENDS.values() if _is_there(config, end)))
+    commands = targets.commands
+    commands.update({key: command for key in keys if (command := config.command_of(key)) is not None})
+    mode_source = _source_of(config, "mode_state")  # read first: the mode selects the target in the same message
+    entity.read_text_from(mode_source, partial(targets.read_mode, frozenset(modes)))
+    readable = {
+        key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys
+    }
+    for name, end in _ENDS.items():
+        ways = [_SINGLE] if name in targets.by_single else []
+        ways += [end] if end in keys else []
+        if not ways:
+            continue
+        is_settable = any(way in commands for way in ways)
+        targets.names.append(name)
+        entity.add_capability(
+            name,
+            readable=any(readable[way] for way in ways),
+            writer=partial(targets.write, name) if is_settable else None,
+            unit="°C",
+            bounds=targets.temperatures.bounds if is_settable else (),
+        )
+    entity.add_commands(*commands.values())
+    entity.remembers()
+
+
+@dataclass(frozen=True, slots=True)
+class _Targets:
+    """A single target and a pair, selected by the mode, with their last values by key."""
+
+    mode: _TargetMode
+    temperatures: _Temperatures
+    by_single: tuple[str, ...]
+    commands: dict[str, CommandTopic] = field(default_factory=dict)
+    names: list[str] = field(default_factory=list)
+    last_values: dict[str, PlainValue] = field(default_factory=dict)
+
+    def read_mode(self, modes: frozenset[str], text: str) -> Readings:
+        """Read the mode, which may make other, earlier reported targets effective."""
+        if text != "None" and text not in modes:
+            return NO_READINGS
+        was_pair = self.mode.is_pair
+        self.mode.mode = None if text == "None" else text
+        if self.mode.is_pair == was_pair:
+            return NO_READINGS
+        return {name: self.last_values.get(self._key(name)) for name in self.names}
+
+    def read(self, key: str, text: str) -> Readings:
+        """Read the target *key*."""
+        found = read_number(key, text, convert=self.temperatures.celsius)
+        if not found:
+            return NO_READINGS
+        self.last_values[key] = found[key]
+        return {name: found[key] for name in self.names if self._key(name) == key}
+
+    def write(self, name: str, value: PlainValue, _transition: float) -> Publications:
+        number = self.temperatures.number(require_number(name, value, *self.temperatures.bounds, "°C"))
+        if self.mode.mode is None:
+            raise RefusedError(
+                f"{name} {number:g}", "its mode is unknown, and with it the setpoint; set its mode first"
+            )
+        command = self.commands.get(self._key(name))
+        if command is None:
+            raise RefusedError(f"{name} in mode {self.mode.mode}", "there is no such setpoint in that mode")
+        return command.publish(number)
+
+    def _key(self, name: str) -> str:
+        """Return the key of the effective target of *name*; empty for none."""
+        if self.mode.is_pair:
+            return _ENDS[name]
+        return _SINGLE if name in self.by_single else ""

@@ -52,12 +52,10 @@ class DiscoveryConfig:
         self.component = component
         self.discovery_id = discovery_id
         self.values = values
-        self.qos, self.retain, self.encoding = 0, False, "utf-8"
-        if not _HOW.isdisjoint(values):
-            self.qos = self.integer("qos", 0, least=0, most=2)
-            self.retain = self.flag("retain")
-            encoding = self.text("encoding", "utf-8").lower()
-            self.encoding = encoding if encoding in _CODECS else "utf-8"
+        self.qos = self.integer("qos", 0, least=0, most=2)
+        self.retain = self.flag("retain")
+        encoding = self.text("encoding", "utf-8").lower()
+        self.encoding = encoding if encoding in _CODECS else "utf-8"
 
     @property
     def is_secret(self) -> bool:
@@ -79,27 +77,18 @@ class DiscoveryConfig:
         """Return whether the field exists and is not null."""
         return self.values.get(key) is not None
 
-    def is_null(self, key: str) -> bool:
-        """Return whether the field is null, which removes a command."""
-        return key in self.values and self.values[key] is None
-
     def text(self, key: str, default: str = "") -> str:
         """Return a text, at most 8 kB long; a number or boolean as Python spells it."""
         value = self.values.get(key)
-        if value is None:
-            return default
-        return value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value)
+        return default if value is None else self._as_text(key, value)
 
     def clean_text(self, key: str, limit: int = 120) -> str:
         """Return a text for output; empty for none."""
-        value = self.values.get(key)
-        if value is None:
-            return ""
-        return clean_text(value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value), limit)
+        return clean_text(self.text(key), limit)
 
     def payload(self, key: str, default: str) -> str | None:
         """Return the payload of a command; None if the config removes it by null."""
-        return None if self.is_null(key) else self.text(key, default)
+        return None if self.values.get(key, default) is None else self.text(key, default)
 
     def flag(self, key: str, default: bool = False) -> bool:  # noqa: FBT001, FBT002 - reads like a mapping's get
         """Return a boolean; also ``yes``, ``on``, ``1`` and the like."""
@@ -119,12 +108,13 @@ class DiscoveryConfig:
     def number(self, key: str, default: float) -> float:
         """Return a finite number."""
         value = self.values.get(key)
-        return default if value is None else self._as_number(key, value)
-
-    def optional_number(self, key: str) -> float | None:
-        """Return a finite number, or None for none."""
-        value = self.values.get(key)
-        return None if value is None else self._as_number(key, value)
+        try:
+            number = default if value is None else float(value) if isinstance(value, (str, int, float)) else math.nan
+        except (ValueError, OverflowError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise self._refusal(key, value, "a number")
+        return number
 
     def seconds(self, key: str) -> float | None:
         """Return a time; None if it is missing or longer than ten years, which means for ever."""
@@ -136,8 +126,6 @@ class DiscoveryConfig:
         value = self.values.get(key)
         if value is None:
             return default
-        if type(value) is int and least <= value <= most:
-            return value
         try:
             whole = int(value) if isinstance(value, (str, int, float)) and len(str(value)) <= _MAX_DIGITS else None
         except (ValueError, OverflowError):
@@ -154,12 +142,9 @@ class DiscoveryConfig:
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        if _ONLY_TEXTS.issuperset(map(type, entries)):
-            options = tuple(entries)
-        else:
-            options = tuple([self._as_text(key, one) for one in entries])
-        if options and max(map(len, options)) > _MAX_OPTION:
-            longest = max(options, key=len)
+        options = tuple([self._as_text(key, one) for one in entries])
+        longest = max(options, key=len, default="")
+        if len(longest) > _MAX_OPTION:
             raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")
         return options
 
@@ -181,9 +166,7 @@ class DiscoveryConfig:
     def state_topic(self, key: str = "state_topic") -> str:
         """Return a topic to subscribe to, perhaps with wildcards; empty for none."""
         value = self.values.get(key)
-        if value is None:
-            return ""
-        return state_topic(value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value))
+        return "" if value is None else state_topic(self._as_text(key, value))
 
     def source(
         self,
@@ -191,13 +174,7 @@ class DiscoveryConfig:
         template_key: str = "value_template",
         variables: Mapping[str, object] | None = None,
     ) -> ValueSource | None:
-        """Return topic and template of a reported value; None without a topic.
-
-        Args:
-            topic_key: The field with the topic.
-            template_key: The field with the template.
-            variables: Further variables of the template.
-        """
+        """Return topic and template of a reported value, with further variables; None without a topic."""
         topic = self.state_topic(topic_key)
         return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
 
@@ -213,11 +190,10 @@ class DiscoveryConfig:
         value = self.values.get(topic_key)
         if value is None:
             return None
-        topic = command_topic(
-            value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(topic_key, value)
-        )
         template = self.template(template_key) if template_key else None
-        return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
+        return CommandTopic(
+            command_topic(self._as_text(topic_key, value)), template, self.qos, self.retain, self.encoding
+        )
 
     def required_command(
         self, topic_key: str = "command_topic", template_key: str = "command_template"
@@ -245,21 +221,11 @@ class DiscoveryConfig:
             return str(value)
         raise self._refusal(key, value, "a text")
 
-    def _as_number(self, key: str, value: object) -> float:
-        try:
-            number = float(value) if isinstance(value, (str, int, float)) else math.nan
-        except (ValueError, OverflowError):
-            number = math.nan
-        if not math.isfinite(number):
-            raise self._refusal(key, value, "a number")
-        return number
-
     def _refusal(self, key: str, value: object, expected: str) -> WireError:
         return WireError(f"{self.component}: {key} is {shown(value)}, not {expected}")
 
 
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
-_HOW = frozenset({"qos", "retain", "encoding"})
 _SHOWN = frozenset(
     {
         *("availability", "availability_mode", "code", "default_entity_id", "device", "device_class"),
@@ -279,7 +245,6 @@ def _is_of_commands(key: str) -> bool:
 
 
 _HUGE = 10**30
-_ONLY_TEXTS = frozenset({str})
 _FOR_EVER = 10 * 366 * 86_400
 _MAX_DIGITS = 40
 _FLAGS = dict.fromkeys(("1", "true", "yes", "on", "enable"), True) | dict.fromkeys(

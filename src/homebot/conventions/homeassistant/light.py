@@ -12,8 +12,7 @@ from functools import partial
 from homebot.conventions.description import DescribedPart, Publication, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.light_json import build_json_light, read_white_range
-from homebot.conventions.homeassistant.light_template import build_template_light
+from homebot.conventions.homeassistant.light_messages import build_json_light, build_template_light, read_white_range
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.lamp import LightCommand, LightFeatures
 from homebot.conventions.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation, white_kelvin

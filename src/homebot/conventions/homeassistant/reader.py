@@ -5,8 +5,11 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeAlias
+from functools import lru_cache
+from importlib import import_module
+from typing import TypeAlias, cast
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -16,9 +19,9 @@ from homebot.conventions.description import (
     DeviceWithdrawn,
 )
 from homebot.conventions.homeassistant.announcement import Announced, read_announcement
-from homebot.conventions.homeassistant.components import BUILDERS, builder_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader, read_availability
+from homebot.conventions.homeassistant.convention import BUILDERS
+from homebot.conventions.homeassistant.device import DeviceInfo, read_availability, read_device
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
@@ -32,7 +35,6 @@ class HomeAssistantReader:
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0
         self._prefixes = prefixes
-        self._devices = DeviceReader()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
         """Return the description in a config."""
@@ -50,7 +52,7 @@ class HomeAssistantReader:
         parts = self._parts(where, announced)
         if not parts:
             return (DeviceWithdrawn(where.key, "it has no components left"),)
-        device = self._devices.read(announced.device, announced.origin)
+        device = read_device(announced.device, announced.origin)
         return (_described(topic, where, announced, device, parts),)
 
     def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
@@ -62,7 +64,7 @@ class HomeAssistantReader:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = builder_of(component.platform)(config)
+                part = _builder_of(component.platform)(config)
                 if where.component == DEVICE:
                     part = replace(part, availability=read_availability(config))
             except WireError as error:
@@ -80,6 +82,17 @@ class HomeAssistantReader:
             self.rejected -= 1
             raise broken
         return parts
+
+
+_Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
+"""Builds the part of a component's config; raises WireError if Home Assistant would refuse the config."""
+
+
+@lru_cache(maxsize=len(BUILDERS))
+def _builder_of(component: str) -> _Builder:
+    """Import the builder of *component*, with the first config of that component."""
+    module, name = BUILDERS[component]
+    return cast("_Builder", getattr(import_module(f"{__package__}.{module}"), name))
 
 
 _Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]

@@ -6,14 +6,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py`` and ``util.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
-from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json, shown
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 
@@ -69,18 +69,12 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
 
 @lru_cache(maxsize=128)
 def command_topic(topic: str) -> str:
-    """Return *topic*, which must be valid for a command.
+    """Return *topic*, which must be valid for a command: no wildcards, no control characters.
 
     Raises:
-        WireError: It is empty, has a wildcard or a control character, or breaks MQTT's rules.
+        WireError: It is not.
     """
-    try:
-        validate_topic(topic)
-    except InvalidNameError as error:
-        raise _unusable(topic, error.problem) from None
-    if _FORBIDDEN.search(topic):
-        raise _unusable(topic, "has a control character")
-    return topic
+    return _checked(topic, validate_topic)
 
 
 @lru_cache(maxsize=128)
@@ -88,24 +82,24 @@ def state_topic(topic: str) -> str:
     """Return *topic*, which must be valid for a subscription, perhaps with wildcards.
 
     Raises:
-        WireError: It is empty, has a control character, or breaks MQTT's rules.
+        WireError: It is not, or has a control character.
     """
+    return _checked(topic, validate_filter)
+
+
+def _checked(topic: str, validate: Callable[[str], object]) -> str:
     try:
-        validate_filter(topic)
+        validate(topic)
     except InvalidNameError as error:
-        raise _unusable(topic, error.problem) from None
+        raise WireError(f"topic {shown(topic)} {error.problem}") from None
     if _FORBIDDEN.search(topic):
-        raise _unusable(topic, "has a control character")
+        raise WireError(f"topic {shown(topic)} has a control character")
     return topic
 
 
 _LEVELS = (2, 3)
 _MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
-
-
-def _unusable(topic: str, problem: str) -> WireError:
-    return WireError(f"topic {shown(topic)} {problem}")
 
 
 class StateMessage:
@@ -128,21 +122,9 @@ class StateMessage:
 
     def json_object(self, encoding: str = "utf-8") -> Mapping[str, object] | None:
         """Return the JSON object in the payload; None for none."""
-        if encoding == "utf-8":
-            return _json_object(self.payload)
         context = _context(self.payload, encoding)
         value = None if context is None else context.value_json
         return value if isinstance(value, dict) else None
-
-
-@lru_cache(maxsize=2)
-def _json_object(payload: bytes) -> Mapping[str, object] | None:
-    """Return the JSON object in UTF-8, without decoding it to text."""
-    try:
-        value = parse_json(payload, MAX_LONG_STATE_BYTES)
-    except WireError:
-        return None
-    return value if isinstance(value, dict) else None
 
 
 @lru_cache(maxsize=2)
