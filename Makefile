@@ -14,7 +14,7 @@ DAYS ?= 1000
 # What `make test-fast` leaves to `make test`: sockets, programs that are started, whole days, floods, generated cases.
 SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/broker tests/testing tests/days tests/packages \
 	tests/mqtt/client/test_contract.py tests/mqtt/client/test_keep_alive.py tests/discovery/test_churn.py \
-	tests/gateways/announced/test_command_server.py tests/gateways/mqtt/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
+	tests/gateways/announced/test_command_server.py tests/conventions/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
 	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
 	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
 	tests/gateways/ble tests/gateways/coap tests/gateways/drivers tests/gateways/matter tests/gateways/mdns tests/gateways/nfc \

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import sys
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -133,27 +131,6 @@ async def test_an_app_finds_the_lamp_and_turns_it_on(homebot: TestHouse, tmp_pat
     assert homebot.crashed == ()
     write(tmp_path / "hall.json", on=False)
     await becomes(tmp_path / "hall.json", on=True)
-
-
-@pytest.mark.homebot("light_service")
-async def test_the_light_service_turns_the_lamp_off(homebot: TestHouse, tmp_path: Path) -> None:
-    """By texts: it knows no handle."""
-    write(tmp_path / "hall.json", on=True)
-    await becomes(tmp_path / "hall.json", on=False)
-    assert homebot.crashed == ()
-
-
-async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse, tmp_path: Path) -> None:
-    write(tmp_path / "hall.json", on=True)
-    assert homebot.runtime.door is not None
-    door = {**os.environ, "HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
-    with anyio.fail_after(PATIENCE):
-        lines: list[list[str]] = []
-        while len(lines) < 2 or "on," not in lines[1]:
-            done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env=door)
-            lines = [line.split() for line in done.stdout.decode().splitlines()]
-    assert lines[0][0] == "DEVICE"
-    assert "folder" in lines[1]
 
 
 def test_the_program_is_short() -> None:

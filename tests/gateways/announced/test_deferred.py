@@ -13,7 +13,7 @@ def add(deferred: DeferredMessages[MqttMessage], one: MqttMessage, payer: str, *
 
 def numbers(deferred: DeferredMessages[MqttMessage], *payers: str) -> list[tuple[str, int]]:
     """What is taken for *payers*, by topic and number."""
-    return [(one.topic, int(one.payload)) for one in deferred.take(lambda payer: payer in payers)]
+    return [(one.topic, int(one.payload)) for one in deferred.release(lambda payer: payer in payers)]
 
 
 def test_messages_of_a_topic_are_taken_in_their_order_once_their_payer_may() -> None:
@@ -32,7 +32,7 @@ def test_the_newest_topic_of_a_prefix_comes_first_and_each_payer_in_turn() -> No
     for topic in ("x/1", "x/2"):
         add(deferred, message(topic, 1), "x/#", is_like=False)
     add(deferred, message("own", 1), "own", is_like=True)
-    assert numbers(deferred, "x/#", "own") == [("own", 1), ("x/2", 1), ("x/1", 1)]
+    assert numbers(deferred, "x/#", "own") == [("x/2", 1), ("own", 1), ("x/1", 1)]
 
 
 def test_of_too_many_on_a_topic_those_go_first_that_look_like_nothing_known() -> None:

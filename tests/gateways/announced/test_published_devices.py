@@ -101,14 +101,6 @@ async def test_a_report_of_an_unknown_device_or_part_is_counted_and_not_publishe
         assert gateway.devices.counters.readings_refused == 2
 
 
-async def test_an_unknown_value_is_reported_as_unknown() -> None:
-    async with house() as (gateway, watcher):
-        gateway.devices.put(LAMP, "new")
-        await gateway.devices.report("hall", {"on_off": None})
-        (report,) = kept(listen(watcher, Report, gateway.names.readings))
-        assert report.readings[0].value.plain() is None
-
-
 async def test_an_event_is_heard_once_and_by_no_late_joiner() -> None:
     async with house() as (gateway, watcher):
         now = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
@@ -332,15 +324,6 @@ async def test_a_state_that_was_published_already_is_nothing_new() -> None:
         for _ in range(3):
             gateway.set_available()
         assert [one.state for one in kept(states)] == ["unavailable", "active"]
-
-
-async def test_raw_messages_that_are_no_values_are_counted_and_not_delivered() -> None:
-    async with house() as (gateway, watcher):
-        gateway.devices.put(replace(LAMP, raw_address="radio/hall"), "new")
-        for payload in (b"", b"[]", b'{"on_off": [1]}', b"\xff"):
-            await gateway.receive("hall", payload)
-        assert gateway.devices.counters.rejected == 4
-        assert await missed_on(gateway, watcher, "radio/hall") == ()
 
 
 async def test_a_device_with_too_many_parts_is_refused_and_what_was_known_stays() -> None:

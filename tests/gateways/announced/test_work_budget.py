@@ -17,7 +17,7 @@ FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
 def spend(offenders: WorkBudgets, topic: str, now: float) -> int:
     """Break rules with short messages until no more are admitted; return how many were."""
     count = 0
-    while offenders.admits(offenders.payer(topic), now):
+    while offenders.admits(offenders.account_for(topic), now):
         offenders.charge(topic, 0, "why", now)
         count += 1
     return count
@@ -32,10 +32,10 @@ def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
 
 def test_who_stands_announced_pays_alone_and_all_others_of_a_prefix_together() -> None:
     offenders = accepted("hello/lamp")
-    assert offenders.payer("hello/lamp") == "hello/lamp"
-    assert offenders.payer("hello/stranger") == "hello/#"
-    assert offenders.payer("homie/5/x/$state") == "homie/#"
-    assert offenders.payer("shelly-1/events/rpc") == offenders.payer("shelly-2/events/rpc") == "#"
+    assert offenders.account_for("hello/lamp") == "hello/lamp"
+    assert offenders.account_for("hello/stranger") == "hello/#"
+    assert offenders.account_for("homie/5/x/$state") == "homie/#"
+    assert offenders.account_for("shelly-1/events/rpc") == offenders.account_for("shelly-2/events/rpc") == "#"
 
 
 def test_a_stranger_gains_nothing_by_changing_topics() -> None:
@@ -43,7 +43,7 @@ def test_a_stranger_gains_nothing_by_changing_topics() -> None:
     admitted = 0
     for number in range(10_000):
         topic = f"hello/{number}"
-        if offenders.admits(offenders.payer(topic), 0.0):
+        if offenders.admits(offenders.account_for(topic), 0.0):
             offenders.charge(topic, 0, "why", 0.0)
             admitted += 1
     assert admitted == SHARED_BURST // MESSAGE_WORK
@@ -124,7 +124,7 @@ def test_whatever_comes_in_whatever_order_the_work_is_bounded() -> None:
         while now < 20.0:
             now += random.choice((0.0, 0.0, 0.0, 0.001, 0.05, random.random()))
             topic = random.choice(("hello/lamp", f"hello/{random.randrange(1000)}"))
-            if not offenders.admits(offenders.payer(topic), now):
+            if not offenders.admits(offenders.account_for(topic), now):
                 continue
             if random.random() < 0.1:
                 offenders.accept("hello/lamp", b"{}", now, is_valid=True)

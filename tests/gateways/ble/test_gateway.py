@@ -359,13 +359,5 @@ async def test_motion_that_a_sensor_reports_once_is_unknown_after_a_moment(radio
         assert radio_house.newest(sensor, "motion", "occupancy") is None
 
 
-async def test_a_device_that_only_broadcasts_takes_no_commands(radio_house: RadioHouse) -> None:
-    async with radio_house.running() as gateway:
-        radio_house.radio.transmit("C0:00:00:00:00:02", [(0x16, BTHOME + b"\x02\x10\x00")])
-        await radio_house.until(lambda: radio_house.sightings)
-        with pytest.raises(RefusedError, match="only broadcasts"):
-            await gateway._perform(command("C0:00:00:00:00:02", "on_off", True))
-
-
 def command(key: str, capability: str, value: bool | float) -> Command:  # noqa: FBT001 - a value
     return Command(key=key, part="", capability=capability, value=Value.of(value))

@@ -14,7 +14,6 @@ from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
 from tests.ports import reserve_datagram_port
 
-from homebot.conventions.coap.registry import MAX_PER_HOST
 from homebot.devices.gateway_messages import REACHABLE
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -33,17 +32,6 @@ async def device(kind: str = "lamp", directory: str = "") -> AsyncIterator[CoapD
         tasks.start_soon(made.live)
         yield made
         tasks.cancel_scope.cancel()
-
-
-async def test_a_lamp_at_a_fixed_address_obeys_in_all_it_can() -> None:
-    async with device() as lamp, watched_gateway(devices=[lamp.uri]) as watcher:
-        found = await watcher.sighting(lambda one: bool(one.parts))
-        assert (found.key, found.name) == (lamp.uri, "Hall")
-        assert "id:urn:dev:homebot-house:house:Hall" in found.identifiers
-        assert (await watcher.tell(lamp.uri, "on_off", True)).success
-        await watcher.reported("on_off", True)
-        assert (await watcher.tell(lamp.uri, "level", 50.0)).success
-        await watcher.reported("level", 50.0)
 
 
 async def test_a_sensor_without_a_description_is_known_by_its_resource_type() -> None:
@@ -201,26 +189,6 @@ async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
         method = aiocoap.GET if payload is None else aiocoap.POST
         answer = await post(f"coap://{address}/{path}", payload or b"", method)
         assert answer.code.dotted == code
-
-
-async def test_a_flood_of_registrations_is_bounded_and_leaves_the_others_alone() -> None:
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri]) as watcher:
-        await watcher.sighting(lambda one: bool(one.parts))
-        context = await aiocoap.Context.create_client_context(transports=["udp6"])
-        refused = 0
-        for number in range(10 * MAX_PER_HOST):
-            message = aiocoap.Message(
-                code=aiocoap.POST, uri=f"coap://{address}/rd?ep=fake{number}&base=coap://127.0.0.2:{number + 1}"
-            )
-            message.opt.content_format = 40
-            answer = await context.request(message, handle_blockwise=False).response
-            refused += answer.code.dotted == "5.03"
-        await context.shutdown()
-        assert refused == 9 * MAX_PER_HOST
-        assert len(watcher.gateway.devices.keys) <= MAX_PER_HOST + 1
-        assert (await watcher.tell(lamp.uri, "on_off", True)).success
-        await watcher.reported("on_off", True)
 
 
 async def post(uri: str, payload: bytes, method: aiocoap.Code = aiocoap.POST) -> aiocoap.Message:

@@ -79,27 +79,6 @@ async def reading(reports: Subscription[Report], capability: str, until: Callabl
                     return one.value.plain()
 
 
-async def test_a_cover_is_moved_and_reports_how_far_it_is_open() -> None:
-    async with house() as home:
-        reports = home.reports()
-        cover = await home.commission("cover", DeviceState(text="closed", position=0.0))
-        assert await reading(reports, "movement", lambda one: one is not None) == "closed"
-        assert (await home.send("node-1", "position", 75.0)).success
-        assert home.orders == ["0.75"]
-        cover.publish(DeviceState(text="opening", position=0.5, way=1))
-        await reading(reports, "movement", lambda one: one == "opening")
-
-
-async def test_a_thermostat_is_set_by_writing_its_setpoint() -> None:
-    async with house() as home:
-        reports = home.reports()
-        await home.commission("thermostat", DeviceState(text="20.0", celsius=19.5, target=20.0))
-        assert await reading(reports, "local_temperature", lambda one: one is not None) == 19.5
-        assert (await home.send("node-1", "heating_setpoint", 21.5)).success
-        assert home.orders == ["21.5"]
-        assert await reading(reports, "heating_setpoint", lambda one: one != 20.0) == 21.5
-
-
 async def test_the_code_of_a_lock_reaches_it_and_no_log(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.DEBUG)
     async with house() as home:

@@ -12,8 +12,7 @@ import pytest
 from structlog.testing import capture_logs
 from tests.gateways.mqtt.conftest import SimpleCodec
 
-from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
-from homebot.devices.device import Device, Endpoint
+from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
@@ -361,15 +360,6 @@ async def test_a_device_that_speaks_where_others_announce_leaves_that_subscripti
         assert [one.key for one in house.sighted()] == ["simple:lamp3"]
 
 
-async def test_after_a_new_link_everything_is_heard_again(make_house: MakeHouse) -> None:
-    async with make_house() as house:
-        await house.announce("lamp1")
-        await house.cut()
-        await house.say("lamp1/state", "on_off=on")
-        assert len(house.told()) == 1
-        assert [one.kind for one in house.sighted()] == ["appeared", "updated"]
-
-
 async def subscribe(house: Any, topic: str, since: Time = START) -> SubscribeToTopicResponse:
     client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
     response: SubscribeToTopicResponse = await client.call(
@@ -401,69 +391,6 @@ async def test_plain_words_may_be_listened_to_before_the_device_is_there(make_ho
         message = inbox.take()
         assert (message.key, message.address, message.payload) == (LAMP, text_address(LAMP, "lamp"), b"on")
         assert inbox.take() is None
-
-
-async def test_an_application_of_plain_words_switches_any_lamp(make_house: MakeHouse) -> None:
-    """As the light service does it."""
-    async with make_house() as house:
-        await house.listen("+/+/set")
-        await house.announce("lamp1")
-        await house.say("lamp1/state", "on_off=on", retain=True)
-        (sighting, _) = house.sighted()
-        lamp = device_of(sighting)
-        devices = Devices(house.watcher)
-        heard: list[str] = []
-
-        async def answer(message: RawMessage) -> None:
-            heard.append(message.text())
-            if message.text() == "on":
-                await devices.tell(lamp, "off")
-
-        await devices.listen(lamp, answer)
-        await house.say("lamp1/state", "on_off=on")
-        assert heard == ["on"]
-        assert [(one.topic, one.payload) for one in await house.heard()] == [("lamp1/lamp/set", b"OFF")]
-        assert house.gateway.counters.commands == 1
-
-
-def device_of(sighting: Any) -> Device:
-    endpoint = Endpoint(
-        gateway=sighting.gateway,
-        key=sighting.key,
-        address=sighting.address,
-        command_address=sighting.command_address,
-    )
-    return Device(
-        id=sighting.key,
-        name=sighting.name,
-        service_type=sighting.service_type,
-        endpoints=(endpoint,),
-        metadata=(),
-        first_seen=sighting.seen_at,
-        last_seen=sighting.seen_at,
-        expires=sighting.expires_at,
-        freshness="fresh",
-    )
-
-
-async def test_a_word_that_the_lamp_does_not_take_is_refused_and_counted(make_house: MakeHouse) -> None:
-    async with make_house() as house:
-        await house.announce("lamp1")
-        out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
-        with capture_logs() as lines:
-            out.publish(RawCommand(address=text_address(LAMP, "lamp"), payload="dance"))
-            await anyio.sleep(0.001)
-        assert house.gateway.counters.commands_refused == 1
-        assert "this part takes on, off" in str(lines)
-
-
-async def test_a_command_is_answered_when_the_broker_has_it(make_house: MakeHouse) -> None:
-    async with make_house() as house:
-        await house.listen("+/+/set")
-        await house.announce("lamp1")
-        answer = await house.command(LAMP, "lamp", "on_off", True)
-        assert (answer.success, answer.problem) == (True, "")
-        assert [one.payload for one in await house.heard()] == [b"ON"]
 
 
 @pytest.mark.parametrize(
@@ -498,15 +425,6 @@ async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks
         answer = await house.command(LAMP, "lamp", "on_off", True)
         assert (answer.problem, answer.unable, "only observes" in answer.message) == ("refused", False, True)
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
-
-
-async def test_a_command_without_a_link_is_unreachable(make_house: MakeHouse) -> None:
-    async with make_house() as house:
-        await house.announce("lamp1")
-        await house.broker.stop()
-        await anyio.sleep(0.001)
-        answer = await house.command(LAMP, "lamp", "on_off", True)
-        assert (answer.success, answer.problem) == (False, "unreachable")
 
 
 async def test_a_broken_announcement_costs_itself_alone(make_house: MakeHouse) -> None:
@@ -592,12 +510,6 @@ async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: 
         assert house.gateway.counters.oversize == 2
 
 
-async def test_an_announcement_may_be_longer_than_a_message_of_state(make_house: MakeHouse) -> None:
-    async with make_house(max_payload=2048) as house:
-        await house.announce("lamp1", name="x" * 5000)
-        assert len(house.sighted()) == 1
-
-
 async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse) -> None:
     async with make_house(max_payload=2048) as house:
         await house.announce("lamp1", state="hello/lamp1")
@@ -642,15 +554,6 @@ async def test_what_was_dropped_on_the_way_is_among_the_counts_of_health(make_ho
         assert house.sighted() == []
         counts = {one.name: one.count for one in (await house.health()).counts}
         assert (counts["dropped_oversize"], counts["dropped_overflow"], counts["dropped_malformed"]) == (1, 0, 0)
-
-
-async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make_house: MakeHouse) -> None:
-    """A device that speaks on a topic of both is heard by both."""
-    async with make_house(conventions=("thesis", CONVENTION)) as house:
-        await house.announce("lamp1", state="home425/lights/lamp1/out")
-        await house.say("home425/lights/lamp1/out", "on_off=on")
-        assert {one.key for one in house.sighted()} == {LAMP, "lights/lamp1"}
-        assert len(house.told()) == 1
 
 
 async def test_an_announcement_is_no_broken_topic_to_the_layout_of_every_home(make_house: MakeHouse) -> None:

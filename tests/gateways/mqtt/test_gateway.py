@@ -15,10 +15,10 @@ import pytest
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
-from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import LinkError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
 from homebot.messages import Time
@@ -122,19 +122,6 @@ async def test_each_topic_that_breaks_the_layout_is_counted_and_named_once_with_
         assert all(repr(line["topic"]) in line["message"] for line in told)
 
 
-async def test_a_flood_of_broken_topics_does_not_flood_the_log(embedded_broker_url: str) -> None:
-    """At most 20 culprits are named in ten seconds; all are counted."""
-    async with gateway_on(embedded_broker_url) as house:
-        with capture_logs() as lines:
-            for number in range(100):
-                await house.say(f"home425/{number}")
-            await house.say("home425/lights/lamp/out")
-            await house.next_sighting()
-
-        assert house.gateway.counters.rejected == 100
-        assert sum(line["event"] == "gateway.message_rejected" for line in lines) == 20
-
-
 async def test_a_command_of_anybody_makes_no_device_and_does_not_come_back(embedded_broker_url: str) -> None:
     """Neither ours nor a stranger's on ``in``."""
     async with gateway_on(embedded_broker_url) as house:
@@ -157,16 +144,6 @@ async def test_an_odd_device_id_is_a_device_and_its_mirror_topic_is_escaped(
 
         answer = await house.listen(f"home425/lights/{device_id}/out")
         assert answer.data_topic == f"/gateway/mqtt/received_data/{escape_token(device_id)}"
-
-
-async def test_two_devices_of_one_name_have_mirror_topics_of_their_own(embedded_broker_url: str) -> None:
-    """A lamp and a window may both be called kitchen."""
-    async with gateway_on(embedded_broker_url) as house:
-        lamp = await house.listen("home425/lights/kitchen/out")
-        window = await house.listen("home425/windows/kitchen/out")
-
-        assert lamp.data_topic == "/gateway/mqtt/received_data/kitchen"
-        assert window.data_topic == "/gateway/mqtt/received_data/windows/kitchen"
 
 
 async def test_a_retained_message_alone_is_a_sighting_without_confirmation(embedded_broker_url: str) -> None:
@@ -192,22 +169,6 @@ async def test_clearing_a_retained_message_removes_the_device(embedded_broker_ur
         assert (await house.next_sighting()).kind == "removed"
         late = house.watcher.create_subscription(Sighting, house.gateway.names.received_topics, qos_profile=LATCHED)
         assert late.take() is None
-
-
-async def test_raw_messages_reach_the_inbox_of_the_node_that_asked(embedded_broker_url: str) -> None:
-    """Payload, address and device, byte for byte."""
-    async with gateway_on(embedded_broker_url) as house:
-        answer = await house.listen("home425/lights/lamp/out", listener="/watcher")
-        inbox = house.data(answer.data_topic)
-        await house.say("home425/lights/lamp/out", b"\xff\x00")
-        await house.say("home425/lights/other/out")
-        await house.say("home425/lights/lamp/out", b"off", qos=0)
-
-        with anyio.fail_after(PATIENCE):
-            first, second = await inbox.receive(), await inbox.receive()
-        assert answer.data_topic == "/watcher/inbox"
-        assert (first.payload, first.address, first.key) == (b"\xff\x00", "home425/lights/lamp/out", "lights/lamp")
-        assert second.text() == "off"
 
 
 async def test_a_burst_of_qos_0_does_not_overrun_an_inbox_whose_reader_keeps_up(embedded_broker_url: str) -> None:
@@ -248,41 +209,6 @@ async def test_asking_for_an_address_that_no_device_has_is_refused_with_the_reas
         assert "no such node" in nobody.message
 
 
-async def test_what_was_said_since_a_moment_is_given_to_a_listener_that_comes_later(embedded_broker_url: str) -> None:
-    """A lamp that appears with its first word loses none of it."""
-    async with gateway_on(embedded_broker_url) as house:
-        await house.say("home425/lights/lamp/out", b"on")
-        await house.next_sighting()
-        beginning = await house.listen("home425/lights/lamp/out", since=Time(sec=0, nanosec=0))
-        later = await house.listen("home425/lights/lamp/out")
-
-        assert [message.text() for message in beginning.missed] == ["on"]
-        assert later.missed == ()
-
-
-async def test_an_inbox_ends_with_its_node(embedded_broker_url: str) -> None:
-    """The gateway keeps no publisher for a listener that left."""
-    async with gateway_on(embedded_broker_url) as house:
-        node = Node(house.graph, "guest")
-        answer = await house.listen("home425/lights/lamp/out", listener="/guest")
-        assert answer.data_topic in house.graph.get_topic_names_and_types()
-        node.close()
-        with anyio.fail_after(PATIENCE):
-            await anyio.wait_all_tasks_blocked()
-        assert answer.data_topic not in house.graph.get_topic_names_and_types()
-
-
-async def test_a_command_is_published_to_the_device(embedded_broker_url: str) -> None:
-    """On the address, as UTF-8."""
-    async with gateway_on(embedded_broker_url) as house:
-        await house.devices.subscribe(MqttSubscription("home425/lights/lamp/in", qos=1))
-        house.command("home425/lights/lamp/in", "öff")
-
-        with anyio.fail_after(PATIENCE):
-            (message,) = await house.devices.receive()
-        assert message.payload.decode() == "öff"
-
-
 async def test_commands_to_illegal_addresses_are_refused_counted_and_told(embedded_broker_url: str) -> None:
     """And the next good one goes through."""
     async with gateway_on(embedded_broker_url) as house:
@@ -296,43 +222,6 @@ async def test_commands_to_illegal_addresses_are_refused_counted_and_told(embedd
 
         assert house.gateway.counters.commands_refused == 3
         assert any(line["event"] == "gateway.command_refused" and "wildcard" in line["message"] for line in lines)
-
-
-async def test_a_gateway_that_only_observes_refuses_commands_with_the_reason(embedded_broker_url: str) -> None:
-    """Nothing goes out, and the log says what to do."""
-    with capture_logs() as lines:
-        async with gateway_on(embedded_broker_url, act=False) as house:
-            house.command("home425/lights/lamp/in")
-            await anyio.wait_all_tasks_blocked()
-            assert house.gateway.counters.commands_refused == 1
-    assert any("only observes; start with --act" in str(line.get("message")) for line in lines)
-
-
-async def test_a_message_over_the_cap_never_arrives_and_the_rest_does(embedded_broker_url: str) -> None:
-    """The broker is told the cap, so it does not even send it."""
-    async with gateway_on(embedded_broker_url, max_payload=2048) as house:
-        await house.say("home425/lights/big/out", b"x" * 4096)
-        await house.say("home425/lights/lamp/out")
-        assert (await house.next_sighting()).key == "lights/lamp"
-
-
-async def test_an_absent_broker_is_reported_and_the_gateway_waits_for_it() -> None:
-    """Its state is on the graph for late joiners too; when the broker comes, it is active."""
-    broker = Broker()
-    async with broker:
-        url = broker.url
-    async with Node(graph := Graph(), "mqtt", namespace="/gateway") as node, anyio.create_task_group() as tasks:
-        watcher = Node(graph, "watcher")
-        gateway = MqttGateway(node, MqttGatewaySettings(url=url))
-        await tasks.start(_serve, gateway)
-        states = watcher.create_subscription(GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched)
-        with anyio.fail_after(PATIENCE):
-            assert (await states.receive()).state == "unavailable"
-            async with broker:
-                while (await states.receive()).state != "active":
-                    pass
-                tasks.cancel_scope.cancel()
-        watcher.close()
 
 
 @pytest.mark.parametrize("abrupt", [False, True])
@@ -361,21 +250,6 @@ async def test_a_restarted_broker_loses_no_acknowledged_message_and_the_gateway_
         with anyio.fail_after(PATIENCE):
             while not acknowledged <= received:
                 received.add((await inbox.receive()).payload)
-
-
-async def test_a_ghost_that_speaks_is_confirmed_at_once(embedded_broker_url: str) -> None:
-    """Not only a second later: it may be silent for an hour then."""
-    async with MqttConnection(MqttOptions.from_url(embedded_broker_url), AiomqttClient) as past:
-        await past.wait_connected()
-        await past.publish("home425/lights/lamp/out", b"on", qos=1, retain=True)
-    async with gateway_on(embedded_broker_url) as house:
-        assert not (await house.next_sighting()).confirmed
-        await house.say("home425/lights/lamp/out", b"on")
-        await house.say("home425/lights/lamp/out", b"on")
-        await house.say("home425/lights/other/out", b"on")
-        lamp, other = await house.next_sighting(), await house.next_sighting()
-    assert (lamp.key, lamp.kind, lamp.confirmed) == ("lights/lamp", "updated", True)
-    assert other.key == "lights/other"
 
 
 async def test_clearing_a_topic_that_this_gateway_never_heard_removes_the_device_too(embedded_broker_url: str) -> None:
@@ -413,27 +287,6 @@ async def test_a_device_that_never_becomes_stale_has_the_last_time_there_is(embe
     async with gateway_on(embedded_broker_url, stale_after=1e12) as house:
         await house.say("home425/lights/lamp/out")
         assert (await house.next_sighting()).expires_at == NEVER
-
-
-async def test_an_app_is_told_that_a_gateway_only_observes(embedded_broker_url: str) -> None:
-    """So that it does not claim to have done what was not done."""
-    async with gateway_on(embedded_broker_url, act=False) as house:
-        await house.say("home425/lights/lamp/out")
-        seen = await house.next_sighting()
-        endpoint = Endpoint(gateway="mqtt", key=seen.key, address=seen.address, command_address=seen.command_address)
-        lamp = Device(
-            id=seen.key,
-            name=seen.name,
-            service_type=seen.service_type,
-            endpoints=(endpoint,),
-            metadata=(),
-            first_seen=seen.seen_at,
-            last_seen=seen.seen_at,
-            expires=seen.expires_at,
-            freshness="fresh",
-        )
-        with pytest.raises(RefusedError, match="only observes; start with --act"):
-            await Devices(house.watcher).tell(lamp, "off")
 
 
 async def test_one_status_topic_is_all_that_runs_leave_at_the_broker(embedded_broker_url: str) -> None:

@@ -139,13 +139,6 @@ async def test_a_command_without_a_word_is_refused_with_the_reason(
         assert house.gateway.counters.commands_refused == 1
 
 
-async def test_a_gateway_that_only_observes_sends_no_word(make_house: MakeHouse) -> None:
-    async with make_house(**THESIS, act=False) as house:
-        await house.say(LAMP, "off")
-        response = await house.command(KEY, "", "on_off", value=True)
-        assert (response.success, response.problem) == (False, "refused")
-
-
 @pytest.mark.parametrize("way", ["command", "word"])
 async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(make_house: MakeHouse, way: str) -> None:
     """The room's temperature comes later, and may be the same number then."""

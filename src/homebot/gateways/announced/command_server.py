@@ -38,9 +38,6 @@ class CommandServer:
 
     Args:
         gateway: The gateway; one that only observes refuses every command.
-        perform: Carries commands out.
-        find_part: Finds the part that a text is for.
-        counters: Its counters.
 
     Attributes:
         raw: The raw commands: a later command does not overtake those that are still queued.
@@ -93,12 +90,7 @@ class CommandServer:
         return SendCommandResponse(success=False, message=problem, problem="unreachable")
 
     async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
-        """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`.
-
-        Raises:
-            RefusedError: The gateway only observes, the part takes no such text, or as :data:`Perform`.
-            UnableError, LinkError: As :data:`Perform`.
-        """
+        """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`."""
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
         capability, value = decode_command(text, self._find_part(key, part_id).described.part)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 from homebot.gateways.announced.work_budget import MESSAGE_WORK
+from homebot.support.byte_account import ByteAccount
 
 __all__ = ["DeferredMessages"]
 
@@ -22,41 +23,37 @@ MAX_WORK_EACH = 512 * 1024
 _OVERHEAD = 1024
 
 
-class _DeferredMessage(NamedTuple, Generic[MessageT]):
-    message: MessageT
-    length: int
-    is_like: bool
+@dataclass(slots=True)
+class _Source(Generic[MessageT]):
+    payer: str
+    messages: list[tuple[MessageT, int, bool]] = field(default_factory=list)
+    work: int = 0
 
 
 @dataclass(slots=True)
-class _Source(Generic[MessageT]):
-    name: str
-    payer: str
-    messages: list[_DeferredMessage[MessageT]] = field(default_factory=list)
-    work: int = 0
+class _Payer(Generic[MessageT]):
+    sources: OrderedDict[str, _Source[MessageT]] = field(default_factory=OrderedDict)
+    bytes: int = 0
 
 
 class DeferredMessages(Generic[MessageT]):
     """The messages that wait for a budget: the newest of each source, in their order.
 
-    If one source has too many, those that do not look like its accepted messages go first, the oldest of them first.
-    If there are too many in all, those of sources without a registered device go first, the oldest of them first.
-
-    Args:
-        max_bytes: Bytes of all of them.
-
-    Attributes:
-        dropped: Messages that were dropped.
-        bytes: Bytes of all that wait.
+    If one source has too many, those that do not look like its accepted messages go first, the oldest of them first: an
+    honest sender is heard among strangers that flood its topic. If there are too many in all, the budget with the most
+    loses those of the source that was quiet the longest.
     """
 
     def __init__(self, max_bytes: int = MAX_BYTES) -> None:
         self.dropped = 0
-        self.bytes = 0
-        self._max_bytes = max_bytes
         self._sources: dict[str, _Source[MessageT]] = {}
-        self._own: dict[str, OrderedDict[str, _Source[MessageT]]] = {}
-        self._shared: dict[str, OrderedDict[str, _Source[MessageT]]] = {}
+        self._payers: dict[str, _Payer[MessageT]] = {}
+        self._account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all that wait."""
+        return self._account.used
 
     def __contains__(self, source: str) -> bool:
         return source in self._sources
@@ -65,36 +62,30 @@ class DeferredMessages(Generic[MessageT]):
         return bool(self._sources)
 
     def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
-        """Let *message* wait for the budget of *payer*.
+        """Defer *message* of *length* bytes until the budget of *payer* has room.
 
         Args:
-            message: The message.
-            source: Where it came from.
-            length: Its bytes.
-            payer: The name of the budget that pays for it.
             is_like: Whether it looks like the accepted messages of its source.
         """
         known = self._sources.get(source)
         if known is None:
-            known = self._sources[source] = _Source(source, payer)
-        groups = self._own if known.payer == source else self._shared
-        group = groups.setdefault(known.payer, OrderedDict())
-        group[source] = known
-        group.move_to_end(source)
-        known.messages.append(_DeferredMessage(message, length, is_like))
-        known.work += MESSAGE_WORK + length
-        self.bytes += _OVERHEAD + len(source) + length
+            known = self._sources[source] = _Source(payer)
+        budget = self._payers.setdefault(known.payer, _Payer())
+        budget.sources[source] = known
+        budget.sources.move_to_end(source)
+        known.messages.append((message, length, is_like))
+        self._count(source, known, length, 1)
         while known.work > MAX_WORK_EACH and len(known.messages) > 1:
-            self._drop_one(known)
-        while self.bytes > self._max_bytes and len(self._sources) > 1:
-            self._drop_oldest(group)
+            unlike = next((index for index, one in enumerate(known.messages) if not one[2]), 0)
+            self._pop(source, unlike)
+            self.dropped += 1
 
     def drop(self, source: str) -> None:
-        """Let nothing of *source* wait any more."""
+        """Drop all messages of *source*."""
         while source in self._sources:
-            self._pop(source, 0)
+            self._pop(source)
 
-    def take(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
+    def release(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
         """Take out the messages that need not wait, one of each budget in turn until none *admits* one more.
 
         Those of a source come in their order; of the sources that share a budget the newest comes first, so that
@@ -103,34 +94,34 @@ class DeferredMessages(Generic[MessageT]):
         is_done = False
         while not is_done:
             is_done = True
-            for groups in (self._own, self._shared):
-                for payer in tuple(groups):
-                    if payer in groups and admits(payer):
-                        is_done = False
-                        yield self._pop(next(reversed(groups[payer])), 0)
+            for payer in tuple(self._payers):
+                budget = self._payers.get(payer)
+                if budget is not None and admits(payer):
+                    is_done = False
+                    yield self._pop(next(reversed(budget.sources)))
 
-    def _pop(self, name: str, index: int) -> MessageT:
+    def _pop(self, name: str, index: int = 0) -> MessageT:
         source = self._sources[name]
         message, length, _ = source.messages.pop(index)
-        source.work -= MESSAGE_WORK + length
-        self.bytes -= _OVERHEAD + len(name) + length
+        self._count(name, source, length, -1)
         if not source.messages:
             del self._sources[name]
-            groups = self._own if source.payer == name else self._shared
-            del groups[source.payer][name]
-            if not groups[source.payer]:
-                del groups[source.payer]
+            sources = self._payers[source.payer].sources
+            del sources[name]
+            if not sources:
+                del self._payers[source.payer]
         return message
 
-    def _drop_one(self, source: _Source[MessageT]) -> None:
-        """Drop the oldest message that looks like nothing known, else the oldest."""
-        unlike = next((index for index, one in enumerate(source.messages) if not one.is_like), 0)
-        self._pop(source.name, unlike)
-        self.dropped += 1
+    def _count(self, name: str, source: _Source[MessageT], length: int, sign: int) -> None:
+        size = sign * (_OVERHEAD + len(name) + length)
+        source.work += sign * (MESSAGE_WORK + length)
+        self._payers[source.payer].bytes += size
+        self._account.add(size)
 
-    def _drop_oldest(self, newest: OrderedDict[str, _Source[MessageT]]) -> None:
-        group = next(iter(self._shared.values()), None) or next(
-            (one for one in self._own.values() if one is not newest), newest
-        )
-        self._pop(next(iter(group)), 0)
+    def _bytes_of(self, payer: str) -> int:
+        found = self._payers.get(payer)
+        return 0 if found is None else found.bytes
+
+    def _drop_oldest(self, payer: str) -> None:
+        self._pop(next(iter(self._payers[payer].sources)))
         self.dropped += 1

@@ -40,16 +40,9 @@ class DeviceRunner(PublishedDevice, ABC):
     """Works with one device until it is stopped, and publishes whether it can be reached.
 
     Args:
-        name: The name of the device, for errors.
-        key: The key of the device.
-        devices: The devices of the gateway.
-        clock: The clock.
-        log: The log of the gateway's node.
-        random: The source of random numbers.
         lost_backoff: The pauses after a connection that was lost or not made.
 
     Attributes:
-        name: The name of the device, for errors.
         problem: The reason why it is not connected, as text; empty if it is, or has not tried yet.
         needs_help: Whether a person has to do something about that, rather than wait.
         sleeps: Whether a lost connection says nothing: it leaves the network to save its battery.

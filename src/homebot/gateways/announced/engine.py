@@ -45,20 +45,9 @@ class GatewayEngine(Generic[MessageT]):
     They need no task of the gateway: waiting and timing are done by tasks of its node.
 
     Args:
-        gateway: The gateway.
-        devices: The registered announcements, by key.
         stale_after: Seconds of silence after which a device without its own limit counts as stale.
         inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
         budgets: The budgets of peers that break rules; by default all unknown peers share one.
-        log_key: The name of a message's source in the log.
-
-    Attributes:
-        counters: The counters of the gateway.
-        reporter: Publishes sightings and reports.
-        scheduler: Makes the scheduled calls.
-        quarantine: Judges peers.
-        listeners: The nodes that subscribed to texts and raw messages.
-        states: Reads and publishes states.
     """
 
     def __init__(
@@ -96,14 +85,9 @@ class GatewayEngine(Generic[MessageT]):
         """Serve the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
 
         Args:
-            perform: Carries out commands.
-            raw: The raw messages of the protocol.
             health: Returns the health report beside the counters here, and the quarantined sources.
             keeps_states: Whether a new listener to the texts of a part gets its last state as a retained one;
                 no if the network itself retains states and sends them.
-
-        Returns:
-            The service of texts and raw messages.
         """
         node, names = self._gateway.node, self._gateway.names
         commands = CommandServer(self._gateway, perform, self.find_part, self.counters)

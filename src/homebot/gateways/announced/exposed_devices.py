@@ -32,9 +32,7 @@ class ExposedDevices:
     """The devices that homebot exposes, with their states, for a gateway that shows them; 1,000 devices at most.
 
     Args:
-        gateway: The gateway.
         show: Publishes that a device is exposed, or that it is withdrawn.
-        tell: Publishes its states.
         log: Warns of a device that cannot be exposed: by an event, in words, about an id.
     """
 

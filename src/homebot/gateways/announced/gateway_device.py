@@ -23,9 +23,7 @@ class GatewayDevice:
 
     Attributes:
         key: The gateway's key for it: unique there, and the same after a restart.
-        name: The name for people.
         parts: The units that can be used by themselves; a device with unknown parts has none.
-        metadata: Further facts, for example ``manufacturer`` and ``model``.
         identifiers: See :func:`homebot.devices.identity.identifiers`; identifiers that hold beyond this gateway.
         authenticated: Whether it proved to the gateway that it is the owner's; see :class:`homebot.devices.Sighting`.
         area: The room that it is said to be in; empty for none.

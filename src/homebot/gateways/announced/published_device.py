@@ -15,19 +15,7 @@ __all__ = ["PublishedDevice"]
 
 
 class PublishedDevice:
-    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`.
-
-    Args:
-        devices: The devices of the gateway.
-        key: The key of the device.
-        clock: The clock.
-        log: The log of the gateway's node.
-
-    Attributes:
-        key: The key of the device.
-        clock: The clock.
-        log: The log of the gateway's node.
-    """
+    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`."""
 
     def __init__(self, devices: PublishedDevices, key: str, clock: Clock, log: FilteringBoundLogger) -> None:
         self.clock = clock

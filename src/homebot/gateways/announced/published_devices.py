@@ -48,8 +48,6 @@ class PublishedDevices:
     texts and quarantine.
 
     Args:
-        gateway: The gateway.
-        perform: Carries out commands that fit the part they are for.
         send_raw: Sends raw commands to addresses; None for a protocol that has none.
         find_source: Returns the device of an address of raw messages; by default the device that has it.
         settings: The settings of the gateway, for the columns of every gateway's table; by default their defaults.
@@ -58,7 +56,6 @@ class PublishedDevices:
 
     Attributes:
         engine: The mechanisms that do it, for a gateway that needs more of them.
-        counters: Its counters.
         problems: The present problems of the gateway, as text; the health service shows them first.
     """
 
@@ -107,7 +104,6 @@ class PublishedDevices:
 
         Args:
             device: The device; one of the same key is replaced, and keeps its last reports.
-            why: The reason, as text.
             confirmed: Whether the device itself was heard, rather than a note kept of it.
         """
         self._reporter.refresh_time()
@@ -134,7 +130,7 @@ class PublishedDevices:
         if stored is None:
             return
         self._raw.leave(self._given.pop(key))
-        self.engine.quarantine.budgets.leave(key)
+        self.engine.quarantine.budgets.forget(key)
         self._reporter.dispose_all(stored)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         stored.let_go()
@@ -145,9 +141,7 @@ class PublishedDevices:
         """Publish the reported values of a part; values that it cannot have reported are refused, and counted.
 
         Args:
-            key: The device.
             values: Values by capability, in the unit of the vocabulary; None for unknown.
-            part: The part.
             retained: Whether it is a retained report, of an earlier state.
         """
         stored = self._devices.get(key)
@@ -221,11 +215,7 @@ class PublishedDevices:
         return change.stored
 
     async def _checked(self, command: Command) -> None:
-        """Carry *command* out where it fits the part.
-
-        Raises:
-            UnableError: It does not; the message names the kind that does.
-        """
+        """Carry *command* out where it fits the part."""
         part = self.engine.find_part(command.key, command.part).described.part
         try:
             check_command(part, command.capability, command.value.plain())

@@ -46,16 +46,7 @@ class PeerQuarantine(Generic[MessageT]):
     :meth:`accept` or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
 
     Args:
-        gateway: The name of the gateway.
-        reporter: Has the time.
-        scheduler: Ends each quarantine.
-        counters: Of the gateway.
         budgets: The budgets that offences are paid from.
-        log_key: The name of a source in the log.
-
-    Attributes:
-        budgets: Those budgets.
-        waiting: The messages that wait.
     """
 
     def __init__(
@@ -84,13 +75,11 @@ class PeerQuarantine(Generic[MessageT]):
 
         Args:
             message: The message, as :meth:`serve` is to hand it back.
-            source: Where it came from.
-            payload: Its bytes.
         """
         now = self._reporter.now
         if not self.waiting.bytes and self.budgets.is_clean(now):
             return False
-        payer = self.budgets.payer(source)
+        payer = self.budgets.account_for(source)
         if source not in self.waiting and self.budgets.admits(payer, now):
             return False
         self._counters.announcements_deferred += 1
@@ -100,12 +89,8 @@ class PeerQuarantine(Generic[MessageT]):
         return True
 
     def admits(self, source: str) -> bool:
-        """Return whether a message from *source* is to be read, for one that comes again by itself: else it is dropped.
-
-        Args:
-            source: Where it came from.
-        """
-        payer = self.budgets.payer(source)
+        """Return whether a message from *source* is to be read, for one that comes again by itself: else it is dropped."""
+        payer = self.budgets.account_for(source)
         if self.budgets.admits(payer, self._reporter.now):
             return True
         self.waiting.dropped += 1
@@ -113,7 +98,7 @@ class PeerQuarantine(Generic[MessageT]):
         return False
 
     def accept(self, source: str, payload: bytes, *, is_valid: bool = True) -> None:
-        """Book that a device stands announced by *payload*; that clears its charge if all of it *is_valid*."""
+        """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
         self.budgets.accept(source, payload, self._reporter.now, is_valid=is_valid)
 
     def record_offence(self, source: str, length: int, event: str, why: str) -> None:
@@ -133,7 +118,7 @@ class PeerQuarantine(Generic[MessageT]):
             self._work_available = anyio.Event()
             while self.waiting:
                 self._reporter.refresh_time()
-                messages = self.waiting.take(lambda payer: self.budgets.admits(payer, self._reporter.now))
+                messages = self.waiting.release(lambda payer: self.budgets.admits(payer, self._reporter.now))
                 while await read_next(messages):
                     await anyio.lowlevel.checkpoint()
                     self._reporter.refresh_time()

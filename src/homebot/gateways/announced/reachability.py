@@ -8,11 +8,7 @@ __all__ = ["ReachabilityReader"]
 
 
 class ReachabilityReader:
-    """The last reports about one device, and their combined meaning.
-
-    Args:
-        availability: Where the reports come from, and how they are joined.
-    """
+    """The last reports about one device, and their combined meaning."""
 
     __slots__ = ("_latest", "_reports", "availability")
 

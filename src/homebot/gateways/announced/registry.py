@@ -54,9 +54,6 @@ class RegistryLimits(NamedTuple):
     """The limits on all announcements together.
 
     Attributes:
-        announcements: Announcements.
-        parts: Parts of all of them.
-        parts_each: Parts of one.
         readers: Parts that read one topic: each of its messages is work for all of them.
         excess: Bytes of all announcements beyond the length that their offers explain.
         excess_each: The same of one.
@@ -79,7 +76,6 @@ class RegistryChange(NamedTuple):
     """The changes that a new description makes.
 
     Attributes:
-        stored: The announcement that is registered now.
         before: The announcement that it replaced, or None.
         refused: Addresses of states that cannot be read, with the reasons.
         readers: The readers of each address that had other readers before, so that they may have missed messages there.
@@ -95,11 +91,9 @@ class DeviceRegistry:
     """The devices of one gateway, or the announcements of them; a protocol adds the readers of each address.
 
     Args:
-        gateway: Its name.
         limits: How much may stand at once.
 
     Attributes:
-        gateway: Its name.
         by_key: The registered announcements, by key, in the order of arrival.
     """
 
@@ -133,7 +127,6 @@ class DeviceRegistry:
         """Let *described* stand, in place of an earlier one of the same key.
 
         Args:
-            described: The description.
             length: Of the message that it alone was made of; 0 if that is unknown.
 
         Raises:
@@ -205,7 +198,6 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
     """Return the bytes of *described* beyond the length that its number of parts explains.
 
     Args:
-        described: The description.
         length: Of the message that described it alone; 0 if the message described many, or its length is unknown: then
             only the lists, topics and facts of the description count.
     """
@@ -216,15 +208,7 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
 
 
 class Excess:
-    """The account of the registered announcements.
-
-    Args:
-        most: Bytes of all.
-        most_each: Bytes of one.
-
-    Attributes:
-        total: Bytes of all that stand.
-    """
+    """The account of the registered announcements."""
 
     def __init__(self, most: int = MAX_EXCESS, most_each: int = MAX_EXCESS_EACH) -> None:
         self.total = 0
@@ -251,14 +235,7 @@ class Excess:
 
 
 class MemoryAccount:
-    """The account of the registered announcements.
-
-    Args:
-        most: Bytes of all, about.
-
-    Attributes:
-        total: Bytes of all that stand, about.
-    """
+    """The account of the registered announcements."""
 
     def __init__(self, most: int = MAX_MEMORY) -> None:
         self.total = 0

@@ -29,12 +29,10 @@ class DeviceReporter:
     """Publishes sightings and reports of one gateway, all with the time of the last :meth:`refresh_time`.
 
     Args:
-        gateway: The gateway of the devices.
         stale_after: Seconds of silence after which a device counts as stale.
 
     Attributes:
         now: Reading of the monotonic clock.
-        stamp: The time.
     """
 
     def __init__(self, gateway: Gateway, stale_after: float) -> None:
@@ -88,8 +86,6 @@ class DeviceReporter:
         """Publish states and events that a device reported; an event that was kept from before is over.
 
         Args:
-            device: The device.
-            readings: The reported values.
             source: Tells its streams apart: the address or the part.
             address: Where it was said; empty if the protocol has no addresses.
             retained: Whether it was kept from before.

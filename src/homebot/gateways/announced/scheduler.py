@@ -17,7 +17,6 @@ class Scheduler:
     """A timer queue of callbacks that is kept by one task, in the clock's own time.
 
     Args:
-        clock: The clock.
         most: Callbacks that may be planned at once.
     """
 

@@ -53,13 +53,6 @@ class TextService:
     """Delivers texts and raw messages of devices, and takes texts and raw commands for them.
 
     Args:
-        gateway: The gateway.
-        devices: The registered announcements, by key.
-        commands: Carries out the command that a text means.
-        listeners: The listeners to raw messages and texts.
-        counters: Its counters.
-        raw: Its raw messages.
-        log: Warns of a text that cannot be sent: by an event, in words, about an address.
         keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
     """
 

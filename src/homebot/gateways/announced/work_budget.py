@@ -55,9 +55,6 @@ class WorkBudget:
     """A source, or all other sources of a group, of which one broke a rule, and the budget for that.
 
     Attributes:
-        name: The source, or the name of the group.
-        limit: The work that may be done for it.
-        why: The last rule broken, in words.
         offences: How many since all was quiet.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
@@ -84,7 +81,7 @@ class WorkBudget:
         return max(self.deferred_at, self.spent_at) + CALM
 
     def charge(self, work: float, now: float) -> None:
-        """Take *work* off the budget."""
+        """Subtract *work* from the budget."""
         self.limit.take(now, work)
         if self.limit.room(now) <= 0:
             self.spent_at = now
@@ -105,7 +102,6 @@ class WorkBudgets:
     Args:
         group: Returns the name of the group of a source without a registered device. There must be few groups,
             however sources name themselves; by default all are one.
-        max_offenders: Sources with a budget of their own.
 
     Attributes:
         forgotten: Offences that only the budget of all sources paid for, because too many have one of their own.
@@ -127,7 +123,7 @@ class WorkBudgets:
         """Return whether the last offence is long ago."""
         return now >= self._all_clean_at
 
-    def payer(self, source: str) -> str:
+    def account_for(self, source: str) -> str:
         """Return the payer for *source*: its own budget if it has a registered device, else that of its group."""
         return source if source in self._accepted else self._group(source)
 
@@ -144,11 +140,11 @@ class WorkBudgets:
         return budget.limit.room(now) > 0 and self._total.room(now) > 0
 
     def charge(self, source: str, length: int, why: str, now: float) -> None:
-        """Book that a message of *length* bytes from *source* broke a rule."""
+        """Charge *source* for a message of *length* bytes that broke a rule."""
         work = MESSAGE_WORK + length
         self.work += work
         self._all_clean_at = now + CALM
-        payer = self.payer(source)
+        payer = self.account_for(source)
         is_own = payer == source and payer in self._accepted
         if is_own:
             self._total.take(now, work)
@@ -163,17 +159,17 @@ class WorkBudgets:
         budget.charge(work, now)
 
     def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
-        """Book that a device stands announced by *payload* from *source*; that clears the charge if *is_valid*."""
+        """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
         self._accepted[source] = _ends(payload)
         self._accepted.move_to_end(source)
         if len(self._accepted) > MAX_ACCEPTED:
-            self.leave(next(iter(self._accepted)))
+            self.forget(next(iter(self._accepted)))
         budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
             budget.limit, budget.cleared_at = _limit(RATE, BURST), now
 
-    def leave(self, source: str) -> None:
-        """Book that no device stands announced by *source* any more."""
+    def forget(self, source: str) -> None:
+        """Record that no device is registered by *source* any more."""
         self._accepted.pop(source, None)
 
     def resembles(self, source: str, payload: bytes) -> bool:
@@ -182,7 +178,7 @@ class WorkBudgets:
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
     def defer(self, payer: str, now: float) -> WorkBudget | None:
-        """Book that something waits for the budget of *payer*; return it if nothing did before."""
+        """Record that a message waits for the budget of *payer*; return it if none did before."""
         budget = self._own.get(payer) or self._shared.get(payer)
         if budget is None:
             return None
@@ -198,7 +194,7 @@ class WorkBudgets:
         return 0.0 if budget is None else budget.quiet_at - now
 
     def release(self, payer: str) -> WorkBudget | None:
-        """Book that nothing waits for the budget of *payer* any more; return it if something did."""
+        """Record that no message waits for the budget of *payer* any more; return it if one did."""
         budget = self._own.get(payer) or self._shared.get(payer)
         if budget is None or not budget.is_quarantined:
             return None

@@ -54,7 +54,6 @@ class ActingLease:
 
     Args:
         gateway: The gateway; its :attr:`~Gateway.acts` and its reason follow.
-        connection: Its connection.
         home: The home; empty for all homes of the broker.
         name: The name of this one in the log of the other, for example the computer's name.
         random: Source of its id; a seeded one makes every run the same.

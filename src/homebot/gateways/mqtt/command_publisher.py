@@ -30,9 +30,6 @@ class CommandPublisher:
     """The way from commands to publications.
 
     Args:
-        engine: The mechanisms of the gateway.
-        connection: Where it is published.
-        secrets: Records the messages with a code.
         responses: Asks the devices for responses; None if they are not to be asked.
     """
 

@@ -60,12 +60,7 @@ class MqttGateway(Gateway):
     """Brings the devices on one MQTT broker onto the graph.
 
     Args:
-        node: Its node.
-        settings: Its table.
         context: Services of its host; a :class:`homebot.mqtt.hosted_broker.HostedBroker` in memory makes the client.
-
-    Attributes:
-        counters: Its counters.
     """
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
@@ -76,12 +71,7 @@ class MqttGateway(Gateway):
         settings: MqttGatewaySettings,
         context: GatewayContext | None = None,
     ) -> None:
-        """Make the gateway; nothing is connected before :meth:`serve`.
-
-        Raises:
-            UsageError: The settings cannot be used, for example because a password file is missing.
-            PluginError: A convention cannot be loaded.
-        """
+        """Make the gateway; nothing is connected before :meth:`serve`."""
         super().__init__(node, settings, context)
         random, hosted = self.context.random, self.context.service(HostedBroker)
         make_client = (hosted and hosted.make_client) or client_maker(settings.client or "aiomqtt")

@@ -87,7 +87,7 @@ class AnnouncementHandler:
                     await self._take_steps(steps, convention, message)
         if self._accepted:
             is_valid = not self._offended
-            self._quarantine.budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
+            self._quarantine.accept(message.topic, message.payload, is_valid=is_valid)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
@@ -249,7 +249,7 @@ class AnnouncementHandler:
     def _remove(self, stored: StoredAnnouncement, why: str) -> None:
         self._scheduler.drop(("gone", stored.key))
         self._registry.remove(stored.key)
-        self._quarantine.budgets.leave(stored.described.topic)
+        self._quarantine.budgets.forget(stored.described.topic)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         self._reporter.dispose_all(stored)
         stored.let_go()

@@ -31,8 +31,6 @@ class LinkReport:
     """Follows the states of a connection.
 
     Args:
-        gateway: The name of the gateway.
-        connection: The connection.
         listening_to: The subject of the subscriptions, in words.
         filters: The subscriptions that this takes; without any of them it hears nothing.
     """

@@ -36,11 +36,6 @@ class Offers:
 
     A gateway that only observes publishes nothing.
 
-    Args:
-        gateway: The gateway.
-        publishers: How it is published.
-        quarantine: Reports problems.
-
     Attributes:
         publishes: Whether anything can be published here.
     """

@@ -57,14 +57,7 @@ class Responses:
     """Asks devices for responses, and publishes the answers.
 
     Args:
-        gateway: The name of the gateway.
         topic: The topic of all responses, which is its own.
-        clock: Its clock.
-        publish: Publishes an answer on the graph.
-
-    Attributes:
-        counters: The counters.
-        topic: The same.
     """
 
     def __init__(self, gateway: str, topic: str, clock: Clock, publish: Callable[[CommandAnswer], object]) -> None:

@@ -14,11 +14,7 @@ MAX_TOPICS = 1_000
 
 
 class SentSecrets:
-    """The last message with a code on each topic, as a keyed hash; the code itself is not kept.
-
-    Attributes:
-        sent: The hashes by topic.
-    """
+    """The last message with a code on each topic, as a keyed hash; the code itself is not kept."""
 
     def __init__(self) -> None:
         self.sent: dict[str, bytes] = {}

@@ -40,9 +40,6 @@ class Subscriber:
     """Updates the subscriptions to the needs of the descriptions, all of them at QoS 0.
 
     Args:
-        engine: The mechanisms of the gateway.
-        topics: The needed topics.
-        registry: The registered announcements.
         conventions: The conventions with births, which are published on each new link.
     """
 

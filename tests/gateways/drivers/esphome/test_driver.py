@@ -13,13 +13,13 @@ import anyio
 import pytest
 from pydantic import ValidationError
 from tests.gateways.drivers.driver_host import KeepingHost, command
-from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, DriverRun, driven, living, service_of, simulated
+from tests.gateways.drivers.esphome.served import KEY, OTHER_KEY, driven, living, service_of, simulated
 from tests.patience import PATIENCE
 
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, UnableError, UsageError, WireError
+from homebot.errors import RefusedError, UnableError, UsageError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.driver_runner import DriverRunner
 from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
@@ -144,30 +144,6 @@ async def test_what_the_part_cannot_do_is_refused() -> None:
             await run.driver.perform(command("lock_lock", "lock", "open"))
         with pytest.raises(RefusedError, match="no such part"):
             await run.driver.perform(command("lock_other", "lock", "locked"))
-
-
-async def test_without_a_connection_a_command_is_a_link_error() -> None:
-    run = DriverRun(service_of(simulated("lamp", [])))
-    with pytest.raises(LinkError, match="is not connected"):
-        await run.driver.perform(command(LAMP, "on_off", True))
-
-
-async def test_a_device_without_power_is_lost_at_once_and_met_again_by_the_next_run() -> None:
-    device = simulated("lamp", [])
-    async with living(device):
-        async with driven(service_of(device)) as run:
-            await run.until_reported()
-            device.power(on=False)
-            assert isinstance(await run.failure(), LinkError)
-            with pytest.raises(LinkError):
-                await run.driver.perform(command(LAMP, "on_off", True))
-        async with driven(service_of(device)) as run:
-            assert isinstance(await run.failure(), LinkError)
-        device.listening = anyio.Event()
-        device.power(on=True)
-        await device.listening.wait()
-        async with driven(service_of(device)) as run:
-            await run.until_reported()
 
 
 async def test_an_encrypted_device_is_read_and_commanded_with_its_key(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import anyio
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
 from tests.gateways.served import served
@@ -80,24 +79,6 @@ class TestADimmer:
                     await shelly_driver.perform(command("light:0", "level", 200.0))
             with pytest.raises(LinkError, match="not connected"):
                 await shelly_driver.perform(command("light:0", "on_off", True))
-
-    async def test_that_loses_its_power_is_a_lost_link(self) -> None:
-        host, shelly = KeepingHost(), Obeying()
-        async with anyio.create_task_group() as tasks, served(shelly):
-            shelly_driver = driver(shelly.server.port, host)
-            lost: list[Exception] = []
-
-            async def run() -> None:
-                try:
-                    await shelly_driver.run()
-                except LinkError as exc:
-                    lost.append(exc)
-
-            tasks.start_soon(run)
-            await host.until(lambda: ("light:0", "on_off") in host.values)
-        assert len(lost) == 1
-        with pytest.raises(LinkError):
-            await shelly_driver.perform(command("light:0", "on_off", True))
 
 
 class TestACover:
@@ -254,11 +235,3 @@ async def test_a_strange_challenge_is_an_error_of_ours(message: str, monkeypatch
     async with served(server):
         with pytest.raises(PeerError):
             await driver(server.port, KeepingHost(), password_env="OWN").run()
-
-
-async def test_nobody_there_is_a_lost_link() -> None:
-    server = WebServer(Strange({}))
-    async with served(server):
-        pass
-    with pytest.raises(LinkError, match="cannot be reached"):
-        await driver(server.port, KeepingHost()).run()

@@ -13,8 +13,7 @@ from tests.gateways.drivers.driver_host import KeepingHost, command, found, runn
 from tests.gateways.http_servers import serving
 from tests.gateways.served import served
 
-from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, WireError
+from homebot.errors import RefusedError, WireError
 from homebot.gateways.drivers.base import FoundService
 from homebot.gateways.drivers.thing import HttpThingDriver, ThingDriver
 from homebot.gateways.drivers.thing.driver import ThingDriverSettings
@@ -59,64 +58,12 @@ def port_of(origin: str) -> int:
     return int(origin.rpartition(":")[2])
 
 
-async def test_a_thing_is_described_with_its_parts_and_reported() -> None:
-    host, lamp = KeepingHost(), Obeying()
-    async with served(lamp), running(driver(lamp.server.port, host)):
-        await host.until(lambda: {("", "on_off"), ("", "level"), ("", "color_temperature")} <= set(host.values))
-    assert (host.device.key, host.device.name) == (f"Hall.{WOT}", "Shelf")
-    assert host.device.identifiers[0].startswith("mac:")
-    (part,) = host.device.parts
-    assert (part.id, part.service_type) == ("", "light")
-    assert {one.name for one in part.capabilities if one.settable} == {"on_off", "level", "color_temperature"}
-    assert (host.values["", "on_off"], host.values["", "level"], host.values["", "color_temperature"]) == (
-        False,
-        40,
-        2700,
-    )
-    assert (host.refused, host.rejected) == ([], [])
-
-
 async def test_what_others_do_with_the_thing_is_pushed() -> None:
     host, lamp = KeepingHost(), Obeying()
     async with served(lamp), running(driver(lamp.server.port, host)):
         await host.until(lambda: len(lamp.server.peers) == 3)
         lamp.publish(DeviceState(text="on", is_on=True, brightness=1.0))
         await host.until(lambda: host.values.get(("", "on_off")) is True and host.values.get(("", "level")) == 100)
-
-
-@pytest.mark.parametrize(
-    ("capability", "value", "told"),
-    [("on_off", True, ["on"]), ("level", 20.0, ["0.2"]), ("color_temperature", 4000.0, ["4000 K"])],
-)
-async def test_the_thing_is_commanded(capability: str, value: PlainValue, told: list[str]) -> None:
-    host, lamp = KeepingHost(), Obeying()
-    async with served(lamp):
-        thing = driver(lamp.server.port, host)
-        async with running(thing):
-            await host.until(lambda: ("", capability) in host.values)
-            await thing.perform(command("", capability, value))
-    assert [one for one in lamp.told if one in told] == told
-
-
-async def test_without_a_connection_a_command_finds_no_thing() -> None:
-    with pytest.raises(LinkError, match="not connected"):
-        await driver(1, KeepingHost()).perform(command("", "on_off", True))
-
-
-async def test_a_thing_that_vanishes_ends_the_connection() -> None:
-    host, lamp = KeepingHost(), Obeying()
-    errors: list[LinkError] = []
-
-    async def run() -> None:
-        try:
-            await driver(lamp.server.port, host).run()
-        except LinkError as exc:
-            errors.append(exc)
-
-    async with anyio.create_task_group() as tasks, served(lamp):
-        tasks.start_soon(run)
-        await host.until(lambda: len(lamp.server.peers) == 3)
-    assert len(errors) == 1
 
 
 @pytest.mark.parametrize("scheme", ["basic", "bearer"])

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 
-import anyio
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
 from tests.gateways.served import served
@@ -142,23 +141,6 @@ async def test_what_it_cannot_do_is_refused_and_nothing_is_sent() -> None:
     assert strip.told == []
 
 
-async def test_a_strip_that_loses_its_power_is_a_lost_link() -> None:
-    host, strip = KeepingHost(), Obeying()
-    lost: list[Exception] = []
-    async with anyio.create_task_group() as tasks, served(strip):
-        wled = driver(strip.server.port, host)
-
-        async def run() -> None:
-            try:
-                await wled.run()
-            except LinkError as exc:
-                lost.append(exc)
-
-        tasks.start_soon(run)
-        await host.until(lambda: bool(strip.server.peers))
-    assert len(lost) == 1
-
-
 class Strange:
     """A server that answers with a text, and sends messages to each WebSocket."""
 
@@ -185,16 +167,6 @@ async def test_what_is_no_wled_is_an_error_of_ours(answer: object) -> None:
     async with served(server):
         with pytest.raises(WireError, match="no state or no info"):
             await driver(server.port, KeepingHost()).run()
-
-
-async def test_a_controller_that_sends_rubbish_is_left_after_twenty_messages() -> None:
-    host = KeepingHost()
-    messages = [b"", b"[]", b"{", b'{"state": 1, "info": {}}', b'{"info": {}}'] * 5
-    server = WebServer(Strange({"state": {}, "info": {}}, *messages))
-    async with served(server):
-        with pytest.raises(WireError, match="20 invalid messages"):
-            await driver(server.port, host).run()
-    assert len(host.rejected) == 20
 
 
 async def test_a_controller_without_websockets_is_asked() -> None:
