@@ -11,13 +11,11 @@ from dataclasses import replace
 import anyio
 import pytest
 
-from homebot.conventions.description import AutoExpiry
-from homebot.devices import Devices, GatewayState, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices import GatewayState, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import text_address
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Part
 from homebot.devices.services import SubscribeToTopicRequest
-from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
@@ -30,7 +28,6 @@ from homebot.testing.gateway_contract.steps import KEPT, kept, listen
 pytestmark = pytest.mark.virtual_time
 
 LAMP = GatewayDevice("hall", "Hall", (simple_part("light", settable=("on_off", "level")),), {"manufacturer": "Acme"})
-BUTTON = Part(id="", service_type="button", capabilities=(Capability(name="press"),))
 
 
 @asynccontextmanager
@@ -53,17 +50,6 @@ async def missed_on(gateway: MemoryGateway, watcher: Node, address: str) -> tupl
     since = Time.from_seconds(gateway.node.graph.clock.now() - 1)
     request = SubscribeToTopicRequest(topic=address, listener=watcher.full_name, since=since)
     return (await client.call(request)).missed
-
-
-async def test_who_listens_later_gets_the_last_state_as_one_that_was_kept() -> None:
-    """No broker keeps it, so the gateway does."""
-    async with house() as (gateway, watcher):
-        gateway.devices.put(LAMP, "new")
-        await gateway.devices.report("hall", {"on_off": True})
-        await gateway.devices.report("hall", {"on_off": False})
-        await anyio.sleep(100)
-        missed = await text_of(gateway, watcher, "hall")
-    assert [(one.text(), one.retained) for one in missed] == [("off", True)]
 
 
 async def test_a_late_joiner_gets_each_value_of_a_part_that_reports_them_one_by_one() -> None:
@@ -101,16 +87,6 @@ async def test_a_report_of_an_unknown_device_or_part_is_counted_and_not_publishe
         assert gateway.devices.counters.readings_refused == 2
 
 
-async def test_an_event_is_heard_once_and_by_no_late_joiner() -> None:
-    async with house() as (gateway, watcher):
-        now = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
-        gateway.devices.put(GatewayDevice("bell", "Bell", (BUTTON,)), "new")
-        await gateway.devices.report("bell", {"press": "single"})
-        await gateway.devices.report("bell", {"press": "single"})
-        assert [one.readings[0].value.plain() for one in kept(now)] == ["single", "single"]
-        assert kept(listen(watcher, Report, gateway.names.readings)) == []
-
-
 async def test_reachable_is_reported_when_it_changes_and_the_device_stays() -> None:
     """Advertised and reachable are two facts."""
     async with house() as (gateway, watcher):
@@ -123,24 +99,6 @@ async def test_reachable_is_reported_when_it_changes_and_the_device_stays() -> N
             heard += [(one.readings[0].capability, one.readings[0].value.plain()) for one in kept(reports)]
         assert heard == [(REACHABLE, True), (REACHABLE, False), (REACHABLE, None)]
         assert [one.kind for one in kept(sightings)] == ["appeared"]
-
-
-@pytest.mark.parametrize("lamp", [LAMP, replace(LAMP, parts=())], ids=["with parts", "without"])
-async def test_the_directory_hears_of_reachability(lamp: GatewayDevice) -> None:
-    """With it an empty address means that the device reports it no longer."""
-    async with house() as (gateway, watcher), Node(gateway.node.graph, "discovery") as node:
-        gateway.devices.put(lamp, "new")
-        async with anyio.create_task_group() as tasks:
-            await tasks.start(Directory(node, DirectorySettings()).serve)
-            devices = Devices(watcher)
-            heard = []
-            for reachable in (True, False, None):
-                gateway.devices.report_reachable("hall", reachable=reachable)
-                await anyio.sleep(1)
-                (device,) = await devices.find()
-                heard.append(device.reachable.state)
-            tasks.cancel_scope.cancel()
-    assert heard == ["yes", "no", "unknown"]
 
 
 async def test_a_device_described_anew_is_sighted_at_once_and_one_that_is_the_same_once_a_second() -> None:
@@ -173,24 +131,6 @@ def test_a_part_of_no_type_or_capability_of_the_vocabulary_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=named):
         simple_part(service_type, settable=(capability,))
-
-
-async def test_a_value_ends_by_itself_after_its_time_and_is_told_as_text_too() -> None:
-    """A motion sensor that never says that all is quiet again."""
-    part = Part(id="", service_type="occupancy_sensor", capabilities=(Capability(name="occupancy"),))
-    ends = {"": (AutoExpiry("occupancy", after=90.0, value=False),)}
-    async with house() as (gateway, watcher):
-        gateway.devices.put(GatewayDevice("pir", "Stairs", (part,), expiries=ends), "new")
-        reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
-        await gateway.devices.report("pir", {"occupancy": True})
-        await anyio.sleep(60)
-        await gateway.devices.report("pir", {"occupancy": True})
-        await anyio.sleep(89)
-        assert [one.readings[0].value.plain() for one in kept(reports)] == [True, True]
-        await anyio.sleep(2)
-        assert [one.readings[0].value.plain() for one in kept(reports)] == [False]
-        (text,) = await text_of(gateway, watcher, "pir")
-        assert text.text() == "clear"
 
 
 async def test_a_device_counts_as_stale_after_a_time_of_its_own_or_that_of_the_gateway() -> None:

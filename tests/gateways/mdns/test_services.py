@@ -145,15 +145,6 @@ async def following(
 pytestmark = pytest.mark.virtual_time
 
 
-async def test_a_service_that_announces_all_of_itself_is_taken_in_without_being_asked() -> None:
-    network = FakeNetwork()
-    async with following(network) as (services, known):
-        services.on_news(network.say(service("Hall")))
-        await anyio.wait_all_tasks_blocked()
-        assert list(known.there) == [f"Hall.{LAMP}"]
-        assert network.asked == []
-
-
 async def test_a_dead_service_is_gone_when_its_record_has_run_out_and_it_did_not_answer() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
@@ -181,24 +172,6 @@ async def test_a_service_that_does_not_answer_stays_as_long_as_its_device_is_con
         known.connected.clear()
         await anyio.sleep(KEPT_AGAIN + 2 * ANSWER_WITHIN)
         assert [name for _, name, _ in known.gone] == [hall.name]
-
-
-async def test_a_service_that_did_not_answer_for_a_while_is_asked_in_its_time_again() -> None:
-    network = FakeNetwork()
-    async with following(network) as (services, known):
-        hall = network.say(service("Hall", ttl=120))
-        services.on_news(hall)
-        await anyio.wait_all_tasks_blocked()
-        answers = dict(network.answers)
-        network.answers.clear()
-        known.connected.add(hall.name)
-        await anyio.sleep(150)
-        network.answers.update(answers)
-        await anyio.sleep(60)
-        network.asked.clear()
-        await anyio.sleep(1200)
-        assert known.gone == []
-        assert len(network.asked) == pytest.approx(10, abs=1)
 
 
 async def test_a_living_service_is_asked_once_for_each_time_to_live_and_stays() -> None:
@@ -233,18 +206,6 @@ async def test_a_goodbye_ends_it_at_once() -> None:
         assert [(name, why) for _, name, why in known.gone] == [(f"Hall.{LAMP}", "it said goodbye")]
         await anyio.sleep(300)
         assert network.asked == []
-
-
-async def test_a_change_is_taken_in_soon() -> None:
-    network = FakeNetwork()
-    async with following(network) as (services, known):
-        services.on_news(network.say(service("Hall")))
-        await anyio.wait_all_tasks_blocked()
-        changed = service("Hall")
-        moved = replace(changed, service=replace(changed.service, port=81))
-        services.on_news(network.say(moved))
-        await anyio.sleep(1)
-        assert known.there[f"Hall.{LAMP}"].service.port == 81
 
 
 async def test_records_that_change_all_the_time_are_taken_in_now_and_then_and_the_last_ones_are() -> None:

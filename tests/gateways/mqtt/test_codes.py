@@ -14,7 +14,7 @@ from homebot.devices import RawMessage, SubscribeToTopic
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
-from homebot.gateways.mqtt.sent_secrets import MAX_TOPICS, SentSecrets
+from homebot.gateways.mqtt.command_publisher import MAX_SECRETS, SentSecrets
 from homebot.messages.json import message_from_json
 
 pytestmark = pytest.mark.virtual_time
@@ -114,9 +114,9 @@ def test_a_code_that_cannot_be_one_is_not_shown_in_the_error(code: object) -> No
 
 def test_the_secrets_that_are_known_are_bounded_and_hold_no_code() -> None:
     secrets = SentSecrets()
-    for number in range(MAX_TOPICS + 1):
-        secrets.keep(Publication(f"t/{number}", CODE.encode()))
+    for number in range(MAX_SECRETS + 1):
+        secrets.record(Publication(f"t/{number}", CODE.encode()))
     assert not secrets.is_one("t/0", CODE.encode())
-    assert secrets.is_one(f"t/{MAX_TOPICS}", CODE.encode())
-    assert not secrets.is_one(f"t/{MAX_TOPICS}", b"other")
+    assert secrets.is_one(f"t/{MAX_SECRETS}", CODE.encode())
+    assert not secrets.is_one(f"t/{MAX_SECRETS}", b"other")
     assert CODE not in str(vars(secrets))

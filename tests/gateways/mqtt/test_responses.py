@@ -49,7 +49,7 @@ class Asked:
 
     def answer(self, properties: MessageProperties, *, retain: bool = False) -> None:
         same = MessageProperties(correlation_data=properties.correlation_data)
-        self.responses.take(MqttMessage("homebot/responses/test", b"", 1, retain, same))
+        self.responses.on_response(MqttMessage("homebot/responses/test", b"", 1, retain, same))
 
 
 def test_a_response_is_matched_with_its_command_once() -> None:

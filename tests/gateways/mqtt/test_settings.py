@@ -9,7 +9,7 @@ import pytest
 from homebot.config import parse_settings
 from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.zigbee2mqtt.reader import MAX_BRIDGE_BYTES
-from homebot.errors import ConfigError, PluginError, UsageError
+from homebot.errors import ConfigError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.mqtt.hosted_broker import HostedBroker
@@ -79,16 +79,6 @@ def test_the_home_of_the_layout_is_that_of_the_gateway_unless_its_table_names_an
     assert thesis.filters()[0] == "villa/+/+/out"
 
 
-def test_all_conventions_of_homebot_are_understood_by_default() -> None:
-    assert {"thesis", "homeassistant"} <= set(settings().conventions)
-
-
-def test_a_convention_that_is_not_installed_is_told_when_it_is_looked_for() -> None:
-    given = settings(conventions=["smoke_signals"])
-    with pytest.raises(PluginError, match="is not installed"):
-        find_conventions(given.conventions, given.tables, "")
-
-
 def test_announcements_may_be_larger_than_other_messages() -> None:
     url = "mqtt://broker"
     assert settings(url=url, conventions=["thesis"]).options().maximum_packet_size == 256 * 1024
@@ -97,12 +87,6 @@ def test_announcements_may_be_larger_than_other_messages() -> None:
 
 def test_the_largest_announcement_is_what_the_largest_list_of_a_convention_may_be() -> None:
     assert settings().max_announcement == MAX_BRIDGE_BYTES
-
-
-def test_two_places_for_the_password_are_one_too_many() -> None:
-    """Nobody could tell which one counts."""
-    with pytest.raises(ConfigError, match="not both"):
-        settings(password_file="a", password_env="B")
 
 
 def test_the_password_comes_from_the_first_line_of_its_file(tmp_path: Path) -> None:
@@ -115,14 +99,6 @@ def test_the_password_comes_from_the_first_line_of_its_file(tmp_path: Path) -> N
     assert options.password is not None
     assert options.password.get_secret_value() == "s3cret"
     assert "s3cret" not in repr(options)
-
-
-def test_the_password_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The way of containers."""
-    monkeypatch.setenv("HOMEBOT_TEST_PASSWORD", "s3cret")
-    options = settings(url="mqtt://broker", user="robot", password_env="HOMEBOT_TEST_PASSWORD").options()
-    assert options.password is not None
-    assert options.password.get_secret_value() == "s3cret"
 
 
 def test_a_password_that_cannot_be_read_is_a_clear_error(tmp_path: Path) -> None:

@@ -160,16 +160,6 @@ async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(make_ho
         ]
 
 
-async def test_listening_to_a_device_of_the_layout_brings_its_own_bytes(make_house: MakeHouse) -> None:
-    """Whatever the gateway makes of them beside."""
-    async with make_house(**THESIS) as house:
-        await house.say(LAMP, "on")
-        client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
-        answer = await client.call(SubscribeToTopicRequest(topic=LAMP, listener=house.watcher.full_name, since=START))
-        assert answer.success
-        assert [one.payload for one in answer.missed] == [b"on"]
-
-
 async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_too(make_house: MakeHouse) -> None:
     """Each understands what it can; the bytes are handed on once."""
     both = ("tests.gateways.mqtt.conftest:SimpleConvention", "thesis")

@@ -1,24 +1,32 @@
-"""The service ``send_command`` of a gateway, over one port."""
+"""The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
-from typing import TypeAlias
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from typing import Protocol, TypeAlias
 
 import anyio.lowlevel
 
+from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.command_description import CommandDescription
-from homebot.devices.gateway_messages import Command, RawCommand, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.names import TEXT_SCHEME, read_text_address
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
-from homebot.gateways.announced.announcement import AnnouncedPart
+from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
-from homebot.graph import Subscription
+from homebot.gateways.raw_delivery import RawDelivery, begin_of
 
-__all__ = ["CommandServer", "Perform"]
+__all__ = ["CommandServer", "Perform", "RawMessages"]
+
+COMMAND_REFUSED = "gateway.command_refused"
+COMMAND_FAILED = "gateway.command_failed"
+
+_OUT_DEPTH = 1000
 
 Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 """The port: carries out a command of which it returns when the network has it.
@@ -33,23 +41,66 @@ FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
+class RawMessages(Protocol):
+    """The port to the raw messages of a protocol; an address of its own is never a text address."""
+
+    def send_raw(self, command: RawCommand) -> Awaitable[object]:
+        """Send a raw command to the address that it names, once awaited.
+
+        Raises:
+            RefusedError: It cannot be sent there.
+            LinkError: There is no link.
+        """
+
+    def find_source(self, address: str) -> tuple[str, str]:
+        """Return key and name of the device that reports raw messages on *address*, known or not yet.
+
+        Raises:
+            RefusedError, WireError: Listening there is not allowed.
+            InvalidNameError: It is no address.
+        """
+
+    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
+        """Return the messages on *address* since *since*, on the monotonic clock, for a new listener."""
+
+
 class CommandServer:
-    """The service ``send_command`` of a gateway, and the way from texts to commands.
+    """The services ``send_command`` and ``subscribe_to_topic`` of a gateway, and the topic ``out``.
 
     Args:
-        gateway: The gateway; one that only observes refuses every command.
-
-    Attributes:
-        raw: The raw commands: a later command does not overtake those that are still queued.
+        find_part: Finds the part that a text is for.
+        raw: The raw messages of the protocol.
+        log: Warns of a text that cannot be sent: by an event, in words, about an address.
+        keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
     """
 
-    def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
+    def __init__(
+        self,
+        gateway: Gateway,
+        perform: Perform,
+        find_part: FindPart,
+        devices: Mapping[str, StoredAnnouncement],
+        listeners: RawDelivery,
+        counters: GatewayCounters,
+        raw: RawMessages,
+        log: Callable[[str, str, str], None],
+        *,
+        keeps_states: bool,
+    ) -> None:
         self._gateway = gateway
         self._perform = perform
         self._find_part = find_part
+        self._devices = devices
+        self._listeners = listeners
         self._counters = counters
-        self.raw: Subscription[RawCommand] | None = None
-        gateway.node.create_service(SendCommand, gateway.names.send_command, self.serve, concurrent=True)
+        self._raw = raw
+        self._log = log
+        self._keeps_states = keeps_states
+        node, names = gateway.node, gateway.names
+        self._clock = node.graph.clock
+        node.create_service(SendCommand, names.send_command, self.serve, concurrent=True)
+        node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
+        self._out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
         """Answer the service: carry *command* out, and return its outcome."""
@@ -60,8 +111,7 @@ class CommandServer:
         try:
             if command.approved:
                 self._check_approved(command)
-            raw = self.raw
-            waits = raw is not None and (raw.mailbox.queue or raw.unbegun)
+            waits = self._out.mailbox.queue or self._out.unbegun
             perform = self._perform_after_raw if waits else self._perform
             async with limit:  # as while a radio connects: nothing happens late
                 await perform(command)
@@ -78,6 +128,23 @@ class CommandServer:
         self._counters.commands += 1
         return SendCommandResponse(success=True, message="", problem="", unable=False)
 
+    def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        """Answer the service: deliver all further messages on an address."""
+        try:
+            part = read_text_address(request.topic)
+            key, name = self._raw.find_source(request.topic) if part is None else self._device_of(part[0])
+            is_new = not self._listeners.has(request.topic, request.listener)
+            publisher = self._listeners.add(request.topic, key, name, request.listener)
+        except RefusedError as exc:
+            return SubscribeToTopicResponse(success=False, message=exc.reason, data_topic="")
+        except HomebotError as exc:
+            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
+        missed: tuple[RawMessage, ...] = ()
+        if is_new:
+            since = begin_of(request.since, self._clock)
+            missed = self._raw.missed_by(request.topic, since) if part is None else self._missed_texts(*part, since)
+        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
+
     def _check_approved(self, command: Command) -> None:
         """Refuse a command if its part is described anew since the owner approved it."""
         template = self._find_part(command.key, command.part).stored.template
@@ -89,7 +156,24 @@ class CommandServer:
         self._counters.commands_failed += 1
         return SendCommandResponse(success=False, message=problem, problem="unreachable")
 
-    async def tell(self, key: str, part_id: str, text: str, command_id: str = "") -> None:
+    async def _send(self, command: RawCommand) -> None:
+        address = command.address
+        try:
+            if address.startswith(TEXT_SCHEME) and (part := read_text_address(address)) is not None:
+                await self._send_text(*part, command.payload, command.command_id)
+            elif not self._gateway.acts:
+                raise RefusedError("the command", self._gateway.observes_because)
+            else:
+                await self._raw.send_raw(command)
+            self._counters.commands += 1
+        except LinkError as exc:
+            self._counters.commands_failed += 1
+            self._log(COMMAND_FAILED, f"not sent to {address[:100]}: {exc}", address)
+        except HomebotError as exc:
+            self._counters.commands_refused += 1
+            self._log(COMMAND_REFUSED, f"not sent to {address[:100]}: {exc}", address)
+
+    async def _send_text(self, key: str, part_id: str, text: str, command_id: str) -> None:
         """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`."""
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
@@ -98,10 +182,24 @@ class CommandServer:
 
     async def _perform_after_raw(self, command: Command) -> None:
         """Carry *command* out once the sending of each raw command that is queued now has begun."""
-        if self.raw is not None:
-            mailbox = self.raw.mailbox
-            for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
-                if mailbox.queue:
-                    await mailbox.wait_for_change()
-            await anyio.lowlevel.checkpoint()  # the tasks of those that were taken begin
+        mailbox = self._out.mailbox
+        for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
+            if mailbox.queue:
+                await mailbox.wait_for_change()
+        await anyio.lowlevel.checkpoint()  # the tasks of those that were taken begin
         await self._perform(command)
+
+    def _device_of(self, key: str) -> tuple[str, str]:
+        """Return key and name; a listener from before the gateway's restart asks before its devices are found."""
+        stored = self._devices.get(key)
+        return key, key if stored is None else stored.described.name
+
+    def _missed_texts(self, key: str, part_id: str, since: float) -> tuple[RawMessage, ...]:
+        stored = self._devices.get(key)
+        part: AnnouncedPart | None = None if stored is None else stored.parts.get(part_id)
+        if part is None:
+            return ()
+        recent = part.missed_by(since, self._clock.monotonic())
+        if recent or not self._keeps_states or not part.kept:
+            return recent
+        return (part.kept[-1][1].model_copy(update={"retained": True}),)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from random import Random
 from typing import Final
@@ -12,13 +12,14 @@ import anyio
 from structlog.typing import FilteringBoundLogger
 
 from homebot.clock import Clock
+from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError
-from homebot.gateways.announced.published_device import PublishedDevice
+from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.support.isolation import error_text, first_cause, run_as
 
-__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "problems_of"]
+__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "PublishedDevice", "problems_of"]
 
 FAILED = "device.failed"
 CRASHED = "device.crashed"
@@ -34,6 +35,36 @@ SLEEPER_WITHIN: Final = 5.0
 
 MAX_PROBLEMS: Final = 20
 """Devices in the list of problems."""
+
+
+class PublishedDevice:
+    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`."""
+
+    def __init__(self, devices: PublishedDevices, key: str, clock: Clock, log: FilteringBoundLogger) -> None:
+        self.clock = clock
+        self.log = log
+        self.key = key
+        self._devices = devices
+
+    def describe(self, device: GatewayDevice) -> None:
+        """Publish the description of the device."""
+        self._devices.put(device, "it described itself")
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
+        """Publish the reported values of a part."""
+        await self._devices.report(self.key, values, part)
+
+    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
+        """Publish whether the device, or one of its parts, can be reached."""
+        self._devices.report_reachable(self.key, part, reachable=reachable)
+
+    async def deliver_raw(self, payload: bytes) -> None:
+        """Deliver a raw message of the device to the listeners of its address."""
+        await self._devices.deliver_raw(self.key, payload)
+
+    def reject(self, payload: bytes, why: str) -> None:
+        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
+        self._devices.reject(self.key, payload, why)
 
 
 class DeviceRunner(PublishedDevice, ABC):

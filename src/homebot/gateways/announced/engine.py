@@ -16,14 +16,13 @@ from homebot.devices.approval_messages import (
 from homebot.devices.health import Count, GetHealth, HealthResponse
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
-from homebot.gateways.announced.command_server import CommandServer, Perform
+from homebot.gateways.announced.command_server import CommandServer, Perform, RawMessages
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.announced.state_reader import StateReader
-from homebot.gateways.announced.text_service import RawMessages, TextService
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery
@@ -81,7 +80,7 @@ class GatewayEngine(Generic[MessageT]):
 
     def serve(
         self, perform: Perform, raw: RawMessages, health: Callable[[], HealthResponse], *, keeps_states: bool
-    ) -> TextService:
+    ) -> CommandServer:
         """Serve the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
 
         Args:
@@ -90,11 +89,11 @@ class GatewayEngine(Generic[MessageT]):
                 no if the network itself retains states and sends them.
         """
         node, names = self._gateway.node, self._gateway.names
-        commands = CommandServer(self._gateway, perform, self.find_part, self.counters)
-        texts = TextService(
+        server = CommandServer(
             self._gateway,
+            perform,
+            self.find_part,
             self._devices,
-            commands,
             self.listeners,
             self.counters,
             raw,
@@ -105,7 +104,7 @@ class GatewayEngine(Generic[MessageT]):
         node.create_service(DescribeCommands, names.describe_commands, self._describe_commands, concurrent=True)
         node.create_task(self.listeners.watch_nodes)
         node.create_task(self.scheduler.run)
-        return texts
+        return server
 
     def find_part(self, key: str, part_id: str) -> AnnouncedPart:
         """Return a part that is described.

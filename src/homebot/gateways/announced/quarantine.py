@@ -89,7 +89,7 @@ class PeerQuarantine(Generic[MessageT]):
         return True
 
     def admits(self, source: str) -> bool:
-        """Return whether a message from *source* is to be read, for one that comes again by itself: else it is dropped."""
+        """Return whether to read a message of *source* that comes again by itself; another one is dropped."""
         payer = self.budgets.account_for(source)
         if self.budgets.admits(payer, self._reporter.now):
             return True

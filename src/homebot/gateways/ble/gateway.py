@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, ClassVar
@@ -12,7 +13,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.bluetooth.advertisement import Advertisement
-from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
+from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
@@ -193,12 +194,15 @@ class BleGateway(Gateway):
         if device.profile is not None and self._connections is not None:
             self._connections.connect(device, is_back=is_back)
         if values:
-            for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
-                await self.devices.deliver_raw(key, data)
-            for one in values:
-                await self.devices.report(key, {one.capability: one.value}, one.part)
+            await self._report(key, advertisement, values)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
             await self._report_signal(device, now)
+
+    async def _report(self, key: str, advertisement: Advertisement, values: Iterable[BroadcastValue]) -> None:
+        for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
+            await self.devices.deliver_raw(key, data)
+        for one in values:
+            await self.devices.report(key, {one.capability: one.value}, one.part)
 
     async def _report_signal(self, device: KnownDevice, now: float) -> None:
         device.reported_at = now

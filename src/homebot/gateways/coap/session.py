@@ -19,8 +19,8 @@ from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
+from homebot.gateways.announced.device_runner import PublishedDevice
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.published_device import PublishedDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing

@@ -60,7 +60,7 @@ class ActingLease:
 
     Attributes:
         rival: The name of the homebot that acts instead; empty if none does.
-        topics: Those on which homebots talk to each other; messages there are for :meth:`take`.
+        topics: Those on which homebots talk to each other; messages there are for :meth:`on_message`.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class ActingLease:
             "stop one of the two, or set act = false here"
         )
 
-    def take(self, message: MqttMessage) -> None:
+    def on_message(self, message: MqttMessage) -> None:
         """Handle a lease message of another homebot; retained ones are ignored."""
         if message.retain or len(message.payload) > _LONGEST:
             return
@@ -104,8 +104,10 @@ class ActingLease:
             word = _LeaseMessage.model_validate_json(message.payload)
         except ValidationError:
             return
-        if word.id == self._id or not self._wants:
-            return
+        if word.id != self._id and self._wants:
+            self._on_other(word)
+
+    def _on_other(self, word: _LeaseMessage) -> None:
         is_first = self._id < word.id
         if word.says == "act" and not (self._is_sure and is_first):
             self._is_candidate, self._sure_of = False, None

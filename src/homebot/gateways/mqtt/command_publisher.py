@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from hashlib import blake2b
+from secrets import token_bytes
 from typing import TYPE_CHECKING, Final
 
 from homebot.conventions.description import Publication, TakesCode
@@ -11,7 +13,6 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.packets import ReasonCode
@@ -20,10 +21,37 @@ from homebot.mqtt.topics import validate_topic
 if TYPE_CHECKING:
     from homebot.gateways.mqtt.responses import Responses
 
-__all__ = ["CommandPublisher"]
+__all__ = ["CommandPublisher", "SentSecrets"]
+
+MAX_SECRETS = 1_000
+"""Topics of which the last secret is known; then the oldest is forgotten."""
 
 _LEAST_QOS: Final = 1
 """Of commands, so that the broker says that it has them."""
+
+
+class SentSecrets:
+    """The last message with a code on each topic, as a keyed hash; the code itself is not kept."""
+
+    def __init__(self) -> None:
+        self.sent: dict[str, bytes] = {}
+        self._key = token_bytes(32)
+
+    def record(self, publication: Publication) -> Publication:
+        """Record *publication*, and return it as it may be sent: not retained, as it has a code."""
+        self.sent.pop(publication.topic, None)
+        while len(self.sent) >= MAX_SECRETS:
+            del self.sent[next(iter(self.sent))]
+        self.sent[publication.topic] = self._hash(publication.payload)
+        return publication._replace(retain=False)
+
+    def is_one(self, topic: str, payload: bytes) -> bool:
+        """Return whether a message is one that we sent with a code."""
+        sent = self.sent.get(topic)
+        return sent is not None and sent == self._hash(payload)
+
+    def _hash(self, payload: bytes) -> bytes:
+        return blake2b(payload, key=self._key, digest_size=32).digest()
 
 
 class CommandPublisher:
@@ -68,7 +96,7 @@ class CommandPublisher:
         reports = partial(announced_part.reports, command.capability)
         await self._connection.require_peer(announced_part.stored.heard_at, reports)
         if command.code:
-            publications = tuple(self._secrets.keep(one) for one in publications)
+            publications = tuple(self._secrets.record(one) for one in publications)
         properties = _expiring(command)
         if self._responses is not None:
             properties = self._responses.request(command, properties)

@@ -207,18 +207,18 @@ class MqttGateway(Gateway):
                 await anyio.lowlevel.checkpoint()
             topic, payload, qos, retained, _, _ = message
             if topic in lease.topics:
-                lease.take(message)
+                lease.on_message(message)
                 continue
             if responses is not None and topic == responses.topic:
-                responses.take(message)
+                responses.on_response(message)
                 continue
             if topic in sent and described.secrets.is_one(topic, payload):
                 continue  # it has a code, which no listener here is to see
             route = described.route(topic)
             if len(payload) > max_payload:
-                work += await self._take_long(message, route)
+                work += await self._handle_long(message, route)
             elif route is None:
-                described.offers.take(message)
+                described.offers.handle_command(message)
             elif route.only_text is not None and payload:
                 await described.read_text(topic, payload, route.only_text, retained=retained, wait_if_full=qos > 0)
             elif route.only_states:
@@ -229,7 +229,7 @@ class MqttGateway(Gateway):
                 work += _ANNOUNCED * (1 + len(payload) // 1024) * len(route.conventions) + len(route.announced_parts)
                 await described.handle_message(message, route)
 
-    async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
+    async def _handle_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
         """Take a long message, which only comes where devices are announced; return how much work it was."""
         work = 0
         if route is not None and route.conventions:

@@ -52,14 +52,14 @@ class Offers:
         self._news = anyio.Event()
         self._exposed: ExposedDevices | None = None
         if self._publishers:
-            self._exposed = ExposedDevices(gateway, self._show, self._tell, quarantine.log_limited)
+            self._exposed = ExposedDevices(gateway, self._show, self._publish_states, quarantine.log_limited)
 
     def is_own_topic(self, topic: str) -> bool:
         """Return whether *topic* is one of our own, and of no device."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
-    def take(self, message: MqttMessage) -> bool:
-        """Take *message* if it is a command to something offered; one that the broker had kept is none."""
+    def handle_command(self, message: MqttMessage) -> bool:
+        """Forward *message* if it is a command to an exposed device; a retained one is none."""
         for publisher in self._publishers:
             if message.retain:
                 continue
@@ -87,7 +87,7 @@ class Offers:
     def _show(self, offer: ExposedDevice) -> None:
         self._wait(one for publisher in self._publishers for one in publisher.publications(offer))
 
-    def _tell(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
+    def _publish_states(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:

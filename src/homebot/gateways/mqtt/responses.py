@@ -84,8 +84,8 @@ class Responses:
         """Return *properties* of a message with the id of the command that it carries; the same where it has none."""
         return properties._replace(user=((COMMAND_ID, command_id),)) if command_id else properties
 
-    def take(self, message: MqttMessage) -> None:
-        """Take a message on :attr:`topic`."""
+    def on_response(self, message: MqttMessage) -> None:
+        """Match a message on :attr:`topic` with its command, and publish the answer."""
         awaited = self._awaited.pop(message.properties.correlation_data or b"", None)
         if awaited is None or message.retain:
             self.counters.responses_unknown += 1

@@ -74,16 +74,16 @@ class StateTopics:
         is_other = topic_filter not in self._announcements and self._covering.has_match(topic_filter)
         return is_other and not has_wildcard(topic_filter)
 
-    def take_wanted(self, at_most: int) -> tuple[str, ...]:
+    def pop_wanted(self, at_most: int) -> tuple[str, ...]:
         """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on.
 
         One of an announcement is among them, for the kept message, but never among those to unsubscribe from.
         """
-        return _take(self._wanted, at_most) if self._wanted else ()
+        return _pop(self._wanted, at_most) if self._wanted else ()
 
-    def take_unwanted(self, at_most: int) -> tuple[str, ...]:
+    def pop_unwanted(self, at_most: int) -> tuple[str, ...]:
         """Return filters to unsubscribe from."""
-        return _take(self._unwanted, at_most) if self._unwanted else ()
+        return _pop(self._unwanted, at_most) if self._unwanted else ()
 
     def _check(self, topic_filter: str) -> None:
         if len(topic_filter) > LONGEST:
@@ -113,7 +113,7 @@ def _asks_too_much(topic_filter: str) -> bool:
     return levels[-1] == "#" or len(levels) - levels.count("+") < LITERAL_LEVELS
 
 
-def _take(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
+def _pop(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
     taken = tuple(islice(filters, at_most))
     for one in taken:
         del filters[one]

@@ -98,9 +98,9 @@ class Subscriber:
             while True:
                 await self._needed.wait()
                 self._needed = anyio.Event()
-                while wanted := self._topics.take_wanted(BATCH):
+                while wanted := self._topics.pop_wanted(BATCH):
                     await self._subscribe_to(connection, wanted)
-                while unwanted := self._topics.take_unwanted(BATCH):
+                while unwanted := self._topics.pop_unwanted(BATCH):
                     await connection.unsubscribe(*unwanted)
                 self._asks.update(self._asks_later)
                 self._asks_later.clear()

@@ -70,14 +70,9 @@ class DirectoryReader:
             before = self._read.get(where)
             if before is not None and not has_all(before.keys):
                 before = None
-            try:
-                answer = await self._client.get(
-                    where, accept=_ACCEPTED, etag=before.etag if before else "", max_bytes=MAX_PAGE_BYTES
-                )
-            except RefusedError as exc:
-                if len(seen) > 1 or not self._can_count or exc.code not in _CANNOT_COUNT:
-                    raise
-                self._can_count, where = False, f"{self._url}/things"
+            answer = await self._get_page(where, before, is_first=len(seen) == 1)
+            if answer is None:
+                where = f"{self._url}/things"
                 continue
             if before is not None and answer.status == 304:
                 yield DirectoryPage(keys=set(before.keys))
@@ -92,6 +87,17 @@ class DirectoryReader:
             where = following
         for gone in self._read.keys() - seen:
             del self._read[gone]
+
+    async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
+        """Return the answer with a page; None if the directory turns out not to count."""
+        etag = "" if before is None else before.etag
+        try:
+            return await self._client.get(where, accept=_ACCEPTED, etag=etag, max_bytes=MAX_PAGE_BYTES)
+        except RefusedError as exc:
+            if not is_first or not self._can_count or exc.code not in _CANNOT_COUNT:
+                raise
+            self._can_count = False
+            return None
 
     def _after_same(self, where: str, page: ReadPage, answer: HttpAnswer) -> str:
         """Return the page behind one that is the same: the list may have become longer or shorter there."""

@@ -220,29 +220,6 @@ async def test_addresses_by_the_name_of_the_host_are_reached_without_a_name_serv
         await host.until(lambda: host.values.get(("", "on_off")) is True)
 
 
-async def test_long_polls_bring_new_values() -> None:
-    values = iter([True, False])
-    kept = anyio.Event()
-
-    async def answer(request: web.Request) -> web.StreamResponse:
-        if request.path == "/.well-known/wot":
-            forms = [{"href": "/on"}, {"href": "/on/observe", "op": "observeproperty", "subprotocol": "longpoll"}]
-            on = {"type": "boolean", "@type": "OnOffProperty", "forms": forms}
-            return web.json_response(description(properties={"on": on}))
-        if request.path == "/on":
-            return web.json_response(False)
-        value = next(values, None)
-        if value is None:
-            await kept.wait()
-        return web.json_response(value)
-
-    host = KeepingHost()
-    async with serving(answer) as origin:
-        async with running(driver(port_of(origin), host)):
-            await host.until(lambda: [one[2] for one in host.events][:2] == [True, False])
-        kept.set()
-
-
 async def test_a_change_between_two_long_polls_is_read_after_the_next_one_has_begun(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -339,9 +316,3 @@ async def test_a_web_server_need_not_be_a_thing(status: int) -> None:
         async with running(HttpThingDriver(service, ThingDriverSettings(), host)):
             await host.until(lambda: bool(host.devices))
     assert (host.device.name, host.device.parts) == ("Printer", ())
-
-
-def test_a_password_that_cannot_be_read_is_found_at_once() -> None:
-    settings = {"credentials": [{"host": "lamp.local", "password_env": "NO_SUCH_VARIABLE"}]}
-    with pytest.raises(Exception, match=r"credentials\[0\].password_env"):
-        ThingDriver.check(ThingDriverSettings.model_validate(settings))
