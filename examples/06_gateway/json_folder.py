@@ -8,8 +8,8 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ValidationError
 
+from homebot.devices.capabilities import implied_settings
 from homebot.devices.gateway_messages import Command
-from homebot.devices.implied_settings import implied_settings
 from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from homebot.devices import Device, DevicePart
+from homebot.devices.device import part_names
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.part_names import part_names
 from homebot.messages import Time
 
 

@@ -16,11 +16,17 @@ from tests.peers.node_package import node_folder
 from tests.peers.other_python import python_with
 
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.commissioning import Commission, CommissionRequest, Decommission, DecommissionRequest
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.names import CommissioningNames, GatewayNames
+from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
+from homebot.gateways.matter.commissioning import (
+    Commission,
+    CommissioningNames,
+    CommissionRequest,
+    Decommission,
+    DecommissionRequest,
+)
 from homebot.graph import Graph, Node, Subscription
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT

@@ -7,8 +7,8 @@ import json
 import pytest
 from pydantic import BaseModel, SecretStr
 
-from homebot.devices.owner_services import OWNER_SERVICES
 from homebot.recording.secrets import is_secret_name, public_settings, without_secrets
+from homebot.replay.replay_people import OWNER_SERVICES
 
 
 class AppTable(BaseModel):

@@ -13,8 +13,8 @@ from tests.apps.houses import flat, lamp, motion
 
 from homebot.cli.commands.replay import difference_text
 from homebot.config import parse_config
+from homebot.devices.device import part_names
 from homebot.devices.names import READ_RECORDING, START_RECORDER
-from homebot.devices.part_names import part_names
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world

@@ -54,8 +54,8 @@ class RoomApp(App):
         self._scopes: dict[str, anyio.CancelScope] = {}
         self._log_limit = LogLimit(node.graph.clock)
         if named := [("rooms", room) for room in rooms]:
-            from homebot.devices.configured_names import ConfiguredNames  # noqa: PLC0415 - few apps name rooms
             from homebot.devices.health import GetHealth  # noqa: PLC0415 - as above
+            from homebot.devices.misspelt_names import ConfiguredNames  # noqa: PLC0415 - few apps name rooms
 
             names = ConfiguredNames(node, rooms=named)
             node.create_service(GetHealth, "~/health", names.health)

@@ -63,8 +63,9 @@ if TYPE_CHECKING:
         CommandDevicesResponse,
         CommandRequest,
         CommandResult,
+        SendTextRequest,
+        SendTextResponse,
     )
-    from homebot.devices.configured_names import ConfiguredNames
     from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.lease_messages import (
@@ -75,7 +76,7 @@ if TYPE_CHECKING:
         LeaseResponse,
         LeasesResponse,
     )
-    from homebot.devices.text_messages import SendTextRequest, SendTextResponse
+    from homebot.devices.misspelt_names import ConfiguredNames
 
 __all__ = ["Control"]
 
@@ -159,9 +160,12 @@ class Control:
         from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
         from homebot.devices.access_messages import AccessRefused, ClientLeft  # noqa: PLC0415 - likewise
         from homebot.devices.approval_messages import GetUnapproved, TrustDevice  # noqa: PLC0415 - see above
-        from homebot.devices.command_messages import CommandDevices, PerformCommand  # noqa: PLC0415 - see above
+        from homebot.devices.command_messages import (  # noqa: PLC0415 - see above
+            CommandDevices,
+            PerformCommand,
+            SendText,
+        )
         from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
-        from homebot.devices.text_messages import SendText  # noqa: PLC0415 - likewise
 
         self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
         self._node.create_service(SendText, SEND_TEXT, self.send_text, concurrent=True)

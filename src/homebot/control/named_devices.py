@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.control.settings import ControlSettings
-from homebot.devices.configured_names import ConfiguredNames
+from homebot.devices.misspelt_names import ConfiguredNames
 from homebot.devices.query.parse import parse_query
 from homebot.graph import Node
 

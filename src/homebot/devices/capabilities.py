@@ -6,11 +6,13 @@ Source: Matter 1.6 application clusters; capabilities without a cluster in Matte
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final, Literal, NamedTuple, TypeAlias
 
-__all__ = ["CAPABILITIES", "EVENTS", "CapabilityType", "ValueKind"]
+from homebot.devices.value import PlainValue
+
+__all__ = ["CAPABILITIES", "EVENTS", "LIGHTS_UP", "CapabilityType", "ValueKind", "implied_settings"]
 
 ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
 
@@ -304,3 +306,25 @@ SETTABLE: frozenset[str] = frozenset(
     }
 )
 """Names of those that people and programs set; measurements change all the time and need no reason."""
+
+LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
+"""Capabilities of a light by which it is turned on."""
+
+
+def implied_settings(
+    capability: str, value: PlainValue, settable: Container[str]
+) -> tuple[tuple[str, PlainValue], ...]:
+    """Return the settings, in this order, that make *capability* *value* and turn a light on, or off at level 0.
+
+    A gateway calls it for protocols in which the brightness or the colour of a light that is off leaves it off.
+
+    Args:
+        capability: The capability of the command.
+        value: The value of the command.
+        settable: The capabilities that the part takes.
+    """
+    if capability not in LIGHTS_UP or "on_off" not in settable:
+        return ((capability, value),)
+    if capability == "level" and value == 0:
+        return (("on_off", False),)
+    return ((capability, value), ("on_off", True))

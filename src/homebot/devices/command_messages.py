@@ -21,6 +21,9 @@ __all__ = [
     "CommandedPart",
     "OutcomeKind",
     "PerformCommand",
+    "SendText",
+    "SendTextRequest",
+    "SendTextResponse",
     "Setting",
 ]
 
@@ -197,3 +200,42 @@ class CommandDevicesResponse(Message):
 
 
 CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)
+
+
+class SendTextRequest(Message):
+    """A raw text for a device.
+
+    Attributes:
+        device: The id of the device.
+        payload: The text.
+        issuer: The sender: the name of the node, or ``client:NAME`` for a client of the door.
+        scope: As for :class:`CommandRequest`.
+        trigger: Its cause, as far as the issuer knows.
+    """
+
+    device: str
+    payload: str
+    issuer: str
+    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    trigger: Trigger = NO_TRIGGER
+
+
+class SendTextResponse(Message):
+    """The result; a success does not prove that the device obeyed.
+
+    Attributes:
+        success: Whether the gateway has queued the text.
+        message: The reason if not, as text.
+        problem: ``refused`` by a policy, a lease or the gateway, or the gateway is ``unreachable`` now.
+        others: The names of the other parts that would have accepted the text and did not get it.
+        command_id: The id of the command in the journal.
+    """
+
+    success: bool
+    message: str = ""
+    problem: Literal["", "refused", "unreachable"] = ""
+    others: tuple[str, ...] = ()
+    command_id: str = ""
+
+
+SendText = ServiceType("homebot/srv/SendText", SendTextRequest, SendTextResponse)

@@ -75,30 +75,32 @@ class CommandSender:
                 repeated=repeated,
                 approved=route.approved,
             )
-            try:
-                client = self._clients.get(route.gateway) or self._client(route.gateway)
-                response = await client.call(command, timeout=expires_after + _ANSWERS_WITHIN)
-            except InvalidNameError as exc:
-                unable = unable or str(exc)
-                continue
-            except ServiceUnavailableError:  # it is not running, so that nothing was sent
-                is_away = True
-                continue
-            except ServiceError as exc:
-                response = SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+            response = await self._send_by(route.gateway, command)
             if response.success:
                 return
             if response.problem == "unreachable":
                 is_away, problem = True, response.message or problem
-                if capability in MOMENTARY:
+                if capability in MOMENTARY and not response.unable:
                     break
-            elif not response.unable:
-                raise RefusedError(f"{capability} of {device.id}", response.message)
-            else:
+            elif response.unable:
                 unable = unable or response.message
+            else:
+                raise RefusedError(f"{capability} of {device.id}", response.message)
         if unable and not is_away:
             raise RefusedError(f"{capability} of {device.id}", unable)
         raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
+
+    async def _send_by(self, gateway: str, command: Command) -> SendCommandResponse:
+        """Send *command* to *gateway*; one that is not running is unreachable and was unable to send anything."""
+        try:
+            client = self._clients.get(gateway) or self._client(gateway)
+            return await client.call(command, timeout=command.expires_after + _ANSWERS_WITHIN)
+        except InvalidNameError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
+        except ServiceUnavailableError:
+            return SendCommandResponse(success=False, problem="unreachable", unable=True)
+        except ServiceError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)

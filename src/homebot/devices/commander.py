@@ -5,23 +5,33 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
-from homebot.devices.command_messages import MOST_SETTINGS, CommandRequest, PerformCommand, Setting
+from homebot.devices.command_messages import (
+    MOST_SETTINGS,
+    CommandRequest,
+    PerformCommand,
+    SendText,
+    SendTextRequest,
+    SendTextResponse,
+    Setting,
+)
 from homebot.devices.command_results import outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE
+from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
-from homebot.graph import Node
+from homebot.graph import Client, Node
 
 if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
     from homebot.devices.hold import Hold
+    from homebot.devices.text_sender import TextSender
 
 __all__ = ["Commander"]
 
@@ -97,11 +107,48 @@ class Commander:
             view.record_result(part.id, reported, self._clock.now())
         return outcome_of(result)
 
+    async def send_text(self, device: Device, payload: str) -> tuple[str, ...]:
+        """Send a raw text; see :meth:`homebot.devices.Devices.tell`."""
+        request = SendTextRequest(
+            device=device.id, payload=payload, issuer=self._node.full_name, trigger=current_trigger()
+        )
+        try:
+            response = await self._texts.call(request, timeout=_LONGEST)
+        except ServiceError as exc:
+            if isinstance(exc, ServiceUnavailableError) and not self._texts.service_is_ready():
+                return await self._send_past_control(device, request)
+            raise _not_sent(request, str(exc)) from exc
+        if response.problem == "refused":
+            raise RefusedError(f"a command to {device.id}", response.message)
+        if not response.success:
+            raise _not_sent(request, response.message)
+        return response.others
+
+    async def _send_past_control(self, device: Device, request: SendTextRequest) -> tuple[str, ...]:
+        if self._node.graph.get_node(RUNTIME_NODE) is not None:
+            raise LinkError(NO_CONTROL)
+        try:
+            target = self._text_sender.target(device, request.payload)
+            await self._text_sender.send(request.payload, target, request.issuer, request.trigger)
+        except LinkError as exc:
+            raise _not_sent(request, str(exc)) from exc
+        return target.others
+
     def hold(self, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AbstractAsyncContextManager[Hold]:
         """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
         from homebot.devices.hold import hold_part  # noqa: PLC0415 - few apps hold anything
 
         return hold_part(self._node, view, part_id, word, by, ttl)
+
+    @cached_property
+    def _texts(self) -> Client[SendTextRequest, SendTextResponse]:
+        return self._node.create_client(SendText, SEND_TEXT)
+
+    @cached_property
+    def _text_sender(self) -> TextSender:
+        from homebot.devices.text_sender import TextSender  # noqa: PLC0415 - for a graph without a control layer
+
+        return TextSender(self._node)
 
     async def _send(
         self, device: Device, part: DevicePart, settings: tuple[Setting, ...], transition: float, code: str
@@ -133,3 +180,7 @@ def _checked(
         check_setting(target, part.part, capability, value)
         settings.append(Setting.of(capability, value))
     return tuple(settings)
+
+
+def _not_sent(request: SendTextRequest, why: str) -> LinkError:
+    return LinkError(f"{request.payload!r} was not sent to {request.device}: {why}")

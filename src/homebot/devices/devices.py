@@ -34,8 +34,7 @@ from homebot.log import LogLimit
 from homebot.messages import Time
 
 if TYPE_CHECKING:
-    from homebot.devices.query_check import QueryCheck
-    from homebot.devices.text_commander import TextCommander
+    from homebot.devices.misspelt_names import QueryCheck
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -69,7 +68,6 @@ class Devices:
         self._watches_services = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
-        self._texts: TextCommander | None = None
         self._limit = LogLimit(node.graph.clock)
 
     @overload
@@ -197,11 +195,7 @@ class Devices:
             LinkError: None of its gateways is running and reaches its network, or the control layer is away; nothing
                 was sent.
         """
-        if self._texts is None:
-            from homebot.devices.text_commander import TextCommander  # noqa: PLC0415 - few apps send texts
-
-            self._texts = TextCommander(self._node)
-        return await self._texts.send(device, payload)
+        return await self._view.commander.send_text(device, payload)
 
     async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
         check_gateway(endpoint)
@@ -230,7 +224,7 @@ class Devices:
 
     @cached_property
     def _checks(self) -> QueryCheck:
-        from homebot.devices.query_check import QueryCheck  # noqa: PLC0415 - only if there is something to check
+        from homebot.devices.misspelt_names import QueryCheck  # noqa: PLC0415 - only if there is something to check
 
         return QueryCheck(self._node)
 

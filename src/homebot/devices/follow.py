@@ -151,24 +151,28 @@ class Follow(LiveQuery[DeviceChange]):
         known = view.get(device_id)
         device = None if known is None else known.current() if self._asks_for_values else known.device
         did_match, does_match = device_id in self._matching, device is not None and self._wants(device)
-        if does_match:
-            self._matching.add(device_id)
-        else:
-            self._matching.discard(device_id)
-        if isinstance(change, StateChange):
-            if device is not None and did_match != does_match:
-                self._ready.append(_of_values(change, device, does_match=does_match))
-        elif did_match or does_match:
-            kind: ChangeKind = "removed" if not does_match else "appeared" if not did_match else change.kind
-            if kind == "appeared" and did_match:
-                kind = "changed"
-            self._ready.append(change.model_copy(update={"kind": kind, "device": device or change.device}))
+        (self._matching.add if does_match else self._matching.discard)(device_id)
+        if isinstance(change, DeviceChange):
+            if did_match or does_match:
+                kind = _kind(change.kind, did_match=did_match, does_match=does_match)
+                self._ready.append(change.model_copy(update={"kind": kind, "device": device or change.device}))
+        elif device is not None and did_match != does_match:
+            self._ready.append(_of_values(change, device, does_match=does_match))
 
     def _wants(self, device: Device) -> bool:
         return self._query == _ANY or fits(self._query, facets_of(device))
 
 
 _ANY: Final = And(())
+
+
+def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:
+    """Return *kind* as the reader gets it: each device appears first and is removed last."""
+    if not does_match:
+        return "removed"
+    if not did_match:
+        return "appeared"
+    return "changed" if kind == "appeared" else kind
 
 
 def _of_values(change: StateChange, device: Device, *, does_match: bool) -> DeviceChange:

@@ -4,63 +4,6 @@ from __future__ import annotations
 
 from homebot.names import escape_token
 
-__all__ = [
-    "ACCESS_REFUSALS",
-    "ALIAS_DEVICE",
-    "APPROVE_DEVICE",
-    "CHANGE_ROOM",
-    "CLIENTS_LEFT",
-    "COMMAND_DEVICES",
-    "COMMAND_EVENTS",
-    "DEVICE_CHANGES",
-    "DEVICE_SETTINGS",
-    "DEVICE_STATES",
-    "DIRECTORY_NODE",
-    "DISCOVERY_HEALTH",
-    "END_LEASES",
-    "EXPORT_INDEX",
-    "EXPORT_PLACES",
-    "FIND_DEVICES",
-    "FORGET_DEVICE",
-    "GATEWAY_READING",
-    "GET_CHANGES",
-    "GET_INDEX_DATA",
-    "GET_LEASES",
-    "GET_PLACES",
-    "GET_UNAPPROVED",
-    "HOLD_PART",
-    "IMPORT_PLACES",
-    "JOURNAL_ENTRIES",
-    "MERGE_DEVICES",
-    "OWNER",
-    "OWNER_REQUESTS",
-    "PERFORM_COMMAND",
-    "PLACE_DEVICE",
-    "QUERY_DEVICES",
-    "READ_JOURNAL",
-    "READ_RECORDING",
-    "RELEASE_LEASE",
-    "RENEW_LEASE",
-    "RUNTIME_HEALTH",
-    "RUNTIME_NODE",
-    "SEND_TEXT",
-    "SPLIT_DEVICE",
-    "START_RECORDER",
-    "TAG",
-    "TAG_DEVICE",
-    "TEACH_PLACE",
-    "TEXT_SCHEME",
-    "THING_DIRECTORY_NODE",
-    "TRUST_DEVICE",
-    "CommissioningNames",
-    "GatewayNames",
-    "TagNames",
-    "gateway_of",
-    "is_text_address",
-    "read_text_address",
-    "text_address",
-]
-
 GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
 QUERY_DEVICES = "/discovery/query"
@@ -169,19 +112,6 @@ class GatewayNames:
     def received_data(self, *device: str) -> str:
         """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
         return "/".join((self._received_data, *(escape_token(part) for part in device)))
-
-
-class CommissioningNames:
-    """The graph names of a gateway that commissions devices, beside those that every gateway has.
-
-    Attributes:
-        commission: Service :data:`homebot.devices.commissioning.Commission`.
-        decommission: Service :data:`homebot.devices.commissioning.Decommission`.
-    """
-
-    def __init__(self, gateway: str) -> None:
-        self.commission = f"{_GATEWAYS}{gateway}/commission"
-        self.decommission = f"{_GATEWAYS}{gateway}/decommission"
 
 
 class TagNames:

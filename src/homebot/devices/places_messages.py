@@ -250,7 +250,7 @@ class OwnerRequest(Message):
 
     Attributes:
         at: When it came.
-        service: The name of the service, one of :data:`homebot.devices.owner_services.OWNER_SERVICES`.
+        service: The name of the service, one of the services of the owner.
         request: The request, as the text of a JSON object.
     """
 

@@ -91,9 +91,18 @@ def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_en
     content = tuple(word for word in words if word not in language.fillers)
     if frozenset(content[-2:]) in language.never:
         return ""
+    return _phrase_in(words, content if at_end else None, language, groups) or _ending_in(words, language, groups)
+
+
+def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language: _Language, groups: Groups) -> str:
+    """Return the words of the first phrase in *words*, if *head_of* is given one at the end of that."""
     for phrase in language.phrases:
-        if phrase.group in groups and phrase.words.issubset(words) and (not at_end or _is_head(phrase, content)):
+        if phrase.group in groups and phrase.words.issubset(words) and (head_of is None or _is_head(phrase, head_of)):
             return " ".join(word for word in words if word in phrase.words)
+    return ""
+
+
+def _ending_in(words: tuple[str, ...], language: _Language, groups: Groups) -> str:
     for ending, group in language.endings:
         if group in groups and (found := next((word for word in words if word.endswith(ending)), "")):
             return found

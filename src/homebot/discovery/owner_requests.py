@@ -21,7 +21,7 @@ _DEPTH: Final = 1000
 
 @final
 class OwnerRequests:
-    """Publisher of the requests to :data:`homebot.devices.owner_services.OWNER_SERVICES`, if there is a subscriber.
+    """Publisher of the requests to the services of the owner, if there is a subscriber.
 
     Args:
         node: The directory's node.

@@ -26,7 +26,7 @@ that know their devices' parts; :mod:`homebot.gateways.memory` is the reference,
 
 A light that is told a level above 0, a colour, a colour temperature or an effect is on afterwards, and off at level 0.
 Where the protocol does not see to that, the gateway does;
-:func:`homebot.devices.implied_settings.implied_settings` has the settings to send.
+:func:`homebot.devices.capabilities.implied_settings` has the settings to send.
 
 *Key* is the gateway's name for a device, or one announcement of it: unique in the gateway, and the same after a
 restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol

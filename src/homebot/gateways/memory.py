@@ -16,9 +16,9 @@ from pydantic import BaseModel, Field
 
 from homebot.conventions.payload import parse_object
 from homebot.devices import RawCommand
+from homebot.devices.capabilities import implied_settings
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
-from homebot.devices.implied_settings import implied_settings
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, WireError
 from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates

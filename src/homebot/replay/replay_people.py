@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import Final, final
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final, final
 
 import anyio
 
+from homebot.devices.approval_messages import ApproveDevice
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, PerformCommand
 from homebot.devices.lease_messages import (
@@ -19,22 +22,63 @@ from homebot.devices.lease_messages import (
     ReleaseLease,
     RenewLease,
 )
-from homebot.devices.names import END_LEASES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
-from homebot.devices.owner_services import OWNER_SERVICES
-from homebot.devices.places_messages import OwnerRequest
+from homebot.devices.names import (
+    ALIAS_DEVICE,
+    APPROVE_DEVICE,
+    CHANGE_ROOM,
+    END_LEASES,
+    FORGET_DEVICE,
+    HOLD_PART,
+    IMPORT_PLACES,
+    MERGE_DEVICES,
+    PERFORM_COMMAND,
+    PLACE_DEVICE,
+    RELEASE_LEASE,
+    RENEW_LEASE,
+    SPLIT_DEVICE,
+    TAG_DEVICE,
+    TEACH_PLACE,
+)
+from homebot.devices.places_messages import (
+    AliasDevice,
+    ChangeRoom,
+    ImportPlaces,
+    OwnerRequest,
+    PlaceDevice,
+    TagDevice,
+    TeachPlace,
+)
+from homebot.devices.services import ForgetDevice, MergeDevices, SplitDevice
 from homebot.errors import TypeMismatchError, UsageError
 from homebot.graph import Node
 from homebot.messages.json import message_from_json
+from homebot.messages.message import ServiceType
 from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import is_carried_out
 from homebot.replay.replay_feed import ReplayFeed
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["ReplayPeople"]
+__all__ = ["OWNER_SERVICES", "ReplayPeople"]
 
 _LONGEST: Final = 900.0
 _RENEWED_AFTER: Final = LONGEST_TTL / 3
+
+OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
+    {
+        PLACE_DEVICE: PlaceDevice,
+        ALIAS_DEVICE: AliasDevice,
+        TAG_DEVICE: TagDevice,
+        APPROVE_DEVICE: ApproveDevice,
+        TEACH_PLACE: TeachPlace,
+        CHANGE_ROOM: ChangeRoom,
+        IMPORT_PLACES: ImportPlaces,
+        FORGET_DEVICE: ForgetDevice,
+        SPLIT_DEVICE: SplitDevice,
+        MERGE_DEVICES: MergeDevices,
+    }
+)
+"""The services of the directory by which the owner states something of devices and rooms, by name."""
 
 
 @final

@@ -30,6 +30,7 @@ from homebot.devices import (
     Route,
     State,
 )
+from homebot.devices.device import part_names
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import (
@@ -41,7 +42,6 @@ from homebot.devices.names import (
     text_address,
 )
 from homebot.devices.part import Capability, Part
-from homebot.devices.part_names import part_names
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
     AnnouncedOn,

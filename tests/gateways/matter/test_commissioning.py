@@ -17,18 +17,18 @@ from tests.gateways.matter.test_gateway import House, house, reading
 from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
-from homebot.devices.commissioning import (
+from homebot.devices.gateway_messages import Command, Report, SendCommand
+from homebot.devices.value import Value
+from homebot.errors import TypeMismatchError
+from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
+from homebot.gateways.matter.commissioning import (
     Commission,
+    CommissioningNames,
     CommissionRequest,
     CommissionResponse,
     Decommission,
     DecommissionRequest,
 )
-from homebot.devices.gateway_messages import Command, Report, SendCommand
-from homebot.devices.names import CommissioningNames
-from homebot.devices.value import Value
-from homebot.errors import TypeMismatchError
-from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode

@@ -17,7 +17,7 @@ from homebot.cli.command_records import SettingRecord, TriggerRecord
 from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.cli.table import printable
 from homebot.config import load_config
-from homebot.devices.part_names import part_names
+from homebot.devices.device import part_names
 from homebot.errors import HomebotError
 from homebot.log import configure_logging
 from homebot.messages.json import message_to_json
@@ -129,7 +129,7 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
     Args:
         given: The command.
         start: When the recording began, in seconds since the Unix epoch.
-        names: As :func:`homebot.devices.part_names.part_names` gives them.
+        names: As :func:`homebot.devices.device.part_names` gives them.
     """
     command = given.command
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()

@@ -15,7 +15,7 @@ from homebot.control.journal.journal_note import JournalNote
 from homebot.control.journal.memory_store import with_newer
 from homebot.devices import FIND_DEVICES, FindDevices, RawCommand
 from homebot.devices.command_messages import CommandResult, Setting
-from homebot.devices.device import ChangedSetting, KeyValue
+from homebot.devices.device import ChangedSetting, KeyValue, part_names
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
     EntryKind,
@@ -26,7 +26,6 @@ from homebot.devices.journal_messages import (
     ReadJournalResponse,
 )
 from homebot.devices.names import JOURNAL_ENTRIES
-from homebot.devices.part_names import part_names
 from homebot.devices.query import Or, query_terms
 from homebot.devices.query.terms import FactIs
 from homebot.devices.services import FindDevicesRequest

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
+from typing import NamedTuple
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, words_of
 
@@ -82,52 +82,28 @@ def facets_of(device: Device) -> Facets:
     """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
-    types: dict[str, str] = {}
-    capabilities: set[str] = set()
-    settable: set[str] = set()
-    categories: set[str] = set()
-    gateways: set[str] = set()
-    conventions: set[str] = set()
-    main: Part | None = None
-    for each in device.parts:  # one loop: this is done for every device after most of its messages
-        part = each.part
-        types[each.id] = part.service_type
-        if part.category:
-            categories.add(part.category)
-        for capability in part.capabilities:
-            capabilities.add(capability.name)
-            if capability.settable:
-                settable.add(capability.name)
-        for route in each.routes:
-            gateways.add(route.gateway)
-            conventions.add(route.convention)
-        if main is None and device.service_type in (part.service_type, part.advertised):
-            main = part
-    for endpoint in device.endpoints:
-        gateways.add(endpoint.gateway)
-    for fact in device.facts:
-        conventions.add(fact.convention)
-    advertised = frozenset(map(fold, device.service_types or (device.service_type,)))
-    own = (advertised, possible_types, *map(frozenset, (capabilities, settable, gateways, conventions, categories)))
-    shared = [_one_of(found) if len(found) <= _FEW else found for found in own]  # each takes 200 bytes
+    sets = _sets_of(device)
+    main = next(
+        (one.part for one in device.parts if device.service_type in (one.part.service_type, one.part.advertised)), None
+    )
     return Facets(
         id=device.id,
         name=fold(device.name),
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
-        advertised=shared[0],
-        possible_types=shared[1],
-        capabilities=shared[2],
-        settable=shared[3],
+        advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
+        possible_types=_shared(possible_types),
+        capabilities=_shared(frozenset(sets.capabilities)),
+        settable=_shared(frozenset(sets.settable)),
         areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
         tags=frozenset(map(fold, device.tags)) if device.tags else _NO_TAGS,
         words=_words(device, facts),
         freshness=device.freshness,
         reachable=device.reachable.state,
-        gateways=shared[4],
-        conventions=shared[5],
-        categories=shared[6],
+        gateways=_shared(frozenset(sets.gateways)),
+        conventions=_shared(frozenset(sets.conventions)),
+        categories=_shared(frozenset(sets.categories)),
         facts=facts,
-        values=_values_of(device, types) if device.states else (),
+        values=_values_of(device) if device.states else (),
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
@@ -135,16 +111,47 @@ def facets_of(device: Device) -> Facets:
     )
 
 
-def _values_of(device: Device, types: Mapping[str, str]) -> tuple[tuple[str, str, PlainValue], ...]:
+class _Sets(NamedTuple):
+    capabilities: set[str]
+    settable: set[str]
+    gateways: set[str]
+    conventions: set[str]
+    categories: set[str]
+
+
+def _sets_of(device: Device) -> _Sets:
+    """Return the names in all parts, in one loop: this is done for every device after most of its messages."""
+    sets = _Sets(
+        set(), set(), {one.gateway for one in device.endpoints}, {one.convention for one in device.facts}, set()
+    )
+    for each in device.parts:
+        if each.part.category:
+            sets.categories.add(each.part.category)
+        for capability in each.part.capabilities:
+            sets.capabilities.add(capability.name)
+            if capability.settable:
+                sets.settable.add(capability.name)
+        for route in each.routes:
+            sets.gateways.add(route.gateway)
+            sets.conventions.add(route.convention)
+    return sets
+
+
+def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue], ...]:
+    types = {one.id: one.part.service_type for one in device.parts}
     return tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states])
 
 
 _FEW = 8
+"""Members of a set that devices share if they are alike in it: each set takes 200 bytes."""
+
+
+def _shared(found: frozenset[str]) -> frozenset[str]:
+    return _one_of(found) if len(found) <= _FEW else found
 
 
 @lru_cache(maxsize=1024)
 def _one_of(found: frozenset[str]) -> frozenset[str]:
-    """Return one set for all devices that are alike in it."""
     return found
 
 

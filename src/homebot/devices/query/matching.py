@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any, Final
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
@@ -20,6 +22,7 @@ from homebot.devices.query.terms import (
     IsUnapproved,
     NameIs,
     Not,
+    Operator,
     Or,
     Query,
     ReachableIs,
@@ -156,104 +159,90 @@ class PartFacets:
 
 def fits(query: Query, device: Facets | PartFacets) -> bool:
     """Return whether *device*, or one part of it, matches *query*."""
-    match query:
-        case And(terms):
-            fits_all = True
-            for term in terms:  # no generator: handles are looked at with every state
-                fits_all = fits_all and fits(term, device)
-            return fits_all
-        case Or(terms):
-            return any(fits(term, device) for term in terms)
-        case Not(term):
-            return not fits(term, device)
-        case TypeIs():
-            return (
-                (query.by_word and query.word in device.advertised)
-                or True in map(query.matches, device.kinds)
-                or (bool(device.possible_types) and device.possible_types == query.types)
-            )
-        case CanDo(name, settable):
-            return name in (device.settable if settable else device.capabilities)
-        case StateIs():
-            return any(
-                capability == query.capability
-                and (not query.types or service_type in query.types)
-                and compares(query, value)
-                for service_type, capability, value in device.values
-            )
-        case AreaIs(area):
-            return area in device.areas if area else not device.areas
-        case HasText(word):
-            return any(one.startswith(word) or is_typo(word, one) for one in device.words)
-        case _:
-            return _fits_whole(query, device)
-
-
-def _fits_whole(
-    query: InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed | IsUnapproved,
-    device: Facets | PartFacets,
-) -> bool:
-    match query:
-        case IsDisputed():
-            return device.is_disputed
-        case IsUnapproved():
-            return device.is_unapproved
-        case NameIs(name):
-            return name in device.names
-        case InArea(area):
-            areas = device.areas
-            return area in areas or any(_begins(one, area) for one in areas)
-        case FreshnessIs(freshness):
-            return device.freshness == freshness
-        case ReachableIs(state):
-            return device.reachable == state
-        case GatewayIs(gateway):
-            return gateway in device.gateways
-        case FactIs(name, value):
-            return _fits_fact(name, value, device)
-
-
-def _fits_fact(name: str, value: str, device: Facets | PartFacets) -> bool:
-    match name:
-        case "id":
-            return device.id.casefold() == value
-        case "name" if _begins(device.name, value):
-            return True
-        case "tag":
-            return value in device.tags
-        case "convention":
-            return value in device.conventions
-        case "category":
-            return value in device.categories
-        case _:
-            return any(_begins(fact, value) for fact in device.facts.get(name, ()))
+    return _TESTS[type(query)](query, device)
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:
-    """Return whether *value* satisfies *term*."""
+    """Return whether *value* satisfies *term*; only numbers have an order."""
     wanted = term.value
-    if value is None:
-        return False
-    if isinstance(value, str) and isinstance(wanted, str):
-        return (fold(value) == wanted) == (term.operator == "=")
-    if isinstance(value, bool) or isinstance(wanted, bool):
-        return isinstance(value, bool) and isinstance(wanted, bool) and (value is wanted) == (term.operator == "=")
-    if not isinstance(value, float) or not isinstance(wanted, float):
-        return False
-    match term.operator:
-        case "=":
-            return value == wanted
-        case "!=":
-            return value != wanted
-        case "<":
-            return value < wanted
-        case "<=":
-            return value <= wanted
-        case ">":
-            return value > wanted
-        case ">=":
-            return value >= wanted
+    if isinstance(value, str):
+        value = fold(value)
+    if isinstance(value, float) and isinstance(wanted, float):
+        return _COMPARISONS[term.operator](value, wanted)
+    is_comparable = isinstance(value, str | bool) and type(value) is type(wanted)
+    return is_comparable and (value == wanted) == (term.operator == "=")
+
+
+_COMPARISONS: Final[Mapping[Operator, Callable[[float, float], bool]]] = {
+    "=": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+def _fits_type(query: TypeIs, device: Facets | PartFacets) -> bool:
+    return (
+        (query.by_word and query.word in device.advertised)
+        or True in map(query.matches, device.kinds)
+        or (bool(device.possible_types) and device.possible_types == query.types)
+    )
+
+
+def _fits_state(query: StateIs, device: Facets | PartFacets) -> bool:
+    return any(
+        capability == query.capability and (not query.types or service_type in query.types) and compares(query, value)
+        for service_type, capability, value in device.values
+    )
+
+
+def _is_in(query: InArea, device: Facets | PartFacets) -> bool:
+    areas = device.areas
+    return query.text in areas or any(_begins(area, query.text) for area in areas)
+
+
+def _has_text(query: HasText, device: Facets | PartFacets) -> bool:
+    return any(word.startswith(query.text) or is_typo(query.text, word) for word in device.words)
+
+
+def _fits_fact(query: FactIs, device: Facets | PartFacets) -> bool:
+    match query.name:
+        case "id":
+            return device.id.casefold() == query.value
+        case "name" if _begins(device.name, query.value):
+            return True
+        case "tag":
+            return query.value in device.tags
+        case "convention":
+            return query.value in device.conventions
+        case "category":
+            return query.value in device.categories
+        case name:
+            return any(_begins(fact, query.value) for fact in device.facts.get(name, ()))
 
 
 def _begins(text: str, wanted: str) -> bool:
     return text == wanted or text.startswith(f"{wanted} ")
+
+
+_TESTS: Final[Mapping[type[Query], Callable[[Any, Facets | PartFacets], bool]]] = {
+    And: lambda query, device: all(fits(term, device) for term in query.terms),
+    Or: lambda query, device: any(fits(term, device) for term in query.terms),
+    Not: lambda query, device: not fits(query.term, device),
+    TypeIs: _fits_type,
+    CanDo: lambda query, device: query.name in (device.settable if query.settable else device.capabilities),
+    StateIs: _fits_state,
+    AreaIs: lambda query, device: query.text in device.areas if query.text else not device.areas,
+    InArea: _is_in,
+    NameIs: lambda query, device: query.text in device.names,
+    HasText: _has_text,
+    FreshnessIs: lambda query, device: device.freshness == query.text,
+    ReachableIs: lambda query, device: device.reachable == query.text,
+    GatewayIs: lambda query, device: query.text in device.gateways,
+    FactIs: _fits_fact,
+    IsDisputed: lambda _, device: device.is_disputed,
+    IsUnapproved: lambda _, device: device.is_unapproved,
+}
+"""The test of each kind of term."""

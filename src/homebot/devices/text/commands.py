@@ -62,15 +62,21 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
         RefusedError: It does not take this text; the message names those that it takes.
     """
     settable = {one.name: one for one in part.capabilities if one.settable}
+    command = _phrase_command(text, settable) or _number_command(text, settable) or _option_command(text, settable)
+    if command is None:
+        raise RefusedError(f"the word {text[:40]!r}", f"this part takes {_known(settable)}")
+    return command
+
+
+def _phrase_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     for name, value in _PHRASES.get(text, ()):
         if name in settable:
             return name, value
-    if text == "off" and (speed := next((name for name in SPEED_WORDS if name in settable), None)) is not None:
-        return speed, 0.0
-    if text.endswith(" K") and "color_temperature" in settable and (kelvin := to_number(text[:-2])) is not None:
-        return "color_temperature", kelvin
-    if (number := to_number(text)) is not None and (command := _number_command(number, settable)) is not None:
-        return command
+    speed = next((name for name in SPEED_WORDS if name in settable), None)
+    return (speed, 0.0) if text == "off" and speed is not None else None
+
+
+def _option_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     for name, capability in settable.items():
         if text in capability.options or name == "text":
             return name, text
@@ -78,7 +84,7 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
         for option in capability.options:
             if option.casefold() == text:  # such as the OFF of a fan
                 return name, option
-    raise RefusedError(f"the word {text[:40]!r}", f"this part takes {_known(settable)}")
+    return None
 
 
 def encode_command(capability: str, value: PlainValue, part: Part) -> str:
@@ -119,17 +125,20 @@ def _is_within(value: PlainValue, capability: Capability) -> bool:
     return not isinstance(value, float) or low <= value <= high
 
 
-def _number_command(number: float, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
-    for name in _NUMBERS:
-        if name in settable:
-            if name not in FRACTION_CAPABILITIES:
-                return name, number
-            if not 0 <= number <= 1:
-                return None
-            if name == "level" and number == 0 and "on_off" in settable:
-                return "on_off", False
-            return name, percent(number)
-    return None
+def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
+    if text.endswith(" K") and "color_temperature" in settable and (kelvin := to_number(text[:-2])) is not None:
+        return "color_temperature", kelvin
+    number = to_number(text)
+    name = next((name for name in _NUMBERS if name in settable), None)
+    if number is None or name is None:
+        return None
+    if name not in FRACTION_CAPABILITIES:
+        return name, number
+    if not 0 <= number <= 1:
+        return None
+    if name == "level" and number == 0 and "on_off" in settable:
+        return "on_off", False
+    return name, percent(number)
 
 
 def _known(settable: Mapping[str, Capability]) -> str:

@@ -6,24 +6,28 @@ Source: as :mod:`homebot.gateways.matter.server_messages`: ``commission_with_cod
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from pydantic import ConfigDict, Field
 
 from homebot.conventions.setup_codes import check_matter_setup_code
-from homebot.devices.commissioning import (
-    Commission,
-    CommissionRequest,
-    CommissionResponse,
-    Decommission,
-    DecommissionRequest,
-)
-from homebot.devices.names import CommissioningNames
+from homebot.devices.names import GatewayNames
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError
+from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
     from homebot.gateways.matter.gateway import MatterGateway
     from homebot.graph import Node
 
-__all__ = ["CommissioningServices"]
+__all__ = [
+    "Commission",
+    "CommissionRequest",
+    "CommissionResponse",
+    "CommissioningNames",
+    "CommissioningServices",
+    "Decommission",
+    "DecommissionRequest",
+]
 
 COMMISSIONS_WITHIN: Final = 180.0
 REMOVES_WITHIN: Final = 120.0
@@ -38,8 +42,70 @@ _PROBLEMS: Final = {
 """By error code; the details of the server say less, and could repeat the setup code."""
 
 
+class CommissionRequest(Message):
+    """Request to commission the device that has a setup code.
+
+    Attributes:
+        code: The setup code, as the QR code or the digits on the device say it; a secret, which is passed on and
+            forgotten: no text shows it.
+        network_only: Whether the device is looked for on the local network alone, if it has an address already;
+            false looks for it over Bluetooth as well, if the gateway can do that.
+    """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
+
+    code: Annotated[str, Field(repr=False, min_length=1, max_length=255)]
+    network_only: bool = True
+
+
+class CommissionResponse(Message):
+    """The result of commissioning or decommissioning.
+
+    Attributes:
+        success: Whether it was done.
+        message: The reason if not, as text.
+        problem: ``refused`` by the gateway or the device, where the same again fails again; ``unreachable`` where the
+            network is not there now, or gave no answer in time; ``busy`` while another device is commissioned.
+        key: The gateway's key of the device.
+        name: The name of the device.
+    """
+
+    success: bool
+    message: str = ""
+    problem: Literal["", "refused", "unreachable", "busy"] = ""
+    key: str = ""
+    name: str = ""
+
+
+class DecommissionRequest(Message):
+    """Request to remove a device from the network of a gateway; it needs its setup code to come back.
+
+    Attributes:
+        key: The gateway's key of the device.
+    """
+
+    key: str
+
+
+Commission = ServiceType("homebot/srv/Commission", CommissionRequest, CommissionResponse)
+Decommission = ServiceType("homebot/srv/Decommission", DecommissionRequest, CommissionResponse)
+
+
+class CommissioningNames:
+    """The graph names of a gateway that commissions devices, beside those that every gateway has.
+
+    Attributes:
+        commission: Service :data:`Commission`.
+        decommission: Service :data:`Decommission`.
+    """
+
+    def __init__(self, gateway: str) -> None:
+        self.commission = f"{GatewayNames(gateway).node}/commission"
+        self.decommission = f"{GatewayNames(gateway).node}/decommission"
+
+
 class CommissioningServices:
-    """Serves :class:`homebot.devices.names.CommissioningNames`."""
+    """Serves :class:`CommissioningNames`."""
 
     def __init__(self, gateway: MatterGateway, node: Node) -> None:
         self._gateway = gateway

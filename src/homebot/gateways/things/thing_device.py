@@ -14,8 +14,8 @@ from functools import partial
 import anyio
 
 from homebot.conventions.payload import clean_text, shown
+from homebot.devices.capabilities import implied_settings
 from homebot.devices.gateway_messages import Command
-from homebot.devices.implied_settings import implied_settings
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice

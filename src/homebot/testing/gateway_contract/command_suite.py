@@ -6,9 +6,9 @@ import anyio
 import pytest
 
 from homebot.devices import RawCommand, RawMessage
+from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import SENDS_NOTHING
-from homebot.devices.implied_settings import LIGHTS_UP
 from homebot.devices.names import text_address
 from homebot.devices.value import Value
 from homebot.testing.gateway_contract.steps import (

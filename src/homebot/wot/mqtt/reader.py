@@ -16,7 +16,7 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object, shown
 from homebot.conventions.table_codec import Reader, TableCodec, raw_bytes
-from homebot.devices.implied_settings import implied_settings
+from homebot.devices.capabilities import implied_settings
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError, RefusedError, WireError

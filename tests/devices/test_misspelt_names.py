@@ -6,8 +6,8 @@ import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, lamp, motion
 
-from homebot.devices.configured_names import UNKNOWN
 from homebot.devices.health import GetHealth
+from homebot.devices.misspelt_names import UNKNOWN_NAME
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.graph import Node
@@ -34,11 +34,11 @@ async def test_a_misspelt_room_of_an_app_is_told_when_devices_had_time_to_come()
         async with virtual_house_of(world=world(), config=config) as house, Node(house.runtime.graph, "doctor") as node:
             await house.run_for("290s")
             assert await troubles(node, "follow_me") == ()
-            assert [one for one in lines if one["event"] == UNKNOWN] == []
+            assert [one for one in lines if one["event"] == UNKNOWN_NAME] == []
             await house.run_for("20s")
             assert await troubles(node, "follow_me") == (ROOM,)
             await house.run_for("10m")
-    told = [(one["log_level"], one["message"]) for one in lines if one["event"] == UNKNOWN]
+    told = [(one["log_level"], one["message"]) for one in lines if one["event"] == UNKNOWN_NAME]
     assert told == [("warning", f"{ROOM} (looked for 5 minutes after the start)")]
 
 
@@ -89,7 +89,7 @@ async def test_misspelt_names_of_the_control_layer_are_told(
         async with virtual_house_of(world=world(), config=config) as house, Node(house.runtime.graph, "doctor") as node:
             await house.run_for("310s")
             found = await troubles(node, "control")
-    logged = [one["message"] for one in lines if one["event"] == UNKNOWN]
+    logged = [one["message"] for one in lines if one["event"] == UNKNOWN_NAME]
     assert len(found) == len(logged) == len(problems)
     for one, line, problem in zip(found, logged, problems, strict=True):
         assert one.startswith(problem)

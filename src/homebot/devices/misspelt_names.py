@@ -1,4 +1,4 @@
-"""Names in a configuration that nothing in the house has, looked for once devices had time to be announced."""
+"""Misspelt names: those of a configuration that nothing in the house has, and those in the queries of apps."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from homebot.devices.device import Device
 from homebot.devices.health import HealthRequest, HealthResponse
 from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
 from homebot.devices.places_messages import GetPlaces
-from homebot.devices.query.terms import AreaIs, NameIs, Query, query_terms
-from homebot.devices.services import FindDevices, QueryDevices
+from homebot.devices.query.terms import AreaIs, NameIs, Query, TypeIs, query_terms
+from homebot.devices.query.vocabulary import TYPE_WORDS
+from homebot.devices.services import FindDevices, QueryDevices, QueryDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.support.folding import fold
+from homebot.support.folding import fold, is_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["ANNOUNCED_WITHIN", "ConfiguredNames"]
+__all__ = ["ConfiguredNames", "QueryCheck"]
 
-ANNOUNCED_WITHIN: Final = 300.0
+_ANNOUNCED_WITHIN: Final = 300.0
 """Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
 
 Bridges announce theirs within a minute, and devices that report at intervals do so every few minutes.
@@ -30,7 +31,13 @@ _AGAIN: Final = 60.0
 _MOST: Final = 20
 _MOST_COMPARED: Final = 2000
 
-UNKNOWN: Final = "config.unknown_name"
+UNKNOWN_NAME: Final = "config.unknown_name"
+UNKNOWN_WORD: Final = "devices.unknown_word"
+
+_FIRST_CHECK: Final = 10.0
+"""Seconds until the query of an app is checked for the first time."""
+
+_MOST_LOGGED: Final = 100
 
 
 @final
@@ -63,7 +70,7 @@ class ConfiguredNames:
 
     async def run(self) -> None:
         """Wait until devices were announced, and log the names without a device then."""
-        await anyio.sleep(ANNOUNCED_WITHIN)
+        await anyio.sleep(_ANNOUNCED_WITHIN)
         while True:
             try:
                 problems = [one async for one in self._look()]
@@ -73,8 +80,8 @@ class ConfiguredNames:
             break
         self._is_due = True
         for problem in problems:
-            minutes = ANNOUNCED_WITHIN / 60
-            self._log.warning(UNKNOWN, message=f"{problem} (looked for {minutes:g} minutes after the start)")
+            minutes = _ANNOUNCED_WITHIN / 60
+            self._log.warning(UNKNOWN_NAME, message=f"{problem} (looked for {minutes:g} minutes after the start)")
 
     async def problems(self) -> tuple[str, ...]:
         """Return in words the names without a device now; none before :meth:`run` has looked, or without an answer."""
@@ -96,21 +103,21 @@ class ConfiguredNames:
             ServiceError: The directory does not answer.
         """
         stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if self._rooms else []
-        known_rooms = {fold(one) for one in stated}
         for key, name in self._rooms[:_MOST]:
-            found = () if fold(name) in known_rooms else await self._fitting(AreaIs(fold(name)))
-            if fold(name) not in known_rooms and not any(fold(one.area) == fold(name) for one in found):
-                areas = {one.area for one in await self._fitting()} - {""}
+            if fold(name) not in map(fold, stated) and not await self._is_area(name):
+                areas = {device.area for device in await self._fitting()} - {""}
                 yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
         for key, name in self._devices[:_MOST]:
-            found = await self._fitting(NameIs(fold(name)))
-            if not any(fold(name) in map(fold, _names(one)) for one in found):
-                names = [called for one in await self._fitting() for called in _names(one)]
+            if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
+                names = [name for device in await self._fitting() for name in _names(device)]
                 yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
         for key, text, query in self._queries[:_MOST]:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
+
+    async def _is_area(self, name: str) -> bool:
+        return any(fold(device.area) == fold(name) for device in await self._fitting(AreaIs(fold(name))))
 
     async def _fitting(self, query: Query | None = None) -> tuple[Device, ...]:
         request = FindDevices.Request(query=() if query is None else query_terms(query))
@@ -123,3 +130,41 @@ def _names(device: Device) -> tuple[str, ...]:
 
 def _hint(name: str, known: Sequence[str], otherwise: str) -> str:
     return did_you_mean(name, known[:_MOST_COMPARED], otherwise)
+
+
+@final
+class QueryCheck:
+    """Log of the misspelt queries of a node, each once.
+
+    Args:
+        node: The node that asks the directory.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        self._logged: set[str] = set()
+
+    async def check(self, query: Query, text: str) -> None:
+        """Log the words of *query*, in the app *text*, that the directory does not know; a failed call logs nothing."""
+        if text in self._logged or len(self._logged) >= _MOST_LOGGED:
+            return
+        try:
+            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        except ServiceError:
+            return
+        if not answer.success and text not in self._logged:
+            self._logged.add(text)
+            self._node.log.warning(UNKNOWN_WORD, message=f"{text}: {answer.message}")
+
+    def check_later(self, query: Query, text: str) -> None:
+        """Do so soon, and when devices had time to be announced; of a type that may yet be announced only then."""
+
+        async def check() -> None:
+            await anyio.sleep(_FIRST_CHECK)
+            if not isinstance(query, TypeIs) or any(is_typo(query.word, one) for one in TYPE_WORDS):
+                await self.check(query, text)
+            await anyio.sleep(_ANNOUNCED_WITHIN - _FIRST_CHECK)
+            await self.check(query, text)
+
+        self._node.create_task(check)
