@@ -17,7 +17,7 @@ from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.discovery.store import VERSION, IndexFile, index_path, take_over
+from homebot.discovery.store import VERSION, IndexFile, index_path
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
@@ -290,17 +290,3 @@ def test_any_other_text_is_no_record(text: str) -> None:
         read_entry("x", text)
     with pytest.raises(WireError):
         read_tombstone("x", text)
-
-
-def test_the_file_of_before_goes_to_the_first_network_that_starts(tmp_path: Path) -> None:
-    """Once, with all that SQLite keeps beside it; a file that is there already stays."""
-    old = tmp_path / "index.sqlite"
-    first, second = (tmp_path / network / "index.sqlite" for network in ("a", "b"))
-    for ending in ("", "-wal"):
-        old.with_name(old.name + ending).write_text(f"old{ending}")
-    assert take_over(first)
-    assert (first.read_text(), first.with_name("index.sqlite-wal").read_text()) == ("old", "old-wal")
-    assert not take_over(second)
-    old.write_text("another")
-    assert not take_over(first)
-    assert first.read_text() == "old"

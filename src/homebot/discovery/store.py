@@ -5,16 +5,15 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import final
 
 from homebot.discovery.record import Records
 from homebot.errors import LinkError
 from homebot.names import escape_token
-from homebot.support.sqlite_file import SQLITE_FILES, SqliteFile, SqliteSchema
+from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["VERSION", "IndexFile", "index_path", "take_over"]
+__all__ = ["VERSION", "IndexFile", "index_path"]
 
 VERSION = 3
 """Of the schema, kept as SQLite's ``user_version``."""
@@ -41,22 +40,6 @@ def index_path(home: str, network: str) -> Path:
             those of the first would be ghosts there.
     """
     return _data_directory() / escape_token(home) / escape_token(network) / "index.sqlite"
-
-
-def take_over(path: Path) -> bool:
-    """Move the index file of before there was one for each network to *path*, where nothing is yet; return whether.
-
-    The first that starts takes it: it is most probably the network that the file was made in.
-    """
-    old = path.parent.parent / path.name
-    if path.exists() or not old.exists():
-        return False
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    for ending in SQLITE_FILES:
-        source = old.with_name(old.name + ending)
-        with suppress(FileNotFoundError):
-            source.rename(path.with_name(path.name + ending))
-    return True
 
 
 def _data_directory() -> Path:

@@ -15,9 +15,9 @@ from pathlib import Path
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.file_access import why_not_trusted
 
-__all__ = ["SQLITE_FILES", "SqliteFile", "SqliteSchema"]
+__all__ = ["SqliteFile", "SqliteSchema"]
 
-SQLITE_FILES = ("", "-wal", "-shm", "-journal")
+_FILES = ("", "-wal", "-shm", "-journal")
 """The endings of the files that SQLite may have for one."""
 
 _BUSY = 5.0
@@ -105,7 +105,7 @@ class SqliteFile:
         while target.exists():
             number += 1
             target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}-{number}")
-        for ending in SQLITE_FILES:
+        for ending in _FILES:
             source = self.path.with_name(self.path.name + ending)
             with suppress(FileNotFoundError):
                 source.rename(target.with_name(target.name + ending))

@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import DEFAULT_CONFIG, app, door_address, door_of_environment, positive, set_command
 from homebot.cli.main import gc_paused
@@ -21,6 +21,7 @@ from homebot.config import Config, Table, load_config, parse_config
 from homebot.log import configure_logging
 from homebot.plugins import is_file, name_in_file
 from homebot.runtime import Runtime
+from homebot.runtime.plan import index_place
 from homebot.support.output import queued_output
 from homebot.support.production_loop import ProductionLoop
 
@@ -147,7 +148,7 @@ def _run_apart(
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
-    index_file = _index_file(config) if is_kept else None
+    index_file = index_place(config) if is_kept else None
     make_runtime = partial(
         Runtime,
         config,
@@ -158,16 +159,6 @@ def _run_apart(
         is_dry_run=options.dry_run,
     )
     return on_an_event_loop(_run(make_runtime, options.seconds))
-
-
-def _index_file(config: Config) -> Path:
-    """Return the file of the index, moved from where it was in earlier versions."""
-    from homebot.discovery.store import take_over  # noqa: PLC0415 - a simulated house is not remembered
-    from homebot.runtime.plan import index_place  # noqa: PLC0415 - as above
-
-    index_file = index_place(config)
-    take_over(index_file)
-    return index_file
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
@@ -182,21 +173,24 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
 
         house = load_world(Path(options.house))
     tables = base.model_dump()
-    is_changed = bool(options.mqtt or options.root or options.act or options.app)
-    mqtt = tables["gateways"].setdefault("mqtt", {}) if options.mqtt or options.root or options.act else {}
-    if options.mqtt:
-        mqtt["url"] = options.mqtt
-    if options.root:
-        mqtt["root"] = options.root
-    if options.act:
-        mqtt["act"] = True
+    stated = {"url": options.mqtt, "root": options.root, "act": options.act}
+    stated = {key: value for key, value in stated.items() if value}
+    if stated:
+        tables["gateways"].setdefault("mqtt", {}).update(stated)
     for name in options.app:
         _add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
-    is_in_file = not tables["door"].keys().isdisjoint({"host", "port"})
-    if door := options.door or (None if is_in_file else door_of_environment()):
+    if door := _door(options, tables["door"]):
         tables["door"].update(host=door[0], port=door[1])
+    is_changed = bool(stated or options.app)
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
     return with_tokens(parse_config(tables, source, base.folder)), house
+
+
+def _door(options: argparse.Namespace, in_file: Table) -> tuple[str, int] | None:
+    """Return the address to listen on, from the command line or else the environment; None if the file has it."""
+    if options.door:
+        return cast("tuple[str, int]", options.door)
+    return None if in_file.keys() & {"host", "port"} else door_of_environment()
 
 
 def with_tokens(config: Config) -> Config:
