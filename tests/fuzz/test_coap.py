@@ -12,9 +12,12 @@ from homebot.conventions.coap.endpoint import endpoint_of_link
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.coap.coap_port import COAP_BINDING
-from homebot.wot import CONTEXT, Thing, decode_document, encode_document, parts_of, read_thing
+from homebot.wot.classify import parts_of
 from homebot.wot.coap.content_formats import coap_formats
 from homebot.wot.coap.resource_types import thing_of_links
+from homebot.wot.parse import CONTEXT, read_thing
+from homebot.wot.payload import decode_document, encode_document
+from homebot.wot.thing import Thing
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

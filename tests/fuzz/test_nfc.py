@@ -15,7 +15,7 @@ from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.conventions.nfc.tag_content import TagError
 from homebot.errors import WireError
 from homebot.house.nfc import Type4Card
-from homebot.wot import read_thing
+from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

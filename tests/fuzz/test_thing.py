@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from homebot.wot import CONTEXT
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+from homebot.wot.parse import CONTEXT
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

@@ -14,7 +14,7 @@ from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.thing_directory.documents import id_of, lifetime_of, members_of, next_page, read_event, text_of
 from homebot.gateways.things.http_port import HTTP_BINDING
 from homebot.gateways.things.thing_device import describe_thing
-from homebot.wot import CONTEXT, read_thing
+from homebot.wot.parse import CONTEXT, read_thing
 
 if TYPE_CHECKING:
     import random

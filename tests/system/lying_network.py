@@ -15,7 +15,7 @@ from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.house.http.thing_directory import ThingDirectoryServer
-from homebot.wot import CONTEXT
+from homebot.wot.parse import CONTEXT
 
 DIRECTORY_PORT, LAMP_PORT = 8081, 5700
 

@@ -6,16 +6,11 @@ from typing import Any
 
 import pytest
 
-from homebot.wot import (
-    CONTEXT,
-    RequestBinding,
-    SecurityScheme,
-    Thing,
-    decode_document,
-    encode_document,
-    parts_of,
-    read_thing,
-)
+from homebot.wot.binding import RequestBinding
+from homebot.wot.classify import parts_of
+from homebot.wot.parse import CONTEXT, read_thing
+from homebot.wot.payload import decode_document, encode_document
+from homebot.wot.thing import SecurityScheme, Thing
 
 WEB = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 

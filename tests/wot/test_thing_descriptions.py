@@ -18,8 +18,11 @@ from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, ClassifiedPart, MqttForms, PayloadFormat, basic_formats, parts_of, read_thing, to_thing
+from homebot.wot.classify import ClassifiedPart, parts_of
+from homebot.wot.export import MqttForms, to_thing
 from homebot.wot.mqtt.reader import MqttBinding
+from homebot.wot.parse import CONTEXT, read_thing
+from homebot.wot.payload import PayloadFormat, basic_formats
 
 NOW = Time(sec=1_800_000_000, nanosec=0)
 

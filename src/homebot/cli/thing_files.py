@@ -11,7 +11,7 @@ from homebot.devices import Device
 from homebot.errors import ConfigError
 from homebot.messages.json import message_from_json
 from homebot.names import escape_token
-from homebot.wot import MqttForms, to_thing
+from homebot.wot.export import MqttForms, to_thing
 
 __all__ = ["thing_text", "to_device", "write_things"]
 

@@ -43,8 +43,8 @@ def require_number(capability: str, value: PlainValue, least: float, most: float
     """Return *value*, which must be a number within the bounds."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
         return float(value)
-    bounds = f"{least:g} to {most:g} {unit}".rstrip()
-    raise RefusedError(f"{capability} {shown(value)}", f"it takes a number from {bounds}")
+    bounds = f" from {least:g} to {most:g} {unit}".rstrip() if math.isfinite(most - least) else ""
+    raise RefusedError(f"{capability} {shown(value)}", f"it takes a number{bounds}")
 
 
 def require_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float, float], ...]) -> tuple[float, ...]:

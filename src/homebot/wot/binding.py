@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from homebot.wot.payload import PayloadFormats, basic_formats
-from homebot.wot.thing import Affordance, Form
+from homebot.wot.thing import WRITE_OPS, Affordance, Form
 
 __all__ = ["Binding", "RequestBinding"]
 
 _PUSH_OPS = frozenset({"observeproperty", "subscribeevent"})
-_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 
 
 class Binding(Protocol):
@@ -71,7 +70,7 @@ class RequestBinding:
         return tuple(
             one
             for one in affordance.forms
-            if not _WRITE_OPS.isdisjoint(one.ops)
+            if not WRITE_OPS.isdisjoint(one.ops)
             and self._can_reach(one)
             and (affordance.kind == "action" or self.formats(one.content_type) is not None)
         )

@@ -22,6 +22,9 @@ __all__ = ["ClassifiedAffordance", "ClassifiedPart", "parts_of"]
 
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
+_GENERAL = {"bool": ("state", "on_off"), "number": ("measurement", "number"), "text": ("value", "text")}
+"""By kind of value: the capability of unknown meaning, read-only and settable."""
+
 _BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency")
 """Capabilities of which each has units of its own."""
 
@@ -31,13 +34,11 @@ _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
 @dataclass(frozen=True, slots=True)
 class ClassifiedAffordance:
-    """An affordance, and its meaning.
+    """An affordance as a capability.
 
     Attributes:
-        capability: The capability that it is.
-        affordance: The affordance.
-        observed: The form by which its values become known; None if the protocol has none, or it is never read.
-        written: The form by which it is written or invoked; likewise.
+        observed: The form of its values; None if the protocol has none, or it is never read.
+        written: The form of its commands; None if the protocol has none, or it is never written.
     """
 
     capability: Capability
@@ -60,7 +61,7 @@ class ClassifiedPart:
 
 
 @dataclass(slots=True)
-class _One:
+class _Candidate:
     """An affordance and its classification.
 
     Attributes:
@@ -111,61 +112,66 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
         unknown = [one for one in found if not one.service_type]
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
     owned = _owned(found, main)
-    groups: dict[str, list[_One]] = {}
+    groups: dict[str, list[_Candidate]] = {}
     for one in found:
         groups.setdefault(_group(one, owned, groups), []).append(one)
     return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
-def _split(affordance: Affordance, binding: Binding) -> Iterator[_One]:
+def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
     """Yield an affordance; of an object of which nothing can be set, each member that is one value."""
     observed, written = binding.observe_forms(affordance), binding.write_forms(affordance)
     members = affordance.schema.members
     if affordance.kind != "property" or not members or (written and not affordance.read_only):
-        yield _One(affordance, observed, written)
+        yield _Candidate(affordance, observed, written)
         return
     for name, schema in members:
         title = f"{affordance.title} {name}" if affordance.title else ""
-        yield _One(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
+        yield _Candidate(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
 
 
-def _find_meaning(one: _One, main: str) -> None:
-    affordance = one.affordance
-    written = affordance.extension
-    if written.get("capability") in CAPABILITIES and written.get("serviceType") in DEVICE_TYPES:
-        one.capability, one.service_type, one.part_id = (
-            written["capability"],
-            written["serviceType"],
-            written.get("part", ""),
-        )
-        return
-    if affordance.kind != "property":
-        one.capability = "push" if affordance.kind == "action" else "press"
-        return
+def _find_meaning(one: _Candidate, main: str) -> None:
+    """Set the meaning of an affordance, by its declaration, its semantic types, its name or its kind of value."""
+    declared = one.affordance.extension
+    if declared.get("capability") in CAPABILITIES and declared.get("serviceType") in DEVICE_TYPES:
+        one.capability, one.service_type = declared["capability"], declared["serviceType"]
+        one.part_id = declared.get("part", "")
+    elif one.affordance.kind != "property":
+        one.capability = "push" if one.affordance.kind == "action" else "press"
+    elif capability := _by_type(one.affordance, main):
+        one.capability = capability
+    else:
+        one.guessed = True
+        one.capability, one.doubt = _by_name(one, main), 1
+        if one.capability not in CAPABILITIES or not _suits(one.capability, one.affordance.schema):
+            one.capability, one.doubt = _measured(one) or _general(one), 2
+
+
+def _by_type(affordance: Affordance, main: str) -> str:
+    """Return the capability of the first semantic type that suits the values; empty for none."""
     for name in () if affordance.schema.members else affordance.types:
         capability = _in_context(_BY_TYPE.get(name, ""), main)
         if capability == "heating_setpoint" and "cool" in affordance.name.casefold():
             capability = "cooling_setpoint"  # WebThings have one type for both
         if capability and _suits(capability, affordance.schema):
-            one.capability = capability
-            return
-    one.guessed, one.doubt = True, 1
+            return capability
+    return ""
+
+
+def _by_name(one: _Candidate, main: str) -> str:
+    """Return the capability that the name suggests, or the name."""
     name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
-    one.capability = _in_context(NAMES.get(name, name), main)
-    if name in {"power", "state"} and one.is_settable and _is_switch(affordance.schema):
-        one.capability = "on_off"  # and no watts, nor read-only properties
-    if one.capability in CAPABILITIES and _suits(one.capability, affordance.schema):
-        return
-    one.doubt = 2
-    if measured := _measured(one):
-        one.capability = measured
-        return
-    general = {
-        "bool": "on_off" if one.is_settable else "state",
-        "number": "number" if one.is_settable else "measurement",
-        "text": ("option" if affordance.schema.enum else "text") if one.is_settable else "value",
-    }
-    one.capability = general.get(_KINDS.get(affordance.schema.type, ""), "raw")
+    if name in {"power", "state"} and one.is_settable and _is_switch(one.affordance.schema):
+        return "on_off"  # and no watts, nor read-only properties
+    return _in_context(NAMES.get(name, name), main)
+
+
+def _general(one: _Candidate) -> str:
+    """Return the capability of a value of unknown meaning, by its kind."""
+    kind = _KINDS.get(one.affordance.schema.type, "")
+    if kind == "text" and one.is_settable and one.affordance.schema.enum:
+        return "option"
+    return _GENERAL.get(kind, ("raw", "raw"))[one.is_settable]
 
 
 def _is_switch(schema: DataSchema) -> bool:
@@ -173,7 +179,7 @@ def _is_switch(schema: DataSchema) -> bool:
     return schema.type == "boolean" or words == {"on", "off"}
 
 
-def _measured(one: _One) -> str:
+def _measured(one: _Candidate) -> str:
     """Return the capability that the unit of a number says it is, where that is only read."""
     unit = unit_of(one.affordance.schema)
     if one.is_settable or not unit or unit == "K" or _KINDS.get(one.affordance.schema.type) != "number":
@@ -203,7 +209,7 @@ def _suits(capability: str, schema: DataSchema) -> bool:
     return expected == kind
 
 
-def _guess(found: Collection[_One], title: str) -> str:
+def _guess(found: Collection[_Candidate], title: str) -> str:
     """Return the type that the capabilities suggest; a part with a level that is called a valve is no lamp."""
     has = {one.capability for one in found}
     is_dimmed = any(one.capability == "level" and one.name != "level" for one in found)
@@ -221,7 +227,7 @@ _NO_LAMPS = frozenset(
 """Words of a title by which a level is not that of light."""
 
 
-def _assign_thermostat(found: Collection[_One]) -> bool:
+def _assign_thermostat(found: Collection[_Candidate]) -> bool:
     """Assign the meanings of a thermostat to one temperature, setpoint and mode of *found*; return False without."""
     roles = {
         "local_temperature": [one for one in found if one.capability == "temperature" and not one.is_settable],
@@ -235,17 +241,17 @@ def _assign_thermostat(found: Collection[_One]) -> bool:
     return True
 
 
-def _is_setpoint(one: _One) -> bool:
+def _is_setpoint(one: _Candidate) -> bool:
     in_degrees = unit_of(one.affordance.schema) in {"°C", "°F"}
     return one.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(one))
 
 
-def _is_mode(one: _One) -> bool:
+def _is_mode(one: _Candidate) -> bool:
     is_choice = one.capability == "option" and "mode" in _words_of(one)
     return is_choice and not _MODES.isdisjoint(fold(str(text)) for text in one.affordance.schema.enum)
 
 
-def _words_of(one: _One) -> tuple[str, ...]:
+def _words_of(one: _Candidate) -> tuple[str, ...]:
     return words_of(_TOKEN_BREAK.sub("_", one.name))
 
 
@@ -253,16 +259,16 @@ _SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
 _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
-def _owned(found: Iterable[_One], main: str) -> dict[str, _One]:
+def _owned(found: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
     """Return the affordances of the main part, by capability: of a switch and a child lock, the switch."""
-    owned: dict[str, _One] = {}
+    owned: dict[str, _Candidate] = {}
     for one in sorted(found, key=lambda each: (not each.service_type, each.doubt, not each.is_settable)):
         if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
             owned.setdefault(one.capability, one)
     return owned
 
 
-def _group(one: _One, owned: Mapping[str, _One], groups: dict[str, list[_One]]) -> str:
+def _group(one: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
     """Return the id of the part that *one* belongs to."""
     if one.service_type:
         return one.part_id
@@ -275,23 +281,26 @@ def _group(one: _One, owned: Mapping[str, _One], groups: dict[str, list[_One]]) 
     return name
 
 
-def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is_guess: bool) -> ClassifiedPart:
-    first = members[0]
+def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, main_is_guess: bool) -> ClassifiedPart:
+    first, found = members[0], tuple(_classified(one) for one in members)
+    declared = first.affordance.extension
     if first.service_type:
-        service_type, guessed = first.service_type, first.affordance.extension.get("guessed") == "true"
-    elif not part_id and main:
-        service_type, guessed = main, main_is_guess
+        service_type, guessed = first.service_type, declared.get("guessed") == "true"
+        name, advertised = declared.get("name", ""), declared.get("advertised", "")
     else:
-        service_type, guessed = _lone(first), first.guessed
-    found = tuple(_classified(one) for one in members)
-    written = first.affordance.extension
+        is_main = not part_id and bool(main)
+        service_type, guessed = (main, main_is_guess) if is_main else (_lone(first), first.guessed)
+        name = first.affordance.title if part_id else ""
+        advertised = next(
+            iter(first.affordance.types if part_id else (one for one in thing.types if one != "Thing")), ""
+        )
     part = Part(
         id=part_id,
-        name=written.get("name", "") if first.service_type else first.affordance.title if part_id else "",
+        name=name,
         service_type=service_type,
-        advertised=written.get("advertised", "") if first.service_type else _advertised(thing, part_id, first),
-        tag=written.get("tag", ""),
-        category=_CATEGORIES.get(written.get("category", ""), ""),
+        advertised=advertised,
+        tag=declared.get("tag", ""),
+        category=_CATEGORIES.get(declared.get("category", ""), ""),
         guessed=guessed,
         capabilities=tuple(one.capability for one in found),
         reads=tuple(dict.fromkeys(form.filter for one in members for form in one.observed if form.filter)),
@@ -311,42 +320,24 @@ def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
     return payload_digest(written) if written else ""
 
 
-def _advertised(thing: Thing, part_id: str, first: _One) -> str:
-    types = first.affordance.types if part_id else tuple(one for one in thing.types if one != "Thing")
-    return types[0] if types else ""
-
-
-def _lone(one: _One) -> str:
+def _lone(one: _Candidate) -> str:
     return LONE_TYPES.get(one.capability, "x_setting" if one.is_settable else "x_sensor")
 
 
-def _classified(one: _One) -> ClassifiedAffordance:
-    return ClassifiedAffordance(
-        _capability(one),
-        one.affordance,
-        one.observed[0] if one.is_readable else None,
-        one.written[0] if one.is_settable else None,
-    )
-
-
-def _capability(one: _One) -> Capability:
+def _classified(one: _Candidate) -> ClassifiedAffordance:
     known, schema = CAPABILITIES[one.capability], one.affordance.schema
-    unit = unit_of(schema) if known.kind == "number" and not known.unit else ""
+    is_number = known.kind == "number"
+    bounds = bounds_of(one.capability, one.affordance) if is_number else ()
     options: tuple[str, ...] = ()
     if known.kind == "text" and (one.service_type or one.capability != "lock"):
         options = tuple(text for text in schema.enum if isinstance(text, str))
-        options = () if options == known.options else options
-    return Capability(
+    capability = Capability(
         name=one.capability,
         readable=one.is_readable,
         settable=one.is_settable,
-        unit=unit,
-        bounds=_bounds(one) if known.kind == "number" else (),
-        options=options,
+        unit=unit_of(schema) if is_number and not known.unit else "",
+        bounds=() if bounds == known.bounds else bounds,
+        options=() if options == known.options else options,
     )
-
-
-def _bounds(one: _One) -> tuple[float, ...]:
-    """Return the bounds in the vocabulary's unit; none if the vocabulary's own are as narrow."""
-    bounds = bounds_of(one.capability, one.affordance)
-    return () if bounds == CAPABILITIES[one.capability].bounds else bounds
+    observed = one.observed[0] if one.is_readable else None
+    return ClassifiedAffordance(capability, one.affordance, observed, one.written[0] if one.is_settable else None)

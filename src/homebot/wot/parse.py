@@ -14,7 +14,17 @@ from urllib.parse import unquote, urlsplit
 
 from homebot.conventions.uri import resolve_uri
 from homebot.wot.fields import Fields
-from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, SecurityScheme, Thing
+from homebot.wot.thing import (
+    OBSERVE_OPS,
+    WRITE_OPS,
+    Affordance,
+    AffordanceKind,
+    DataSchema,
+    DataType,
+    Form,
+    SecurityScheme,
+    Thing,
+)
 from homebot.wot.webthings import with_forms
 
 __all__ = ["CONTEXT", "read_thing"]
@@ -29,8 +39,11 @@ _OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
     "action": ("invokeaction", "queryaction", "cancelaction"),
     "event": ("subscribeevent", "unsubscribeevent"),
 }
-_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
+_DEFAULT_OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
+    "property": ("readproperty", "writeproperty"),
+    "action": ("invokeaction",),
+    "event": ("subscribeevent",),
+}
 _TYPES: tuple[DataType, ...] = get_args(DataType)
 
 _MAX_AFFORDANCES = 300
@@ -122,7 +135,8 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple
         if read_only and write_only:
             raise fields.problem("writeOnly", "readOnly and writeOnly exclude each other")
         schema = fields if kind == "property" else fields.inner("input" if kind == "action" else "data")
-        forms = tuple(_forms(fields, kind, base, security, read_only=read_only, write_only=write_only))
+        unfit = {"writeproperty"} if read_only else {"readproperty", "observeproperty"} if write_only else set()
+        forms = tuple(_forms(fields, kind, base, security, unfit))
         yield Affordance(
             name=name,
             kind=kind,
@@ -141,19 +155,18 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple
 
 
 def _forms(
-    fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], *, read_only: bool, write_only: bool
+    fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], unfit: Collection[str]
 ) -> Iterator[Form]:
+    """Parse the forms of an affordance, without its *unfit* operations if others are left."""
     forms = fields.listed("forms")
     if not forms:
         raise fields.problem("forms", "is empty; give at least one form")
-    default = {"property": ("readproperty", "writeproperty"), "action": ("invokeaction",), "event": ("subscribeevent",)}
     for number, one in enumerate(forms[:_MAX_FORMS]):
         form = Fields(one, fields.at(f"forms[{number}]"))
-        ops = form.texts("op") or default[kind]
+        ops = form.texts("op") or _DEFAULT_OPS[kind]
         for op in ops:
             if op not in _OPS[kind]:
                 raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
-        unfit = {"writeproperty"} if read_only else {"readproperty", "observeproperty"} if write_only else set()
         yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base, security)
 
 
@@ -167,7 +180,6 @@ def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterat
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
-    """Parse a form; in many TDs the topic is in the path of the address; ``mqv:`` terms count more."""
     if "href" not in form:
         raise form.problem("href", "is missing; give an address")
     href = form.text("href")
@@ -177,13 +189,7 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
         address = resolve_uri(base, _UNDEFINED_VARIABLES.sub("", href))
     except ValueError:
         raise form.problem("href", f"{href[:60]!a} is not an address") from None
-    is_mqtt = scheme in {"mqtt", "mqtts"}
-    in_path = unquote(path).removeprefix("/") if is_mqtt else ""
-    packet = form.text("mqv:controlPacket").rpartition(":")[2]
-    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
-    topic = named if _WRITE_OPS & set(ops) and packet != "subscribe" else ""
-    observed = filters[0] if filters else named
-    observed = observed if _OBSERVE_OPS & set(ops) and packet != "publish" else ""
+    topic, observed = _topics(form, ops, unquote(path).removeprefix("/") if scheme in {"mqtt", "mqtts"} else "")
     return Form(
         ops=ops,
         scheme=scheme.lower(),
@@ -198,6 +204,18 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
         content_type=form.text("contentType") or "application/json",
         response_type=form.inner("response").text("contentType"),
     )
+
+
+def _topics(form: Fields, ops: tuple[str, ...], in_path: str) -> tuple[str, str]:
+    """Return the topic to publish on and the filter to subscribe to.
+
+    In many TDs the topic is in the path of the address; ``mqv:`` terms are preferred.
+    """
+    packet = form.text("mqv:controlPacket").rpartition(":")[2]
+    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
+    topic = named if WRITE_OPS & set(ops) and packet != "subscribe" else ""
+    observed = filters[0] if filters else named
+    return topic, observed if OBSERVE_OPS & set(ops) and packet != "publish" else ""
 
 
 def _retain(form: Fields) -> bool:
@@ -229,20 +247,25 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
         return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
     several = () if members is None else tuple(_members(fields, members))
+    enum = _enum(fields)
+    minimum, maximum = _range(fields)
+    return DataSchema(
+        type=found, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=enum, members=several
+    )
+
+
+def _enum(fields: Fields) -> tuple[str | float | bool, ...]:
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
         raise fields.problem("enum", "at least one value is expected")
+    return tuple(one for one in enum if isinstance(one, (str, float, int, bool)))
+
+
+def _range(fields: Fields) -> tuple[float | None, float | None]:
     minimum, maximum = fields.number("minimum"), fields.number("maximum")
     if minimum is not None and maximum is not None and minimum > maximum:
         raise fields.problem("minimum", f"{minimum:g} is above the maximum {maximum:g}")
-    return DataSchema(
-        type=found,
-        unit=fields.text("unit"),
-        minimum=minimum,
-        maximum=maximum,
-        enum=tuple(one for one in enum if isinstance(one, (str, float, int, bool))),
-        members=several,
-    )
+    return minimum, maximum
 
 
 def _alternative(fields: Fields) -> DataSchema | None:

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
+from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.payload import MAX_STATE_BYTES, clean_text, is_unknown, parse_json, shown
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
@@ -108,19 +109,25 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
     Returns:
         The value, in a tuple because it may be None, unknown; None if it means nothing.
     """
+    schema = affordance.schema
     if affordance.kind == "event" and document in (None, ""):
-        return (affordance.name,)  # that it came is all there is to say
-    if isinstance(document, dict) and affordance.schema.member:
-        if affordance.schema.member not in document:
+        return (affordance.name,)  # an event without data
+    if isinstance(document, dict) and schema.member:
+        if schema.member not in document:
             return None
-        document = document[affordance.schema.member]
-    elif isinstance(document, dict) and affordance.name in document and affordance.schema.type not in {"", "object"}:
+        document = document[schema.member]
+    elif isinstance(document, dict) and affordance.name in document and schema.type not in {"", "object"}:
         document = document[affordance.name]  # as WebThings answer: {"on": true}
-    is_number = CAPABILITIES[capability.name].kind == "number"
-    if document is None or (is_number and (is_unknown(document) or document in affordance.schema.words)):
+    if document is None or _is_no_number(capability, schema, document):
         return (None,)
     found = _decode(capability, affordance, document)
     return None if found is None else (found,)
+
+
+def _is_no_number(capability: Capability, schema: DataSchema, document: object) -> bool:
+    """Return whether *document* stands for an unknown number."""
+    is_number = CAPABILITIES[capability.name].kind == "number"
+    return is_number and (is_unknown(document) or document in schema.words)
 
 
 def encode_document(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
@@ -134,39 +141,40 @@ def encode_document(capability: Capability, affordance: Affordance, value: Plain
 
 
 def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
-    name, what = capability.name, f"{capability.name} {shown(value)}"
-    kind = CAPABILITIES[name].kind
+    name = capability.name
     if name == "color":
-        return _encode_color(what, value, affordance.schema)
+        return _encode_color(value, affordance.schema)
     if name == "lock":
-        if value not in {"locked", "unlocked"}:
-            raise RefusedError(what, "it takes locked, unlocked")
-        if affordance.schema.type == "boolean":
-            return _encode_flag(affordance, value == "locked")
-        return next((one for one in affordance.schema.enum if str(one).casefold() == value), value)
+        return _encode_lock(affordance, require_option(name, value, _LOCKS.values()))
+    kind = CAPABILITIES[name].kind
     if kind == "bool":
-        if not isinstance(value, bool):
-            raise RefusedError(what, "it takes true or false")
-        return _encode_flag(affordance, value)
+        return _encode_flag(affordance, require_bool(name, value))
     if kind == "number":
-        return _encode_number(what, capability, affordance, value)
-    if not isinstance(value, str) or (capability.options and value not in capability.options):
-        raise RefusedError(what, f"it takes {', '.join(capability.options[:20])}" if capability.options else "a text")
+        return _encode_number(capability, affordance, value)
+    if capability.options:
+        return require_option(name, value, capability.options)
+    if not isinstance(value, str):
+        raise RefusedError(f"{name} {shown(value)}", "it takes a text")
     return value
 
 
-def _encode_number(what: str, capability: Capability, affordance: Affordance, value: PlainValue) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise RefusedError(what, "it takes a number")
-    bounds = capability.bounds or CAPABILITIES[capability.name].bounds
-    if bounds and not bounds[0] <= value <= bounds[-1]:
-        raise RefusedError(what, f"it takes {bounds[0]:g} to {bounds[-1]:g}")
+def _encode_lock(affordance: Affordance, value: str) -> object:
+    if affordance.schema.type == "boolean":
+        return _encode_flag(affordance, value == "locked")
+    return next((one for one in affordance.schema.enum if str(one).casefold() == value), value)
+
+
+def _encode_number(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+    name = capability.name
+    bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
+    number = require_number(name, value, bounds[0], bounds[-1])
     least = affordance.schema.minimum or 0
-    if capability.name == "level" and value == 0 and least > 0:  # to which 0 % would be rounded up, and the lamp shine
-        raise RefusedError(what, f"its {affordance.name[:60]} is never below {least:g}, and it has no switch")
-    number = on_the_wire(capability.name, affordance, value)
+    if name == "level" and number == 0 and least > 0:  # to which 0 % would be rounded up, and the lamp shine
+        problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
+        raise RefusedError(f"{name} {shown(value)}", problem)
+    number = on_the_wire(name, affordance, number)
     if not math.isfinite(number):
-        raise RefusedError(what, "it takes a number that its format can express")
+        raise RefusedError(f"{name} {shown(value)}", "it takes a number that its format can express")
     return int(number) if number.is_integer() else number
 
 
@@ -175,17 +183,21 @@ def _decode(capability: Capability, affordance: Affordance, value: object) -> Pl
     kind = CAPABILITIES[name].kind
     if name == "color":
         return _color(value)
-    if name == "lock" and not (isinstance(value, str) and value.casefold() in CAPABILITIES[name].options):
-        flag = _flag(affordance, value)
-        return None if flag is None else _LOCKS[flag]
+    if name == "lock":
+        return _decode_lock(affordance, value)
     if kind == "bool":
         return _flag(affordance, value)
     if kind == "number":
         number = to_number(value)
         return None if number is None else canonical(name, affordance, number)
-    if isinstance(value, str):
-        return clean_text(value.casefold() if name == "lock" else value, _MAX_TEXT)
-    return clean_text(json.dumps(value, ensure_ascii=False), _MAX_TEXT)
+    return clean_text(value if isinstance(value, str) else json.dumps(value, ensure_ascii=False), _MAX_TEXT)
+
+
+def _decode_lock(affordance: Affordance, value: object) -> PlainValue:
+    if isinstance(value, str) and value.casefold() in CAPABILITIES["lock"].options:
+        return clean_text(value.casefold(), _MAX_TEXT)
+    flag = _flag(affordance, value)
+    return None if flag is None else _LOCKS[flag]
 
 
 def _flag(affordance: Affordance, value: object) -> bool | None:
@@ -199,7 +211,7 @@ def _flag(affordance: Affordance, value: object) -> bool | None:
     return True if text in _TRUE else False if text in _FALSE else None
 
 
-def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # noqa: FBT001  # the value itself
+def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001 - the value itself
     if len(affordance.schema.enum) == 2 and affordance.schema.type != "boolean":  # a yes and a no
         return _values_by_flag(affordance)[value]
     if affordance.schema.type == "string":
@@ -232,10 +244,7 @@ def _color(value: object) -> tuple[float, float] | None:
     return round(hue * 360, 1), round(saturation * 100, 1)
 
 
-def _encode_color(what: str, value: PlainValue, schema: DataSchema) -> object:
-    match value:
-        case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
-            rgb = [round(one * _FULL) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
-            return dict(zip("rgb", rgb, strict=True)) if is_rgb(schema) else f"#{bytes(rgb).hex()}"
-        case _:
-            raise RefusedError(what, "it takes hue 0 to 360 and saturation 0 to 100")
+def _encode_color(value: PlainValue, schema: DataSchema) -> object:
+    hue, saturation = require_color(value)
+    rgb = [round(one * _FULL) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
+    return dict(zip("rgb", rgb, strict=True)) if is_rgb(schema) else f"#{bytes(rgb).hex()}"

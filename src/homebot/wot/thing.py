@@ -1,4 +1,4 @@
-"""A W3C Thing Description, checked: the affordances of a thing, and their forms.
+"""W3C Thing Descriptions, checked: the affordances of a thing, and their forms.
 
 Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", section 5; the terms ``mqv:`` are those of the
 editor's draft "Web of Things (WoT) MQTT Binding".
@@ -14,6 +14,8 @@ from homebot.conventions.payload import clean_text
 from homebot.devices.identity import identifiers
 
 __all__ = [
+    "OBSERVE_OPS",
+    "WRITE_OPS",
     "Affordance",
     "AffordanceKind",
     "DataSchema",
@@ -28,6 +30,11 @@ __all__ = [
 
 AffordanceKind: TypeAlias = Literal["property", "action", "event"]
 DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
+
+OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
+"""Operations by which values become known."""
+
+WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 
 _OWN = ("mac:", "eui64:", "id:")
 

@@ -25,7 +25,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import make_plan
-from homebot.wot import read_thing
+from homebot.wot.parse import read_thing
 
 
 async def lamp_of(house: ServedHouse) -> tuple[dict[str, Any], str]:

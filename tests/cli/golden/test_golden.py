@@ -18,7 +18,7 @@ from homebot.cli.commands.import_thing import topic_level
 from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, read_thing
+from homebot.wot.parse import CONTEXT, read_thing
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot

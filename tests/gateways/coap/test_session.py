@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.gateways.coap.session import with_own_forms
-from homebot.wot import CONTEXT, read_thing
+from homebot.wot.parse import CONTEXT, read_thing
 
 
 def test_a_description_that_was_found_speaks_for_its_own_endpoint_alone() -> None:

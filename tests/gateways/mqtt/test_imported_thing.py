@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from homebot.wot import CONTEXT
+from homebot.wot.parse import CONTEXT
 
 pytestmark = pytest.mark.virtual_time
 

@@ -26,7 +26,7 @@ from homebot.house.http.thing import ServedThing
 from homebot.house.http.thing_directory import ThingDirectoryServer
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import listen
-from homebot.wot import CONTEXT
+from homebot.wot.parse import CONTEXT
 
 
 def description(number: int, **changes: Any) -> dict[str, Any]:

@@ -18,8 +18,9 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.messages import Time
-from homebot.wot import CONTEXT, MqttForms, to_thing
+from homebot.wot.export import MqttForms, to_thing
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+from homebot.wot.parse import CONTEXT
 
 TOPIC = "homebot/things/lamp/td"
 

@@ -12,7 +12,7 @@ from http import HTTPStatus
 from typing import Final
 
 from homebot.conventions.payload import clean_text, compact_json
-from homebot.wot import CONTEXT
+from homebot.wot.parse import CONTEXT
 
 __all__ = [
     "BEARER",

@@ -22,7 +22,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.graph import Node
-from homebot.wot import property_names, thing_id, to_thing
+from homebot.wot.export import property_names, thing_id, to_thing
 
 __all__ = ["ListedDevices", "ListedProperty"]
 

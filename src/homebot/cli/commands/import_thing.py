@@ -18,7 +18,8 @@ from homebot.cli.table import printable
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.names import DEVICE_CHANGES
 from homebot.errors import ConfigError, UsageError, WireError
-from homebot.wot import Thing, read_thing
+from homebot.wot.parse import read_thing
+from homebot.wot.thing import Thing
 
 __all__ = ["add_arguments", "topic_level"]
 

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Final
 from homebot.conventions.coap.endpoint import SCHEMES
 from homebot.errors import RefusedError
 from homebot.gateways.things.port import ThingPayload
-from homebot.wot import Form, RequestBinding
+from homebot.wot.binding import RequestBinding
 from homebot.wot.coap.content_formats import coap_formats, content_format_of, content_type_of
+from homebot.wot.thing import Form
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapAnswer, CoapClient

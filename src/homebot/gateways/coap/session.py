@@ -26,9 +26,9 @@ from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot import read_thing
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
 from homebot.wot.coap.resource_types import thing_of_links
+from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing, change_forms
 
 if TYPE_CHECKING:

@@ -17,7 +17,8 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.folding import fold
-from homebot.wot import identifiers_of, read_thing
+from homebot.wot.parse import read_thing
+from homebot.wot.thing import identifiers_of
 
 __all__ = ["DeviceFinder", "PointedAt", "RoomTagger"]
 

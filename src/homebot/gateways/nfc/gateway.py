@@ -44,7 +44,8 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
-from homebot.wot import Thing, facts_of, identifiers_of, read_thing
+from homebot.wot.parse import read_thing
+from homebot.wot.thing import Thing, facts_of, identifiers_of
 
 __all__ = ["NfcGateway"]
 

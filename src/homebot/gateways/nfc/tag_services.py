@@ -24,7 +24,7 @@ from homebot.devices.tags import (
 )
 from homebot.errors import WireError
 from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
-from homebot.wot import read_thing
+from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
     from homebot.gateways.nfc.gateway import NfcGateway

@@ -18,7 +18,7 @@ from homebot.gateways.http_client import TIME_LIMIT
 from homebot.gateways.things.thing_device import ThingDevice
 from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as
-from homebot.wot import Thing
+from homebot.wot.thing import Thing
 
 if TYPE_CHECKING:
     from homebot.gateways.things.http_port import HttpThingPort

@@ -43,7 +43,8 @@ from homebot.gateways.things.http_credentials import read_logins
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot import Thing, read_thing
+from homebot.wot.parse import read_thing
+from homebot.wot.thing import Thing
 
 __all__ = ["DirectorySession"]
 

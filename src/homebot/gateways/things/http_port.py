@@ -24,7 +24,8 @@ from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.port import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot import Form, RequestBinding, SecurityScheme, Thing
+from homebot.wot.binding import RequestBinding
+from homebot.wot.thing import Form, SecurityScheme, Thing
 
 __all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
 

@@ -6,7 +6,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from homebot.wot import Form, RequestBinding
+from homebot.wot.binding import RequestBinding
+from homebot.wot.thing import Form
 
 __all__ = ["ThingPayload", "ThingPort"]
 

@@ -22,20 +22,11 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot import (
-    Affordance,
-    Binding,
-    ClassifiedAffordance,
-    ClassifiedPart,
-    Form,
-    Thing,
-    decode_document,
-    encode_document,
-    facts_of,
-    identifiers_of,
-    in_told_unit,
-    parts_of,
-)
+from homebot.wot.binding import Binding
+from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
+from homebot.wot.payload import decode_document, encode_document
+from homebot.wot.scale import in_told_unit
+from homebot.wot.thing import Affordance, Form, Thing, facts_of, identifiers_of
 
 __all__ = ["ThingDevice", "describe_thing"]
 

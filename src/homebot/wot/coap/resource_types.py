@@ -145,15 +145,13 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     lit = {_folder(one) for one in given if any(word.startswith(_OCF_LIGHT) for word in one.words("rt"))}
     # a switch beside a brightness comes first: of several switches, that one is the lamp's
     listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
-    kinds = [word for one in listed for word in one.words("rt")]
-    types = tuple(dict.fromkeys(_THING_TYPES[word] for word in kinds if word in _THING_TYPES))
+    types = dict.fromkeys(_THING_TYPES[word] for one in listed for word in one.words("rt") if word in _THING_TYPES)
     lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
     found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
-    has_light = bool(lamps) or any(word.startswith(_OCF_LIGHT) for word in kinds)
     return Thing(
         id="",
         title=name,
-        types=types or (("Light",) if has_light else ()),
+        types=tuple(types) or (("Light",) if lamps or lit else ()),
         description="",
         affordances=tuple(found[:MAX_RESOURCES]),
     )
@@ -197,23 +195,14 @@ def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, 
 
 
 def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | None:
-    if link.target.startswith(_NEVER) or not href:
+    kind = _kind(link)
+    if kind is None or link.target.startswith(_NEVER) or not href:
         return None
-    interfaces = frozenset(link.words("if"))
-    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
-    if known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS):
-        known = _TARGET_TEMPERATURE
-    default_type = "application/vnd.ocf+cbor"
-    if known is None and (match := _IPSO_PATH.fullmatch(link.target)):
-        known, default_type = _IPSO.get((int(match[1]), int(match[2]))), "text/plain"
-    if known is None:
-        if not link.has("obs") and interfaces.isdisjoint(_READ_ONLY):
-            return None
-        last = unquote(link.target.rstrip("/").rpartition("/")[2])
-        known, default_type = _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
+    known, default_type = kind
     content_type = _content_type(link, default_type)
     if content_type is None:
         return None
+    interfaces = frozenset(link.words("if"))
     is_settable = known.settable and (interfaces.isdisjoint(_READ_ONLY) or not interfaces.isdisjoint(_ACTUATORS))
     low, high = known.bounds or (None, None)
     return Affordance(
@@ -227,6 +216,21 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
         forms=_forms(link, href, content_type, known),
         extension=_placed(link, known, lamps),
     )
+
+
+def _kind(link: WebLink) -> tuple[_Known, str] | None:
+    """Return the kind of a resource, and the content type that it has by default; None for another one."""
+    interfaces = frozenset(link.words("if"))
+    if (known := next((_OCF[word] for word in link.words("rt") if word in _OCF), None)) is not None:
+        is_target = known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS)
+        return _TARGET_TEMPERATURE if is_target else known, "application/vnd.ocf+cbor"
+    match = _IPSO_PATH.fullmatch(link.target)
+    if match is not None and (known := _IPSO.get((int(match[1]), int(match[2])))) is not None:
+        return known, "text/plain"
+    if not link.has("obs") and interfaces.isdisjoint(_READ_ONLY):
+        return None
+    last = unquote(link.target.rstrip("/").rpartition("/")[2])
+    return _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
 
 
 def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:

@@ -21,26 +21,12 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.wot import (
-    Affordance,
-    ClassifiedPart,
-    Form,
-    PayloadFormat,
-    PayloadFormats,
-    Thing,
-    basic_formats,
-    decode_document,
-    encode_document,
-    facts_of,
-    identifiers_of,
-    parts_of,
-    read_thing,
-)
+from homebot.wot.classify import ClassifiedPart, parts_of
+from homebot.wot.parse import read_thing
+from homebot.wot.payload import PayloadFormat, PayloadFormats, basic_formats, decode_document, encode_document
+from homebot.wot.thing import OBSERVE_OPS, WRITE_OPS, Affordance, Form, Thing, facts_of, identifiers_of
 
 __all__ = ["MqttBinding", "ThingReader"]
-
-_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 
 
 class MqttBinding:
@@ -61,7 +47,7 @@ class MqttBinding:
         return tuple(
             one
             for one in affordance.forms
-            if one.is_mqtt and one.filter and not _OBSERVE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
+            if one.is_mqtt and one.filter and not OBSERVE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
         )
 
     def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
@@ -69,7 +55,7 @@ class MqttBinding:
         return tuple(
             one
             for one in affordance.forms
-            if one.is_mqtt and one.topic and not _WRITE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
+            if one.is_mqtt and one.topic and not WRITE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
         )
 
 
@@ -85,7 +71,7 @@ class ThingReader:
         self._prefixes = prefixes
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a description.
+        """Return the device of a description.
 
         Raises:
             WireError: It breaks a rule of TD 1.1; names field and value.

@@ -20,7 +20,7 @@ from homebot.gateways.drivers.thing.driver import ThingDriverSettings
 from homebot.gateways.things import http_port
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
-from homebot.wot import CONTEXT
+from homebot.wot.parse import CONTEXT
 
 WOT = "_wot._tcp.local."
 

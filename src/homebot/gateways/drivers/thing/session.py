@@ -28,8 +28,8 @@ from homebot.gateways.things.http_credentials import ThingLogin
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot import Form, Thing, read_thing
-from homebot.wot.thing import change_forms
+from homebot.wot.parse import read_thing
+from homebot.wot.thing import Form, Thing, change_forms
 
 __all__ = ["ThingSession"]
 
