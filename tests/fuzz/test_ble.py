@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
+from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattState
 from homebot.conventions.bthome.encryption import seal
 from homebot.conventions.bthome.parser import BTHomeParser

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 from tests.fuzz.conftest import Mutator
 
 from homebot.conventions.nfc.card_tag import CardTag
-from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
+from homebot.conventions.nfc.ndef_message import NdefRecord, TagError, read_ndef, write_ndef
 from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
-from homebot.conventions.nfc.tag_content import TagError
 from homebot.errors import WireError
 from homebot.house.nfc import Type4Card
 from homebot.wot.parse import read_thing

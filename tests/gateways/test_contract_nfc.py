@@ -9,7 +9,7 @@ import anyio
 from tests.gateways.nfc.world import UID, uri
 from tests.patience import PATIENCE
 
-from homebot.conventions.nfc.tag_content import TagContent
+from homebot.conventions.nfc.ndef_message import TagContent
 from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings

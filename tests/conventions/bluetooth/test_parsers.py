@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
 from homebot.conventions.bluetooth.beacons import EDDYSTONE, BeaconParser
-from homebot.conventions.bluetooth.broadcast import Broadcast
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, full_uuid
 from homebot.conventions.bthome.encryption import seal
 from homebot.conventions.bthome.parser import TRIGGER_BASED, BTHomeParser
 from homebot.devices.value import PlainValue

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 import pytest
 
 from homebot.conventions.bluetooth import Advertisement, Broadcast
-from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.conventions.bluetooth.broadcast import full_uuid
 from homebot.conventions.bluetooth.sensor_libraries import MOMENT, SensorLibraryParser
 from homebot.conventions.description import AutoExpiry
 from homebot.devices.value import PlainValue

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
-from homebot.conventions.bluetooth.presence import Presence
+from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, SignalFilter, distance_of
 
 
 @pytest.mark.parametrize(
@@ -45,7 +44,7 @@ def test_old_packets_and_what_is_unknown_do_not_count() -> None:
 def presence(*times: float) -> Presence:
     found = Presence(0.0)
     for one in times:
-        found.hear(one)
+        found.record(one)
     return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.conventions.dns_sd.found_service import facts_of, identifiers_of, name_of, usable_addresses
-from homebot.conventions.dns_sd.service_type import base_type, full_type, instance_label, is_service_type
+from homebot.conventions.dns_sd.records import base_type, full_type, instance_label, is_service_type
 from homebot.gateways.drivers import FoundService
 
 

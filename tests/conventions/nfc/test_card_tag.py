@@ -8,7 +8,7 @@ import pytest
 from tests.gateways.nfc.world import UID, card, uri
 
 from homebot.conventions.nfc.card_tag import CardTag
-from homebot.conventions.nfc.tag_content import MAX_MESSAGE, TagError
+from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagError
 from homebot.house.nfc import Type4Card
 
 LONG = uri(f"http://example.org/{'a' * 500}")

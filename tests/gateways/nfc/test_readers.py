@@ -9,7 +9,7 @@ import pytest
 from tests.gateways.nfc.world import KEPT, UID, take, uri
 from tests.patience import PATIENCE
 
-from homebot.conventions.nfc.tag_content import TagContent
+from homebot.conventions.nfc.ndef_message import TagContent
 from homebot.devices import GatewayState
 from homebot.devices.tags import TagTap
 from homebot.errors import LinkError, UsageError

@@ -167,10 +167,10 @@ def test_a_command_is_spelt_as_the_schema_says(
     [
         (prop("t"), "OnOffProperty", "on_off", "on", "it takes true or false"),
         (prop("t"), "OnOffProperty", "level", 5.0, "this part takes on_off"),
-        (prop("t", "number"), "BrightnessProperty", "level", 101.0, "it takes 0 to 100"),
-        (prop("t", "number", minimum=5, maximum=30), "", "number", 31.0, "it takes 5 to 30"),
+        (prop("t", "number"), "BrightnessProperty", "level", 101.0, "it takes a number from 0 to 100"),
+        (prop("t", "number", minimum=5, maximum=30), "", "number", 31.0, "it takes a number from 5 to 30"),
         (prop("t", "number"), "", "number", float("nan"), "it takes a number"),
-        (prop("t", "string"), "ColorProperty", "color", (400.0, 0.0), "it takes hue 0 to 360"),
+        (prop("t", "string"), "ColorProperty", "color", (400.0, 0.0), "it takes numbers from 0 to 360"),
         (prop("t"), "LockedProperty", "lock", "open", "it takes locked, unlocked"),
         (prop("t", "string", enum=["eco", "max"]), "", "option", "party", "it takes eco, max"),
     ],

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from uuid import UUID
 
-from homebot.conventions.bluetooth.advertisement import Advertisement, full_uuid
-from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, full_uuid
 from homebot.errors import WireError
 
 __all__ = ["BeaconParser"]

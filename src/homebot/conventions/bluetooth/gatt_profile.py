@@ -1,4 +1,4 @@
-"""Declared profiles: how a device encodes its state and its commands in GATT characteristics. Pure.
+"""Declared profiles of devices: the encoding of state and commands in GATT characteristics. Pure.
 
 A *frame* is hexadecimal bytes with fields between them: ``56{red}{green}{blue}00f0aa``. Each field is one byte:
 ``{on}`` is 01 or 00, ``{level}`` is 0 to ``level_max``, and ``{red}``, ``{green}``, ``{blue}`` are the brightest shade
@@ -14,7 +14,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.conventions.bluetooth.broadcast import full_uuid
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
@@ -26,7 +26,8 @@ Uuid: TypeAlias = Annotated[str, AfterValidator(full_uuid)]
 GattType: TypeAlias = Literal["light", "plug", "switch", "fan", "siren"]
 
 _TOKEN = re.compile(r"\s*(?:([0-9a-fA-F]{2})|\{(\w+)\}|(\.\.))\s*")
-_FIELDS = ("on", "level", "red", "green", "blue")
+_CHANNELS = ("red", "green", "blue")
+_FIELDS = ("on", "level", *_CHANNELS)
 _LONGEST = 64
 _WHITE = (2000, 6500)
 _BYTE = 255
@@ -130,13 +131,13 @@ class GattProfile(BaseModel):
     def part(self) -> Part:
         """Return the part of its devices."""
         reported = set(_tokens(self.report)) if self.report else set()
-        capabilities = [Capability(name="on_off", readable="on" in reported, settable=True)]
-        if self.level is not None:
-            capabilities.append(Capability(name="level", readable="level" in reported, settable=True))
-        if self.color is not None:
-            readable = {"red", "green", "blue"} <= reported
-            capabilities.append(Capability(name="color", readable=readable, settable=True))
-        return Part(id="", service_type=self.type, capabilities=tuple(capabilities))
+        rows = (("on_off", self.on, {"on"}), ("level", self.level, {"level"}), ("color", self.color, set(_CHANNELS)))
+        capabilities = tuple(
+            Capability(name=name, readable=fields <= reported, settable=True)
+            for name, frame, fields in rows
+            if frame is not None
+        )
+        return Part(id="", service_type=self.type, capabilities=capabilities)
 
     def read(self, data: bytes, state: GattState) -> dict[str, PlainValue]:
         """Update *state* from a report, and return its values by capability.
@@ -164,27 +165,28 @@ class GattProfile(BaseModel):
         Raises:
             RefusedError: The profile has no frame for it.
         """
-        fields = dict(state.fields)
-        frame: str | None = None
-        if capability == "on_off":
-            fields["on"] = int(bool(value))
-            frame = self.on if value else self.off
-            if value and not fields["level"]:
-                fields["level"] = self.level_max
-        elif capability == "level" and isinstance(value, float | int):
-            if value > 0:
-                fields["level"] = max(1, round(value * self.level_max / 100))
-            fields["on"] = int(value > 0)
-            frame = self.level if value > 0 else self.off
-        elif capability == "color" and isinstance(value, tuple):
-            red, green, blue = from_hue_saturation("rgb", value[0], value[1], _WHITE)
-            fields.update(red=round(red), green=round(green), blue=round(blue), on=1)
-            frame = self.color
+        fields = {**state.fields, **self._changes(capability, value, state.fields)}
+        turns_on = capability == "on_off" or not fields["on"]
+        frames = {"on_off": self.on, "level": self.level, "color": self.color}
+        frame = (self.on if fields["on"] else self.off) if turns_on and capability in frames else frames.get(capability)
         if frame is None:
             raise RefusedError(capability, "the profile of the device has no frame for it")
         data = bytes(token if isinstance(token, int) else fields[token] for token in _tokens(frame))
         state.fields.update(fields)
         return data
+
+    def _changes(self, capability: str, value: PlainValue, fields: Mapping[str, int]) -> dict[str, int]:
+        """Return the fields that a command changes."""
+        if capability == "on_off":
+            dark = bool(value) and not fields["level"]
+            return {"on": int(bool(value)), **({"level": self.level_max} if dark else {})}
+        if capability == "level" and isinstance(value, float | int):
+            level = {"level": max(1, round(value * self.level_max / 100))} if value > 0 else {}
+            return {"on": int(value > 0), **level}
+        if capability == "color" and isinstance(value, tuple):
+            channels = from_hue_saturation("rgb", value[0], value[1], _WHITE)
+            return {"on": 1, **dict(zip(_CHANNELS, map(round, channels), strict=True))}
+        raise RefusedError(capability, "the profile of the device has no frame for it")
 
     def write_frames(self, capability: str, value: PlainValue, state: GattState) -> tuple[bytes, ...]:
         """Return the frames that set a capability, as :meth:`write`; a level or a colour also turns the device on.
@@ -207,7 +209,7 @@ class GattProfile(BaseModel):
             is_dark = "on_off" in readable and not is_on
             found["level"] = 0.0 if is_dark else round(fields["level"] * 100 / self.level_max, 1)
         if "color" in readable:
-            channels = tuple(float(fields[one]) for one in ("red", "green", "blue"))
+            channels = tuple(float(fields[one]) for one in _CHANNELS)
             found["color"] = to_hue_saturation("rgb", channels, _WHITE)
         return found
 

@@ -1,4 +1,4 @@
-"""Reads sensors through the libraries for their formats: xiaomi-ble, govee-ble, ruuvitag-ble and so on. Pure.
+"""Parser of sensors through the libraries for their formats: xiaomi-ble, govee-ble, ruuvitag-ble and so on. Pure.
 
 These libraries share a base, ``bluetooth-sensor-state-data``: a class that takes advertisements and returns values with
 Home Assistant's device classes and units. All that are installed are used; ``homebot[ble-sensors]`` installs some.
@@ -17,8 +17,7 @@ from functools import cache
 from importlib.metadata import distributions
 from typing import TYPE_CHECKING
 
-from homebot.conventions.bluetooth.advertisement import Advertisement
-from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.device_classes import condition_of, quantity_of
 from homebot.conventions.units import sensor_type
@@ -108,7 +107,7 @@ class SensorLibraryParser(BroadcastParser):
         except Exception as exc:
             raise _unreadable(sensor.reader, advertisement, exc) from exc
         if is_new:
-            values = tuple(_take(sensor, update))
+            values = tuple(_read_update(sensor, update))
         return Broadcast(
             name=update.title or advertisement.name,
             parts=tuple(sensor.parts.values()),
@@ -205,7 +204,7 @@ def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:
     )
 
 
-def _take(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
+def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
     """Add the parts of an update, and yield its values."""
     parts = sensor.parts
     for key, description in update.entity_descriptions.items():

@@ -41,6 +41,7 @@ BTHOME_UUID = "0000fcd2-0000-1000-8000-00805f9b34fb"
 VERSION = 2
 _ADDRESS = 6
 _MOST_ARGUMENTS = 0x1F
+_WORDS = {BUTTON: BUTTON_PRESSES, DIMMER: DIMMER_TURNS, COMMAND: COMMANDS}
 
 
 class Measured(NamedTuple):
@@ -180,13 +181,9 @@ def _objects(body: bytes) -> Iterator[tuple[int, bytes, int]]:
 
 
 def _value(object_id: int, kind: BTHomeObject, data: bytes, body: bytes) -> PlainValue:
-    if object_id == BUTTON:
-        return BUTTON_PRESSES.get(data[0])
-    if object_id == DIMMER:
-        turn = DIMMER_TURNS.get(data[0])
-        return None if turn is None else f"{turn} {data[1]}"
-    if object_id == COMMAND:
-        return COMMANDS.get(data[0])
+    if object_id in _WORDS:
+        word = _WORDS[object_id].get(data[0])
+        return f"{word} {data[1]}" if object_id == DIMMER and word is not None else word
     if object_id == TEXT:
         try:
             return data.decode()

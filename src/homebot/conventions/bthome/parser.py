@@ -1,4 +1,4 @@
-"""Reads BTHome v2, the broadcasts of Shelly BLU and of many sensors that people build. Pure.
+"""Parser of BTHome v2, the broadcasts of Shelly BLU and of many sensors that people build. Pure.
 
 Source: https://bthome.io/format. A device sends each packet several times; the packet id tells packets apart. A packet
 with an older id than the last one is late, and is ignored. Without packet ids, the same bytes are the same packet until
@@ -7,13 +7,12 @@ there is a pause of four seconds, as in the library ``bthome-ble``. An encrypted
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from homebot.conventions.bluetooth.advertisement import Advertisement
-from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bthome.objects import BTHomeObject
-from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomePacket, Measured, read_frame, read_objects
+from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomePacket, read_frame, read_objects
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
@@ -54,9 +53,38 @@ class _BTHomeSender:
         self.metadata: dict[str, str] = {}
         self.packet_id: int | None = None
         self.data = b""
-        self.heard_at = float("-inf")
+        self.received_at = float("-inf")
         self.silence = 0.0
         self.was_read = False
+
+    def is_repeated(self, data: bytes, now: float) -> bool:
+        """Return whether *data* are the last packet again."""
+        return data == self.data and (self.packet_id is not None or now - self.received_at <= REPEATS_WITHIN)
+
+    def record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
+        """Store the parts of a packet, and return its values; none if it is older than the last one."""
+        if self._is_late(packet.packet_id, now):
+            return ()
+        self.was_read, self.packet_id = True, packet.packet_id
+        if packet.firmware:
+            self.metadata["firmware"] = packet.firmware
+        if packet.device_type is not None:
+            self.metadata["device_type"] = str(packet.device_type)
+        for one in packet.values:
+            if one.part not in self.parts and len(self.parts) < MAX_PARTS:
+                self.parts[one.part] = _part(one.part, one.object)
+            if one.object.capability.startswith("battery"):
+                self.silence = max(self.silence, ON_BATTERY)
+        return tuple(
+            BroadcastValue(one.part, one.object.capability, one.value)
+            for one in packet.values
+            if one.part in self.parts and not (one.value is None and CAPABILITIES[one.object.capability].is_event)
+        )
+
+    def _is_late(self, number: int | None, now: float) -> bool:
+        if number is None or self.packet_id is None or now - self.received_at > REPEATS_WITHIN:
+            return False
+        return not 0 < (number - self.packet_id) % 256 < NEWER_BY
 
 
 class BTHomeParser(BroadcastParser):
@@ -76,7 +104,7 @@ class BTHomeParser(BroadcastParser):
         return BTHOME_UUID in advertisement.service_data
 
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
-        """Return all parts that are known, and the measurements and events of a packet that is new.
+        """Return all known parts, and the measurements and events of a packet that is new.
 
         Raises:
             WireError: It is not BTHome v2, cannot be decrypted with the bind key, or is a replay.
@@ -86,30 +114,26 @@ class BTHomeParser(BroadcastParser):
         known = self._devices.get(advertisement.address)
         device = known or _BTHomeSender()
         key = self._bind_key(advertisement.address)
-        values: tuple[BroadcastValue, ...] = ()
-        problem = ""
-        if frame.is_encrypted and key is None:
-            problem = "it is encrypted, and no bind key is configured for it"
-        elif key is not None and not frame.is_encrypted:
+        if key is not None and not frame.is_encrypted:
             raise WireError("BTHome: it is not encrypted, although a bind key is configured for it", data)
-        elif not (device.was_read and self._is_repeated(device, data, now)):
+        is_locked = frame.is_encrypted and key is None
+        values: tuple[BroadcastValue, ...] = ()
+        if not is_locked and not (device.was_read and device.is_repeated(data, now)):
             body = frame.body if key is None else key.open(frame, now)
-            if body is not None:
-                values = self._take(device, read_objects(body), now)
-        device.data, device.heard_at = data, now
+            values = () if body is None else device.record_packet(read_objects(body), now)
+        device.data, device.received_at = data, now
         if frame.is_trigger_based:
             device.silence = TRIGGER_BASED
         if known is None and len(self._devices) < MAX_DEVICES:
             self._devices[advertisement.address] = device
-        own = (":".join(f"{one:02X}" for one in frame.address),) if frame.address else ()
         return Broadcast(
             name=advertisement.name,
             parts=tuple(device.parts.values()),
             values=values,
             metadata={"format": "BTHome v2", **device.metadata},
-            identifiers=own,
+            identifiers=(frame.address.hex(":").upper(),) if frame.address else (),
             silence=device.silence,
-            problem=problem,
+            problem="it is encrypted, and no bind key is configured for it" if is_locked else "",
         )
 
     def forget(self, address: str) -> None:
@@ -130,39 +154,6 @@ class BTHomeParser(BroadcastParser):
             raise WireError(f"BTHome: its bind key has {len(key)} bytes, not {KEY_SIZE}")
         found = self._keys[address] = BindKey(key, mac)
         return found
-
-    def _is_repeated(self, device: _BTHomeSender, data: bytes, now: float) -> bool:
-        return data == device.data and (device.packet_id is not None or now - device.heard_at <= REPEATS_WITHIN)
-
-    def _take(self, device: _BTHomeSender, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
-        """Store the parts of a packet, and return its values; none if it is older than the last one."""
-        number, last = packet.packet_id, device.packet_id
-        if (
-            number is not None
-            and last is not None
-            and now - device.heard_at <= REPEATS_WITHIN
-            and not 0 < (number - last) % 256 < NEWER_BY
-        ):
-            return ()
-        device.was_read = True
-        device.packet_id = number
-        if packet.firmware:
-            device.metadata["firmware"] = packet.firmware
-        if packet.device_type is not None:
-            device.metadata["device_type"] = str(packet.device_type)
-        self._add_parts(device, packet.values)
-        return tuple(
-            BroadcastValue(one.part, one.object.capability, one.value)
-            for one in packet.values
-            if one.part in device.parts and not (one.value is None and CAPABILITIES[one.object.capability].is_event)
-        )
-
-    def _add_parts(self, device: _BTHomeSender, values: Iterable[Measured]) -> None:
-        for one in values:
-            if one.part not in device.parts and len(device.parts) < MAX_PARTS:
-                device.parts[one.part] = _part(one.part, one.object)
-            if one.object.capability.startswith("battery"):
-                device.silence = max(device.silence, ON_BATTERY)
 
 
 def _part(part_id: str, kind: BTHomeObject) -> Part:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple, TypeAlias
 
-from homebot.conventions.nfc.tag_content import MAX_MESSAGE, TagContent, TagError
+from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagContent, TagError
 
 __all__ = ["CardTag", "Transmit"]
 

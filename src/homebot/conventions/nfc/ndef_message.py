@@ -1,4 +1,4 @@
-"""NDEF messages, read and written by ndeflib. The only file that imports it.
+"""Contents of NFC tags: NDEF messages, read and written by ndeflib. The only file that imports it.
 
 NFC Forum: NDEF 1.0; RTD URI 1.0 (identifier codes), RTD Text 1.0, Smart Poster 1.1.
 """
@@ -11,10 +11,19 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final, Literal, TypeAlias
 
-from homebot.conventions.nfc.tag_content import MAX_MESSAGE
-from homebot.errors import WireError
+from homebot.devices.tags import TagProblem
+from homebot.errors import PeerError, WireError
 
-__all__ = ["NdefKind", "NdefRecord", "load_ndef", "read_ndef", "write_ndef"]
+__all__ = [
+    "MAX_MESSAGE",
+    "NdefKind",
+    "NdefRecord",
+    "TagContent",
+    "TagError",
+    "load_ndef",
+    "read_ndef",
+    "write_ndef",
+]
 
 NdefKind: TypeAlias = Literal["uri", "text", "media", "external"]
 
@@ -22,6 +31,36 @@ _MAX_RECORDS: Final = 32
 _EXTERNAL: Final = "urn:nfc:ext:"
 _SMART_POSTER: Final = "urn:nfc:wkt:Sp"
 _WELL_KNOWN: Final = frozenset({"urn:nfc:wkt:U", "urn:nfc:wkt:T"})
+
+MAX_MESSAGE = 8192
+"""The longest NDEF message, in bytes, that homebot reads from a tag."""
+
+
+class TagError(PeerError):
+    """A tag that cannot be read or written.
+
+    Attributes:
+        problem: The reason, for programs.
+    """
+
+    def __init__(self, problem: TagProblem, text: str) -> None:
+        super().__init__(text)
+        self.problem: TagProblem = problem
+
+
+@dataclass(frozen=True, slots=True)
+class TagContent:
+    """The content of a tag.
+
+    Attributes:
+        message: The NDEF message, not decoded; empty for none.
+        capacity: The longest message that it holds, in bytes.
+        is_writable: Whether it can be written.
+    """
+
+    message: bytes
+    capacity: int
+    is_writable: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from bleak import BleakClient, BleakScanner
 from bleak.assigned_numbers import AdvertisementDataType
 from bleak.exc import BleakBluetoothNotAvailableError, BleakError, BleakGATTProtocolError
 
-from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.ble.intake import BluetoothUnavailableError
 from homebot.support.ble_backend import BleBackend

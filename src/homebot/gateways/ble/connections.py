@@ -17,7 +17,7 @@ import anyio
 from anyio.abc import TaskGroup
 from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
-from homebot.conventions.bluetooth.advertisement import full_uuid
+from homebot.conventions.bluetooth.broadcast import full_uuid
 from homebot.conventions.bluetooth.gatt_profile import GattProfile, GattState
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError

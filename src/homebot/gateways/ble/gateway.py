@@ -12,8 +12,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.bluetooth.advertisement import Advertisement
-from homebot.conventions.bluetooth.broadcast import Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
@@ -256,7 +255,7 @@ class BleGateway(Gateway):
             await anyio.sleep(TICK)
             now = self._clock.monotonic()
             for device in self._connections.connected if self._connections is not None else ():
-                device.presence.hear(now)
+                device.presence.record(now)
                 self._put(device, "it is connected")
             if self._listens_since is not None:
                 heard_since = self._listens_since

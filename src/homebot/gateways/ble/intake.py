@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import anyio
 
 from homebot.clock import Clock
-from homebot.conventions.bluetooth.advertisement import Advertisement
+from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError
 
 __all__ = ["BluetoothUnavailableError", "Intake", "IntakeCounts"]

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from homebot.conventions.bluetooth.advertisement import Advertisement
-from homebot.conventions.bluetooth.broadcast import Broadcast
-from homebot.conventions.bluetooth.distance import DISTANCE_FACTOR, SignalFilter, distance_of
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
-from homebot.conventions.bluetooth.presence import Presence
+from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, SignalFilter, distance_of
 from homebot.conventions.units import sensor_type
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
@@ -84,7 +82,7 @@ class KnownDevice:
     def update(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> None:
         """Update the device from an advertisement and its meaning."""
         self.address = advertisement.address
-        self.presence.hear(now)
+        self.presence.record(now)
         self.signal.add(advertisement.rssi, now)
         said = advertisement.name or ("" if broadcast is None else broadcast.name)
         self._name = said[:_LONGEST_NAME] or self._name

@@ -20,7 +20,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.conventions.dns_sd.found_service import FoundService
-from homebot.conventions.dns_sd.service_type import full_type
+from homebot.conventions.dns_sd.records import full_type
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
 from homebot.gateways.mdns.network import OwnService, ServiceNetwork

@@ -20,8 +20,14 @@ from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 from homebot.conventions.dns_sd.found_service import FoundService, printable, usable_addresses
-from homebot.conventions.dns_sd.service_type import ENUMERATION, base_type, full_type, instance_label, is_service_type
-from homebot.conventions.dns_sd.txt_record import read_txt
+from homebot.conventions.dns_sd.records import (
+    ENUMERATION,
+    base_type,
+    full_type,
+    instance_label,
+    is_service_type,
+    read_txt,
+)
 from homebot.errors import LinkError
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.network import Interfaces, OwnService, ResolvedService, ServiceNetwork, ServiceNews

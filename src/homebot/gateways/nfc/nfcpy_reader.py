@@ -6,7 +6,7 @@ import logging
 import time
 from typing import TYPE_CHECKING
 
-from homebot.conventions.nfc.tag_content import MAX_MESSAGE, TagContent, TagError
+from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagContent, TagError
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Final
 
 from homebot.conventions.nfc.card_tag import CardTag
-from homebot.conventions.nfc.tag_content import TagError
+from homebot.conventions.nfc.ndef_message import TagError
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 

@@ -13,7 +13,7 @@ import anyio
 import anyio.lowlevel
 import anyio.to_thread
 
-from homebot.conventions.nfc.tag_content import TagContent, TagError
+from homebot.conventions.nfc.ndef_message import TagContent, TagError
 from homebot.errors import LinkError
 
 __all__ = [

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.dns_sd.txt_record import MAX_KEYS, read_txt
+from homebot.conventions.dns_sd.records import MAX_KEYS, read_txt
 
 
 def strings(*texts: bytes) -> bytes:
