@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.learnt_row import LearntRow
-from homebot.control.journal.memory_store import MemoryStore
+from homebot.control.journal.store import JournalNote, LearntRow, MemoryStore
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 
 __all__ = ["KeptStore"]

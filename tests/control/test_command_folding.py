@@ -10,8 +10,7 @@ from tests.control.conftest import Home, OpenHome
 from tests.control.test_journal_file import NOW, opened, read
 
 from homebot.control.journal.command_folding import IN_FULL, CommandFolding
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.memory_store import MemoryStore
+from homebot.control.journal.store import JournalNote, MemoryStore
 from homebot.devices.command_results import result_of
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest

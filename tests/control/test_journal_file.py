@@ -17,9 +17,7 @@ from tests.patience import PATIENCE
 from homebot.clock import ManualClock
 from homebot.control import Control
 from homebot.control.journal.file_store import FileStore
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.learnt_row import LearntRow
-from homebot.control.journal.memory_store import MemoryStore
+from homebot.control.journal.store import JournalNote, LearntRow, MemoryStore
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest

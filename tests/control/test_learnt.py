@@ -10,7 +10,7 @@ from structlog.testing import capture_logs
 from tests.control.conftest import OpenHome, report
 from tests.control.kept_store import KeptStore
 
-from homebot.control.journal.learnt_row import LearntRow
+from homebot.control.journal.store import LearntRow
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted
 
@@ -55,16 +55,6 @@ async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: 
             await anyio.sleep(5)
     assert not store.rows  # it was read when it could be
     assert len([one for one in lines if one["event"] == "control.learnt_late"]) == 1
-
-
-@pytest.mark.parametrize("kind", ["profile"])
-async def test_the_presence_guard_drops_nothing_that_others_learnt(open_home: OpenHome, kind: str) -> None:
-    """It reads what it has learnt itself at the start, before the first command."""
-    store = KeptStore()
-    store.rows = {(kind, "x"): LearntRow(kind, "x", "{}", 0.0, "")}
-    async with open_home(store=store, presence_guard=True):
-        await anyio.sleep(1)
-    assert list(store.rows) == [(kind, "x")]
 
 
 async def test_each_row_says_when_it_was_learnt(open_home: OpenHome) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.control.value_text import value_text
+from homebot.control.values import value_text
 from homebot.devices.value import PlainValue
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.devices.handles.conftest import device, part
 
-from homebot.control.policies.safe_side import is_safe
+from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue

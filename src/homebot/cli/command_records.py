@@ -10,12 +10,14 @@ __all__ = [
     "CommandDevicesRecord",
     "CommandResultRecord",
     "CommandedPartRecord",
+    "ExplanationRecord",
     "HeldPartRecord",
     "HolderRecord",
     "JournalEntryRecord",
     "JournalRecord",
     "JournalVerdictRecord",
     "LeasesRecord",
+    "MissingStateRecord",
     "SettingRecord",
     "TriggerRecord",
 ]
@@ -137,7 +139,32 @@ class JournalEntryRecord(TypedDict):
     text: str
     verdicts: list[JournalVerdictRecord]
     results: list[CommandResultRecord]
+    cause: str
     folded: int
+
+
+class ExplanationRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.ExplainDeviceResponse`."""
+
+    success: bool
+    message: str
+    finding: str
+    changed_at: TimeRecord
+    entries: list[JournalEntryRecord]
+    names: list[KeyValueRecord]
+
+
+class MissingStateRecord(TypedDict):
+    """:class:`homebot.devices.journal_messages.ExplainMissingStateResponse`."""
+
+    success: bool
+    message: str
+    is_so: bool
+    problem: str
+    word: str
+    entries: list[JournalEntryRecord]
+    begins: TimeRecord
+    names: list[KeyValueRecord]
 
 
 class JournalRecord(TypedDict):

@@ -7,15 +7,18 @@ from typing import cast, final
 
 from homebot.cli.command_records import (
     CommandResultRecord,
+    ExplanationRecord,
     JournalEntryRecord,
     JournalRecord,
+    MissingStateRecord,
     SettingRecord,
     TriggerRecord,
 )
 from homebot.cli.door_client import DoorClient
+from homebot.cli.records import KeyValueRecord
 from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
-from homebot.devices.names import READ_JOURNAL
+from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JOURNAL
 from homebot.errors import PeerError
 
 __all__ = ["JournalClient", "chain_json", "entry_json"]
@@ -58,10 +61,30 @@ class JournalClient:
             "until": from_seconds(until),
             "limit": limit,
         }
-        found = cast("JournalRecord", self._door.call(READ_JOURNAL, request))
+        return cast("JournalRecord", self._ask(READ_JOURNAL, request))
+
+    def explain(self, device: str) -> ExplanationRecord:
+        """Return the last change of a device, with the chain of its causes.
+
+        Raises:
+            PeerError: The journal cannot be read; the message says why.
+        """
+        return cast("ExplanationRecord", self._ask(EXPLAIN_DEVICE, {"device": device}))
+
+    def explain_missing(self, device: str, state: str) -> MissingStateRecord:
+        """Return the commands for a state of a device, and the denied requests for it.
+
+        Raises:
+            PeerError: The journal cannot be read; the message says why.
+        """
+        return cast("MissingStateRecord", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
+
+    def _ask(self, service: str, request: Mapping[str, object]) -> Mapping[str, object]:
+        found = self._door.call(service, request)
         if not found["success"]:
-            raise PeerError(found["message"])
-        self.names.update({one["key"]: one["value"] for one in found["names"]})
+            raise PeerError(cast("str", found["message"]))
+        names = cast("list[KeyValueRecord]", found["names"])
+        self.names.update({one["key"]: one["value"] for one in names})
         return found
 
     def read_name(self, device: str) -> None:
@@ -82,7 +105,7 @@ def entry_json(entry: JournalEntryRecord, names: Mapping[str, str]) -> dict[str,
     if name := names.get(entry["device"]):
         found["name"] = name
     texts = cast("dict[str, str]", entry)
-    found |= {key: texts[key] for key in ("part", "command", "issuer", "text") if texts[key]}
+    found |= {key: texts[key] for key in ("part", "command", "issuer", "text", "cause") if texts[key]}
     if entry["trigger"]["kind"]:
         found["trigger"] = _trigger_json(entry["trigger"])
     if entry["settings"]:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from typing import Final, final
 
-from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.control.device_lookup import DeviceLookup
+from homebot.devices import Device
 from homebot.devices.always_ask import waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.device import KeyValue
-from homebot.devices.query import FactIs, IsUnapproved, query_terms
-from homebot.devices.services import FindDevicesRequest
+from homebot.devices.query import FactIs, IsUnapproved
 from homebot.errors import ServiceError
-from homebot.graph import Node
 
 __all__ = ["Approvals"]
 
@@ -24,12 +22,12 @@ class Approvals:
     """Tells which devices wait for approval.
 
     Args:
-        node: The node that asks the directory.
+        lookup: Looks the devices up.
         is_needed: Whether devices need an approval at all.
     """
 
-    def __init__(self, node: Node, *, is_needed: bool) -> None:
-        self._node = node
+    def __init__(self, lookup: DeviceLookup, *, is_needed: bool) -> None:
+        self._lookup = lookup
         self._is_needed = is_needed
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
@@ -56,8 +54,7 @@ class Approvals:
 
     async def _find(self, device: str = "") -> tuple[Device, ...]:
         query = FactIs("id", device.casefold()) if device else IsUnapproved()
-        with closing(self._node.create_client(FindDevices, FIND_DEVICES)) as find:
-            return (await find.call(FindDevicesRequest(query=query_terms(query)))).devices
+        return await self._lookup.devices(query)
 
 
 def _note(waiting: tuple[Device, ...]) -> str:

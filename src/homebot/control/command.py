@@ -1,19 +1,22 @@
-"""A command on its way through the control layer."""
+"""A command on its way through the control layer, with its part and the certain values of that."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 from homebot.control import durations
-from homebot.control.held_values import COLORS, END_POSITIONS, POWERS, STOPPED, is_on
 from homebot.control.timeline.facts import Order
-from homebot.control.tolerance import fits
+from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_on
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
+from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_results import result_of
+from homebot.devices.outcomes import Gone
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
@@ -21,13 +24,22 @@ from homebot.devices.value import PlainValue
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
 
-__all__ = ["POWER", "IssuedCommand", "order_of", "zero_as_off"]
+__all__ = [
+    "POWER",
+    "IssuedCommand",
+    "KnownState",
+    "commanded_part",
+    "known_state",
+    "no_part_result",
+    "order_of",
+    "zero_as_off",
+]
 
 _LIT: Final = POWERS | COLORS
-"""What turns a lamp on."""
+"""Capabilities that turn a lamp on."""
 
 _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
-"""What sends something with a motor on its way."""
+"""Capabilities of motors."""
 
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
@@ -35,37 +47,34 @@ _LEVELS: Final = ("level", "fan_speed")
 _NAME, _READABLE = attrgetter("name"), attrgetter("readable")
 
 POWER: Final = "power_state"
-"""Stands for whether a part is on, in the place of a capability."""
+"""Name for the power of a part, by whichever capability it is switched."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(slots=True, eq=False)
 class IssuedCommand:
-    """Command to one part of a device, with all that is known of it before it is sent; not changed any more.
+    """Command to one part of a device, with the knowledge before it is sent; immutable.
 
     Attributes:
         id: The id of the command, unique in the home.
-        device: The device, as the directory knew it when the command was given.
-        part: The part.
-        settings: The wanted values by capability, in the order in which they are sent.
-        issuer: Who gave it: the name of a node, or ``client:NAME`` for a client of the door.
+        device: The device at the time of the command.
+        settings: The wanted values by capability, in the order of sending.
+        issuer: The name of a node, or ``client:NAME`` for a client of the door.
         rights: The devices that the issuer may command.
-        cause: The id of what led to it; empty for a person's wish.
-        trigger: The same with its facts.
+        cause: The id of its trigger; empty for a person's command.
+        trigger: The report, message or timer that led to it.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         code: The code of an alarm or a lock.
         scope: The rights of a client of the door, by its token.
         is_client: Whether a client of the door gave it.
-        is_wish: Whether a person wants it: a client gave it, or an app answers a press or a scan of the last minute.
-        is_momentary: Whether it presses or starts something, so that to send it again would do it again.
+        is_by_person: Whether a client gave it, or an app answers a press or a scan of the last minute.
+        is_momentary: Whether a second sending would act twice: a press.
         place: The ids of the device and of the part.
-        places: The same with each capability that it sets.
-        effects: These, each with the value, and :data:`POWER` with whether that is on, by whichever capability: level 0
-            is off.
-        target: The id of the device, with ``#`` and the id of the part where it has one.
-        moves: Whether it sends something with a motor on its way.
+        effects: The place with each capability, and the value; for a power :data:`POWER` too, with True for on.
+        target: The id of the device, with ``#`` and the id of the part if it has one.
+        moves: Whether it starts a motor.
     """
 
     id: str
@@ -81,25 +90,21 @@ class IssuedCommand:
     code: str = field(default="", repr=False)
     scope: tuple[str, ...] = ()
     is_client: bool = field(init=False)
-    is_wish: bool = field(init=False)
+    is_by_person: bool = field(init=False)
     is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
-    places: list[_Place] = field(init=False)
     effects: list[tuple[_Place, PlainValue]] = field(init=False)
     target: str = field(init=False)
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        """Work out what it is about: everybody on its way asks for that."""
         device, part = self.place = self.device.id, self.part.id
         self.is_client = is_client(self.issuer)
-        self.is_wish = self.is_client or _is_by_hand(self.trigger, self.issued_at)
+        self.is_by_person = self.is_client or _is_by_hand(self.trigger, self.issued_at)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
-        self.places, self.effects, self.moves = [], [], False
+        self.effects, self.moves = [], False
         for capability, value in self.settings.items():
-            place = device, part, capability
-            self.places.append(place)
-            self.effects.append((place, value))
+            self.effects.append(((device, part, capability), value))
             if capability in _MOTIONS and value != STOPPED:
                 self.moves = True
             if capability in POWERS:
@@ -108,18 +113,18 @@ class IssuedCommand:
 
     @property
     def label(self) -> str:
-        """The commanded device for people: its id, with the part where several parts take commands."""
+        """The commanded device for people: its id, with the part if several parts take commands."""
         parts = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
         return self.device.id if len(parts) < 2 else self.target
 
     @property
     def is_always_sent(self) -> bool:
-        """True if no report shows that it was done before: a stop, the latch of an unlocked door, a press."""
+        """True for a stop, the latch of an unlocked door, a press: no report shows that it is unnecessary."""
         return self.is_momentary or any(_is_always_sent(*one) for one in self.settings.items())
 
     @property
     def opens_further(self) -> bool:
-        """True if it opens what is open, but by its own position not all the way."""
+        """True if it opens a part that is open, but by its position not all the way."""
         if self.settings.get("movement") != "open":
             return False
         for one in self.device.states:
@@ -148,14 +153,11 @@ class IssuedCommand:
 
     @property
     def expected(self) -> dict[str, PlainValue]:
-        """The values that the part is to report, of those that it reports as lasting ones.
-
-        One that is told to open or to close, and does not report whether it is open, is to report the position.
-        """
-        told = set(map(_NAME, filter(_READABLE, self.part.part.capabilities)))
-        found = {name: value for name, value in self.settings.items() if name in told and name not in MOMENTARY}
+        """The lasting values that the part is to report; its position if it reports no movement."""
+        readable = set(map(_NAME, filter(_READABLE, self.part.part.capabilities)))
+        found = {name: value for name, value in self.settings.items() if name in readable and name not in MOMENTARY}
         movement = self.settings.get("movement")
-        if movement in END_POSITIONS and "position" in told and found.keys().isdisjoint({"movement", "position"}):
+        if movement in END_POSITIONS and "position" in readable and found.keys().isdisjoint({"movement", "position"}):
             found["position"] = END_POSITIONS[movement]
         return found
 
@@ -173,7 +175,7 @@ def _is_by_hand(trigger: Trigger, now: float) -> bool:
 
 
 def order_of(command: IssuedCommand) -> Order:
-    """Return what *command* wants of its part."""
+    """Return *command* as an order for the timeline."""
     settings, capabilities = command.settings, command.part.part.capabilities
     return Order(
         command.id,
@@ -192,9 +194,9 @@ def order_of(command: IssuedCommand) -> Order:
 
 
 def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
-    """Return *settings* with ``on_off`` false in place of a level or a speed of 0, where *part* takes that.
+    """Return *settings* with ``on_off`` false in place of a level or a speed of 0, if *part* has a switch.
 
-    Most lamps that are off report the brightness that they will have, so that they would never report a level of 0.
+    Most lamps that are off report their next brightness, and never a level of 0.
     """
     if settings.get("level") != 0.0 and settings.get("fan_speed") != 0.0:
         return settings  # as nearly always
@@ -202,3 +204,70 @@ def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, 
         return settings
     others = {name: value for name, value in settings.items() if name not in _LEVELS or value != 0.0}
     return {**others, "on_off": False}  # at last, as to set a colour turns most lamps on
+
+
+def commanded_part(device: Device, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:
+    """Return the part with the id *part_id*; without one, the only part that takes all *settings*.
+
+    A part that is a setting is returned only if no other takes the same. None if there is no such part, or several.
+    """
+    part = device.part(part_id)
+    if part is not None or part_id:
+        return part
+    wanted = {one.capability for one in settings}
+    able = [one for one in device.parts if wanted <= {can.name for can in one.part.capabilities if can.settable}]
+    found = [one for one in able if not one.part.category] or able
+    return found[0] if len(found) == 1 else None
+
+
+def no_part_result(device_id: str, part_id: str, device: Device | None, command_id: str = "") -> CommandResult:
+    """Return the result of a command to a *device* that is None or has no such part."""
+    if device is None:
+        text = f"there is no device with the id {device_id}"
+    else:
+        known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
+        text = f"{device_id} has no part {part_id or 'without an id'}; it has {known}"
+    return result_of(Gone(command_id=command_id)).model_copy(update={"text": text})
+
+
+class KnownState(NamedTuple):
+    """Certain values of a part.
+
+    Attributes:
+        values: The values by capability.
+        is_recent: Whether all of them were reported live within a minute, and since the connection was lost.
+    """
+
+    values: dict[str, PlainValue]
+    is_recent: bool
+
+
+def known_state(
+    command: IssuedCommand, asked: Collection[str], unsure_since: Mapping[str, float], lost_at: float = -inf
+) -> KnownState:
+    """Return the certain values of the commanded part, of the capabilities *asked*.
+
+    A retained value is certain of a device that is online, by its last will: many report only changes. After a failed
+    command older values are not certain, and newer ones are not recent.
+
+    Args:
+        command: The command.
+        asked: Capabilities.
+        unsure_since: When a command for each capability failed, in seconds since the Unix epoch.
+        lost_at: When the connection was last lost, in seconds since the Unix epoch.
+    """
+    is_online = command.device.reachable.state == "yes"
+    if not (is_online or command.device.freshness == "fresh"):
+        return KnownState({}, is_recent=False)
+    values: dict[str, PlainValue] = {}
+    is_recent = True
+    for state in command.device.states:
+        capability = state.capability
+        if capability not in asked or state.part != command.part.id or not (state.live or is_online):
+            continue
+        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability)
+        is_sure = state.live and unsure_at is None and told_at > lost_at
+        is_recent = is_recent and is_sure and abs(command.issued_at - told_at) <= durations.FRESH
+        if unsure_at is None or told_at > unsure_at:
+            values[capability] = state.value.plain()
+    return KnownState(values, is_recent)

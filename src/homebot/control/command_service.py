@@ -8,6 +8,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.control.command_targets import CommandTargets, NoTargetError, SpokenSettings, part_name, settings_by_part
+from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
@@ -19,7 +20,6 @@ from homebot.devices.command_messages import (
 )
 from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.outcomes import Refused, worst
-from homebot.devices.query.terms import FactIs
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
@@ -38,13 +38,15 @@ class CommandService:
     """Finds the devices that a command in words is for, and commands all of them at once.
 
     Args:
-        node: The node whose clients ask the directory.
+        node: The node of the client that queries the directory.
+        lookup: Looks the devices up.
         perform: Carries out each command.
     """
 
-    def __init__(self, node: Node, perform: Perform) -> None:
+    def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform) -> None:
         self._perform = perform
-        self._targets = CommandTargets(node)
+        self._lookup = lookup
+        self._targets = CommandTargets(node, lookup)
 
     async def serve(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out *request*; never raises."""
@@ -98,7 +100,7 @@ class CommandService:
     async def _why_away(self, device: Device) -> str:
         """Return why *device* is known to be away now, whatever was known when it was commanded; empty if it is not."""
         try:
-            found = await self._targets.devices(FactIs("id", device.id.casefold()))
+            newest = await self._lookup.device(device.id)
         except ServiceError:
-            found = (device,)
-        return next((one.reachable.why for one in found if one.id == device.id and one.reachable.state == "no"), "")
+            newest = device
+        return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""

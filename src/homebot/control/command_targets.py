@@ -7,14 +7,15 @@ from collections.abc import Collection, Iterable
 from itertools import chain
 from typing import Final, TypeAlias, final
 
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.spoken_settings import spoken_settings
-from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device, DevicePart, FindDevices, QueryDevices
+from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.terms import FactIs
-from homebot.devices.services import FindDevicesRequest, QueryDevicesRequest
+from homebot.devices.services import QueryDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.graph import Node
@@ -40,11 +41,12 @@ class CommandTargets:
     """Search for the devices and parts that a command in words is for.
 
     Args:
-        node: The node whose clients ask the directory.
+        node: The node of the client that queries the directory.
+        lookup: Looks the devices up.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
+    def __init__(self, node: Node, lookup: DeviceLookup) -> None:
+        self._lookup = lookup
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def find(self, request: CommandDevicesRequest) -> list[_Target]:
@@ -177,7 +179,7 @@ class CommandTargets:
         Raises:
             ServiceError: The directory does not answer.
         """
-        return (await self._find.call(FindDevicesRequest(query=query_terms(query)))).devices
+        return await self._lookup.devices(query)
 
 
 _APPLIANCES = frozenset(

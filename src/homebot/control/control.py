@@ -1,8 +1,6 @@
-"""The node of the control layer: takes the commands of applications and of other programs.
+"""The node of the control layer: the services for commands, leases, the journal and its explanations."""
 
-What carries them out is loaded with the first one, in a home that keeps no journal yet: most tests and first starts do
-without.
-"""
+# ruff: noqa: PLW0108 - the lambdas build the layer with the first request
 
 from __future__ import annotations
 
@@ -15,92 +13,53 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.control.journal.house_changes import HouseChanges
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.house_watch import HouseWatch
-from homebot.control.reports import GatewayFeed
+from homebot.devices import names
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import (
-    ACCESS_REFUSALS,
-    CLIENTS_LEFT,
-    COMMAND_DEVICES,
-    END_LEASES,
-    GET_LEASES,
-    GET_UNAPPROVED,
-    HOLD_PART,
-    PERFORM_COMMAND,
-    READ_JOURNAL,
-    RELEASE_LEASE,
-    RENEW_LEASE,
-    SEND_TEXT,
-    TRUST_DEVICE,
-)
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
-    from homebot.control.approvals import Approvals
     from homebot.control.command_service import CommandService
-    from homebot.control.executor import CommandExecutor
-    from homebot.control.journal import CommandJournal
-    from homebot.control.journal.denied_requests import DeniedRequests
+    from homebot.control.control_layer import ControlLayer
     from homebot.control.journal.store import JournalStore
-    from homebot.control.judge import Judge
-    from homebot.control.learnt_persistence import LearntPersistence
-    from homebot.control.lease_keeper import LeaseKeeper
     from homebot.control.rehearsal import Rehearsal
     from homebot.control.settings import ControlSettings
-    from homebot.control.text_commands import TextCommands
     from homebot.control.timeline.cause import Attribution
-    from homebot.control.timelines import Timelines
     from homebot.devices.access_messages import AccessRefused, ClientLeft
-    from homebot.devices.approval_messages import (
-        TrustDeviceRequest,
-        TrustDeviceResponse,
-        UnapprovedRequest,
-        UnapprovedResponse,
-    )
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
         CommandRequest,
         CommandResult,
-        SendTextRequest,
-        SendTextResponse,
     )
     from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
-    from homebot.devices.lease_messages import (
-        EndLeasesRequest,
-        GetLeasesRequest,
-        HolderRequest,
-        HoldRequest,
-        LeaseResponse,
-        LeasesResponse,
-    )
     from homebot.devices.misspelt_names import ConfiguredNames
 
 __all__ = ["Control"]
 
-_DAY: Final = 86_400.0
-_MEGABYTE: Final = 1_000_000
 _REFUSALS: Final = 1000
-
-MOST_IN_MEMORY: Final = 10_000
-"""Entries of the journal where there is no file."""
+_WITNESSES: Final = "control.witnesses"
+_DOORS: Final = "control.presence_guard.doors"
 
 
 @final
 class Control:
     """The one way of commands from applications to devices.
 
+    Most homes start without a command, so that its parts are built when the first is needed.
+
     Args:
-        node: The node that it is on the graph.
-        settings: How long it waits, and the policies.
+        node: The node of the layer.
+        settings: The table ``[control]``.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
-        trusts_apps: Whether nodes without a scope may command what always asks, as in a simulated house.
+        trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.
         approves_all: Whether no device needs an approval, whatever the settings say, as there.
-        journal_file: Where the journal, and what commands teach, is kept over a restart; None for nowhere.
-        store: Keeps them in place of a file.
-        rehearsal: Answers commands in place of the devices; None where they are sent.
+        journal_file: The file of the journal and of the device profiles; None to keep neither over a restart.
+        store: Their store, in place of a file.
+        rehearsal: Answers commands in place of the devices; None if they are sent.
         detected: Motion sensors that detected somebody before; see :meth:`detected`.
     """
 
@@ -119,76 +78,85 @@ class Control:
     ) -> None:
         self._node = node
         self._given_settings = settings
-        self._approves_all = approves_all
-        self._journal_file = journal_file
-        self._given_store = store
-        self._changes = HouseChanges()
-        self._rehearsal = rehearsal
-        self._detected = detected
-        is_dry_run = rehearsal is not None and rehearsal.is_live
-        self._feed = GatewayFeed(node)
-        self._house_watch = HouseWatch(
-            node, self._changes, lambda: self._journal, self._cause_of_change, is_dry_run=is_dry_run
-        )
-        self._feed.on_gateway = self._house_watch.follow_gateway
         self._grants = grants
         self._trusts_apps = trusts_apps
+        self._approves_all = approves_all
+        self._journal_file = journal_file
+        self._store = store
+        self._rehearsal = rehearsal
+        self._detected = detected
+        self._lookup = DeviceLookup(node)
+        self._feed = GatewayFeed(node)
+        is_dry_run = rehearsal is not None and rehearsal.is_live
+        self._house_watch = HouseWatch(
+            node, self._lookup, lambda: self._layer.journal, self._cause_of_change, is_dry_run=is_dry_run
+        )
+        self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun = anyio.Event()
-        self._has_timelines = False
-        self._noted = anyio.Event()
         if settings is not None and settings.needs_house:
-            _ = self._judge  # it follows the house from the start
+            _ = self._layer  # it follows the house from the start
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Work until cancelled."""
+        """Serve until cancelled."""
         self.register()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._run_journal)
             self._house_watch.follow_settings()
             tasks.start_soon(self._feed.run)
             if self._names is not None:
                 tasks.start_soon(self._names.run)
             task_status.started()
-            if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
-                _ = self._executor  # what was learnt is read before the first command
-            await self._begun.wait()
-            tasks.start_soon(self._executor.run)
-            await self._leasing.run()
+            try:
+                if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
+                    tasks.start_soon(self._layer.learnt.load)  # before the first command
+                await self._begun.wait()
+                await self._layer.run()
+            finally:
+                if self._begun.is_set():
+                    await self._layer.journal.close()
 
     def register(self) -> None:
-        """Offer the services; what they begin is carried out while it serves."""
-        from homebot.devices import lease_messages as leases  # noqa: PLC0415 - likewise
+        """Create the services and subscriptions."""
+        from homebot.devices import lease_messages as leases  # noqa: PLC0415 - loaded after the node has started
         from homebot.devices.access_messages import AccessRefused, ClientLeft  # noqa: PLC0415 - likewise
-        from homebot.devices.approval_messages import GetUnapproved, TrustDevice  # noqa: PLC0415 - see above
-        from homebot.devices.command_messages import (  # noqa: PLC0415 - see above
-            CommandDevices,
-            PerformCommand,
-            SendText,
+        from homebot.devices.approval_messages import GetUnapproved, TrustDevice  # noqa: PLC0415 - likewise
+        from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText  # noqa: PLC0415 - likewise
+        from homebot.devices.journal_messages import (  # noqa: PLC0415 - likewise
+            ExplainDevice,
+            ExplainMissingState,
+            ReadJournal,
         )
-        from homebot.devices.journal_messages import ReadJournal  # noqa: PLC0415 - likewise
 
-        self._node.create_service(PerformCommand, PERFORM_COMMAND, self.perform, concurrent=True)
-        self._node.create_service(SendText, SEND_TEXT, self.send_text, concurrent=True)
-        self._node.create_service(CommandDevices, COMMAND_DEVICES, self.command_devices, concurrent=True)
-        self._node.create_service(leases.HoldPart, HOLD_PART, self.hold, concurrent=True)
-        self._node.create_service(leases.RenewLease, RENEW_LEASE, self.renew)
-        self._node.create_service(leases.ReleaseLease, RELEASE_LEASE, self.release)
-        self._node.create_service(leases.GetLeases, GET_LEASES, self.held_parts)
-        self._node.create_service(leases.EndLeases, END_LEASES, self.end_leases)
-        self._node.create_service(GetUnapproved, GET_UNAPPROVED, self.unapproved)
-        self._node.create_service(TrustDevice, TRUST_DEVICE, self.trust)
-        self._node.create_service(GetHealth, "~/health", self.health)
-        self._node.create_service(ReadJournal, READ_JOURNAL, self.read_journal, concurrent=True)
-        self._node.create_subscription(AccessRefused, ACCESS_REFUSALS, self._take_refusal, QoSProfile(depth=_REFUSALS))
-        self._node.create_subscription(ClientLeft, CLIENTS_LEFT, self._on_client_left, QoSProfile(depth=_REFUSALS))
+        create, qos = self._node.create_service, QoSProfile(depth=_REFUSALS)
+        create(PerformCommand, names.PERFORM_COMMAND, self.perform, concurrent=True)
+        create(SendText, names.SEND_TEXT, lambda request: self._layer.texts.send(request), concurrent=True)
+        create(CommandDevices, names.COMMAND_DEVICES, self.command_devices, concurrent=True)
+        create(leases.HoldPart, names.HOLD_PART, lambda request: self._layer.leases.hold(request), concurrent=True)
+        create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
+        create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
+        create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
+        create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
+        create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.approvals.unapproved(request))
+        create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))
+        create(GetHealth, "~/health", self.health)
+        create(ReadJournal, names.READ_JOURNAL, self.read_journal, concurrent=True)
+        create(
+            ExplainDevice,
+            names.EXPLAIN_DEVICE,
+            lambda request: self._layer.explanations.explain(request),
+            concurrent=True,
+        )
+        create(
+            ExplainMissingState,
+            names.EXPLAIN_MISSING_STATE,
+            lambda request: self._layer.explanations.explain_missing(request),
+            concurrent=True,
+        )
+        self._node.create_subscription(AccessRefused, names.ACCESS_REFUSALS, self._on_refusal, qos)
+        self._node.create_subscription(ClientLeft, names.CLIENTS_LEFT, self._on_client_left, qos)
 
     def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
-        """Carry out a command to one part, and return what became of it."""
-        return self._executor.perform(request)
-
-    def send_text(self, request: SendTextRequest) -> Awaitable[SendTextResponse]:
-        """Send a raw text to a device; return when its gateway has queued it."""
-        return self._texts.send(request)
+        """Carry out a command to one part, and return its result."""
+        return self._layer.executor.perform(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out a command in words, to one device or to all that fit a query."""
@@ -196,188 +164,79 @@ class Control:
 
     async def detected(self) -> tuple[str, ...]:
         """Return the motion sensors that have ever detected somebody: the presence guard believes only them."""
-        return await self._judge.detected() if self._settings.needs_house else ()
-
-    async def hold(self, request: HoldRequest) -> LeaseResponse:
-        """Command a value of a part and hold it for somebody."""
-        return await self._leasing.hold(request)
-
-    def renew(self, request: HolderRequest) -> LeaseResponse:
-        """Let a holder hold on."""
-        return self._leasing.renew(request)
-
-    def release(self, request: HolderRequest) -> LeaseResponse:
-        """Let a holder hold no more."""
-        return self._leasing.release(request)
-
-    def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
-        """Return the parts that are held."""
-        return self._leasing.held_parts(request)
-
-    def end_leases(self, request: EndLeasesRequest) -> LeasesResponse:
-        """Let nobody hold a device any more."""
-        return self._leasing.end(request)
-
-    async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
-        """Return the devices that wait for the owner's approval."""
-        return await self._approvals.unapproved(request)
-
-    def trust(self, request: TrustDeviceRequest) -> TrustDeviceResponse:
-        """Forget that a witness contradicted a device."""
-        from homebot.devices.approval_messages import TrustDeviceResponse  # noqa: PLC0415 - see above
-
-        return TrustDeviceResponse(witnesses=self._executor.witnesses.trust(request.device))
+        settings = self._given_settings
+        return await self._layer.policies.detected() if settings is not None and settings.needs_house else ()
 
     async def health(self, _: HealthRequest) -> HealthResponse:
-        """Return the health of the journal, with notes on what waits for the owner."""
-        notes = await self._approvals.notes()
-        if self._begun.is_set():
-            notes += self._executor.witnesses.notes()
-        if self._settings.presence_guard is not None:
-            notes += self._judge.notes()
-        health = self._journal.health().model_copy(update={"notes": notes})
+        """Return the health of the journal, with notes for the owner, and names in the settings that fit nothing."""
+        health = await self._layer.health()
         problems = () if self._names is None else await self._names.problems()
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
 
     async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return entries of the journal."""
-        return await self._journal.read(request)
+        return await self._layer.journal.read(request)
 
-    async def _take_refusal(self, refused: AccessRefused) -> None:
-        await self._denied.take(refused)
+    async def _on_refusal(self, refused: AccessRefused) -> None:
+        await self._layer.denied.record(refused)
 
     def _on_client_left(self, left: ClientLeft) -> None:
         if self._begun.is_set():
-            self._leasing.on_client_left(left.issuer)
-
-    async def _run_journal(self) -> None:
-        await self._noted.wait()
-        await self._journal.run()
-
-    @cached_property
-    def _settings(self) -> ControlSettings:
-        from homebot.control.settings import ControlSettings  # noqa: PLC0415 - few homes have any
-
-        settings = self._given_settings or ControlSettings()
-        return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
-
-    @cached_property
-    def _names(self) -> ConfiguredNames | None:
-        """The rooms and devices that the settings name; None where they name none."""
-        settings = self._given_settings
-        if settings is None or not settings.names_devices:
-            return None
-        from homebot.control.named_devices import named_devices  # noqa: PLC0415 - few homes name any
-
-        return named_devices(self._node, settings)
-
-    @cached_property
-    def _journal(self) -> CommandJournal:
-        from homebot.control.journal.journal import CommandJournal  # noqa: PLC0415 - see above
-
-        self._noted.set()
-        return CommandJournal(self._node, self._store, self._changes, self._settings.settle)
-
-    @cached_property
-    def _denied(self) -> DeniedRequests:
-        from homebot.control.journal.denied_requests import DeniedRequests  # noqa: PLC0415 - for doors that refuse
-
-        return DeniedRequests(self._node, self._journal, self._house_watch.addresses)
-
-    @cached_property
-    def _judge(self) -> Judge:
-        from homebot.control.judge import Judge  # noqa: PLC0415 - see above
-
-        return Judge(
-            self._node,
-            self._settings,
-            self._grants,
-            self._journal,
-            self._timelines,
-            trusts_apps=self._trusts_apps,
-            detected=self._detected,
-        )
-
-    @cached_property
-    def _learnt(self) -> LearntPersistence:
-        from homebot.control.learnt_persistence import LearntPersistence  # noqa: PLC0415 - see above
-
-        return LearntPersistence(self._node, self._journal.store)
-
-    @cached_property
-    def _timelines(self) -> Timelines:
-        from homebot.control.profiles import PROFILE, Profiles  # noqa: PLC0415 - see above
-        from homebot.control.timelines import Timelines  # noqa: PLC0415 - see above
-
-        profiles = Profiles(self._learnt.keeper(PROFILE))
-        self._learnt.add(PROFILE, profiles)
-        self._has_timelines = True
-        return Timelines(self._node, self._feed, profiles, self._settings.timeout, self._settings.settle)
+            self._layer.leases.on_client_left(left.issuer)
 
     def _cause_of_change(self, change: ChangedSetting) -> Attribution | None:
         """Return the cause of a change; None if no command was ever given to the part."""
-        if not self._has_timelines:
+        if not self._begun.is_set():
             return None
         stamp = change.told_at.to_seconds()
-        return self._timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
+        return self._layer.timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
 
     @cached_property
-    def _approvals(self) -> Approvals:
-        from homebot.control.approvals import Approvals  # noqa: PLC0415 - for people who ask
-
-        return Approvals(self._node, is_needed=self._settings.approvals)
-
-    @property
-    def _store(self) -> JournalStore:
-        if self._given_store is not None:
-            return self._given_store
-        from homebot.control.journal.memory_store import MemoryStore  # noqa: PLC0415 - likewise
-
-        longest = self._settings.journal_days * _DAY
-        in_memory = MemoryStore(MOST_IN_MEMORY, longest)
-        if self._journal_file is None:
-            return in_memory
-        from homebot.control.journal.file_store import FileStore  # noqa: PLC0415 - for homes that are remembered
-
-        return FileStore(
-            self._node, self._journal_file, longest, self._settings.journal_megabytes * _MEGABYTE, in_memory
-        )
+    def _names(self) -> ConfiguredNames | None:
+        """The rooms and devices that the settings name; None if they name none."""
+        settings = self._given_settings
+        return None if settings is None or not settings.names_devices else _configured_names(self._node, settings)
 
     @cached_property
-    def _executor(self) -> CommandExecutor:
-        from homebot.control.executor import CommandExecutor  # noqa: PLC0415 - see above
-        from homebot.control.leases import Leases  # noqa: PLC0415 - likewise
+    def _layer(self) -> ControlLayer:
+        from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
+        from homebot.control.settings import ControlSettings  # noqa: PLC0415 - likewise
 
-        leases = Leases(self._settings.hand_time)
-        self._journal.add_counter("leases_refused", lambda: leases.refused)
-        executor = CommandExecutor(
+        settings = self._given_settings or ControlSettings()
+        layer = ControlLayer(
             self._node,
-            self._settings,
-            self._judge,
-            self._journal,
-            leases,
-            self._timelines,
             self._feed,
-            self._learnt,
-            self._rehearsal,
+            self._lookup,
+            self._house_watch,
+            settings.model_copy(update={"approvals": False}) if self._approves_all else settings,
+            self._grants,
+            trusts_apps=self._trusts_apps,
+            detected=self._detected,
+            journal_file=self._journal_file,
+            store=self._store,
+            rehearsal=self._rehearsal,
         )
         self._begun.set()
-        return executor
-
-    @cached_property
-    def _texts(self) -> TextCommands:
-        from homebot.control.text_commands import TextCommands  # noqa: PLC0415 - few apps send texts
-
-        return TextCommands(self._node, self._executor, self._judge, self._journal)
+        return layer
 
     @cached_property
     def _words(self) -> CommandService:
         from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
 
-        return CommandService(self._node, self.perform)
+        return CommandService(self._node, self._lookup, self.perform)
 
-    @cached_property
-    def _leasing(self) -> LeaseKeeper:
-        from homebot.control.lease_keeper import LeaseKeeper  # noqa: PLC0415 - likewise
 
-        return LeaseKeeper(self._node, self._executor, self._journal)
+def _configured_names(node: Node, settings: ControlSettings) -> ConfiguredNames:
+    """Return the check of the sensors, contacts, rooms and queries in *settings*."""
+    from homebot.devices.misspelt_names import ConfiguredNames  # noqa: PLC0415 - few homes have any
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - likewise
+
+    doors = settings.presence_guard.doors if settings.presence_guard is not None else {}
+    contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
+    sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in settings.witnesses.items() if sensor.strip()]
+    return ConfiguredNames(
+        node,
+        rooms=[(_DOORS, room) for room in doors],
+        devices=[*contacts, *sensors],
+        queries=[(_WITNESSES, query, parse_query(query)) for query in settings.witnesses],
+    )

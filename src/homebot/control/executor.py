@@ -1,39 +1,54 @@
-"""Execution of commands: found, allowed, sent, and their outcome known."""
+"""The road of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
 
 from __future__ import annotations
 
 import asyncio
-from functools import lru_cache
-from typing import Final, final
+from collections.abc import Mapping
+from typing import Final, TypeAlias, final
 
 from homebot.control import durations
-from homebot.control.client_commands import POLICY
-from homebot.control.command import IssuedCommand, order_of, zero_as_off
-from homebot.control.commanded_part import commanded_part, no_part_result
-from homebot.control.held_values import changes, related
+from homebot.control.command import (
+    IssuedCommand,
+    KnownState,
+    commanded_part,
+    known_state,
+    no_part_result,
+    order_of,
+    zero_as_off,
+)
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
-from homebot.control.judge import Judge
-from homebot.control.known_state import KnownState, known_state
-from homebot.control.learnt_persistence import LearntPersistence
+from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
+from homebot.control.policies.rights import CLIENT_RIGHTS
+from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
-from homebot.control.reports import GatewayFeed
 from homebot.control.sending import OpenCommand, Sending, Signal
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.facts import Commanded, Decided, Order, Reported
-from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
+from homebot.control.timeline.facts import Commanded, Decided, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.roles import ReportRole
 from homebot.control.timelines import Timelines
-from homebot.control.undoings import Undoings
-from homebot.control.value_text import value_text
+from homebot.control.values import changes, related, value_text
 from homebot.control.witnesses import Witnesses
-from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices import Device, DevicePart
+from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import result_of
-from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, Gone, NoAnswer, Outcome, Refused
-from homebot.devices.services import FindDevicesRequest
+from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.outcomes import (
+    AlreadySo,
+    Confirmed,
+    Contradicted,
+    Evidence,
+    Gone,
+    NoAnswer,
+    Outcome,
+    Refused,
+    Reverted,
+)
+from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
@@ -41,14 +56,17 @@ from homebot.support.time_limits import TimeLimits
 __all__ = ["CommandExecutor"]
 
 WOULD_SEND = "control.would_send"
+REVERTED = "control.reverted"
 
 MOST_PENDING: Final = 10_000
-"""Commands whose outcome is awaited at once; further ones are refused."""
+"""Commands without an outcome at once; further ones are refused."""
 
-_MOST_NOTED: Final = 20
-"""Reports of one capability that the journal notes for one command."""
+_MOST_RECORDED: Final = 20
+"""Reports of one command in the journal."""
 
 _ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
+
+_Place: TypeAlias = tuple[str, str]
 
 
 @final
@@ -56,14 +74,15 @@ class CommandExecutor:
     """Carries commands out, any number at once.
 
     Args:
-        node: The node that it is on the graph.
-        settings: How long it waits.
-        judge: Asks the policies.
-        journal: Notes what becomes of each.
-        leases: The values that are held.
-        timelines: What is known of each part.
+        node: The node of the layer.
+        settings: The time limits, the number of repetitions, and the witnesses.
+        lookup: Looks the devices up.
+        policies: Checks each command.
+        journal: Records each step.
+        leases: The held values.
+        timelines: The facts of each part.
         feed: The messages of the gateways.
-        learnt: Reads and saves what commands teach.
+        learnt: The profiles of the devices.
         rehearsal: Answers commands in place of the devices; None if they are sent.
 
     Attributes:
@@ -77,7 +96,8 @@ class CommandExecutor:
         self,
         node: Node,
         settings: ControlSettings,
-        judge: Judge,
+        lookup: DeviceLookup,
+        policies: PolicyEngine,
         journal: CommandJournal,
         leases: Leases,
         timelines: Timelines,
@@ -87,40 +107,38 @@ class CommandExecutor:
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._judge = judge
+        self._lookup = lookup
+        self._policies = policies
         self._journal = journal
         self.leases = leases
         self.rehearsal = rehearsal
         self.timelines = timelines
         self._feed = feed
         self._learnt = learnt
-        self._sending = Sending(node, settings, judge, journal, leases, feed)
+        self._sending = Sending(node, settings, policies, journal, leases, feed)
+        self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
+        self._publishes_undoings = settings.settle > 0
         self._limits = TimeLimits()
         self._open: dict[str, OpenCommand] = {}
-        timelines.on_report, timelines.on_end = self._on_report, self._on_end
-        timelines.on_undone = Undoings(node, journal, is_watched=settings.settle > 0).publish
+        timelines.on_report, timelines.on_end, timelines.on_undone = self._on_report, self._on_end, self._on_undone
         feed.on_answer = self._on_answer
-        self.witnesses = Witnesses(node, settings, feed)
+        self.witnesses = Witnesses(node, settings, feed, lookup)
         for name, read in self.witnesses.counters.items():
             journal.add_counter(name, read)
 
-    async def run(self) -> None:
-        """Read what was learnt."""
-        await self._learnt.load()
-
     async def perform(self, request: CommandRequest) -> CommandResult:
         """Carry a command out, and return its result."""
-        asked_at, device, unanswered = self._clock.now(), None, ""
+        asked_at, device, problem = self._clock.now(), None, ""
         try:
-            device = await self.find_device(request.device)
+            device = await self._lookup.device(request.device)
         except ServiceError as exc:
-            unanswered = str(exc)
+            problem = str(exc)
         part = None if device is None else commanded_part(device, request.part, request.settings)
         place = (request.device, request.part if part is None else part.id)
-        name = self._journal.requested(request.issuer, place, _shown(request, device, part), request.trigger, asked_at)
-        if unanswered:
-            result = result_of(NoAnswer(0.0, unanswered, command_id=name))
+        shown = _without_codes(request, device, part)
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at)
+        if problem:
+            result = result_of(NoAnswer(0.0, problem, command_id=name))
         elif device is None or part is None:
             result = no_part_result(request.device, request.part, device, name)
         else:
@@ -128,43 +146,35 @@ class CommandExecutor:
         self._journal.decided(name, request.issuer, place, result)
         return result
 
-    async def find_device(self, device_id: str) -> Device | None:
-        """Return a device by its id; None if there is none.
-
-        Raises:
-            ServiceError: The directory does not answer.
-        """
-        found = (await self._find.call(_request_for(device_id))).devices
-        return found[0] if found else None
-
-    def refusal(self, command: IssuedCommand) -> Refused | None:
-        """Return the refusal of *command* by a lease or a policy; None if it may be sent now."""
-        is_leased = command.place in self.leases.parts  # as hardly ever
-        held = self.leases.refuse(command, self._clock.monotonic()) if is_leased else None
-        return held or self._judge.refusal(command)
-
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
-        """Return the refusal that *request* would get now for want of a right or by a policy; nothing is noted."""
+        """Return the refusal of *request* by rights or policies at this moment; nothing is recorded."""
         command = self._issued("", request, device, part)
-        if command.is_client and (problem := self._judge.client_refusal(command)):
-            return Refused(POLICY, problem)
-        return self._judge.refusal(command, is_noted=False)
+        if command.is_client and (problem := self._policies.client_refusal(command)):
+            return Refused(CLIENT_RIGHTS, problem)
+        return self._policies.check(command, is_recorded=False)
 
-    def note_text(self, command: IssuedCommand) -> None:
+    def check(self, command: IssuedCommand) -> Refused | None:
+        """Return the refusal of *command* by rights, leases or policies; None if it may be sent now."""
+        if command.is_client and (problem := self._policies.client_refusal(command)):
+            return Refused(CLIENT_RIGHTS, problem, command_id=command.id)
+        is_leased = command.place in self.leases.parts
+        held = self.leases.refuse(command, self._clock.monotonic()) if is_leased else None
+        return held or self._policies.check(command)
+
+    def record_text(self, command: IssuedCommand) -> None:
         """Record that *command* is sent as a text: no outcome is awaited, and older commands for the same are over."""
         now = self._clock.monotonic()
-        if command.place in self.leases.parts:
-            self.leases.note_stop(command.place, command.settings, now)
-        self._judge.note_sent(command)
+        self.leases.record_stop(command, now)
+        self._policies.record_sent(command)
         self.timelines.of(command.device, command.part).command(Commanded(now, order_of(command), is_raw=True))
 
-    def rehearsed(self, command: IssuedCommand) -> Outcome | None:
-        """Return the outcome that a rehearsal assumes of *command*, and note it; None if it is to be sent."""
+    def rehearse(self, command: IssuedCommand) -> Outcome | None:
+        """Record and return the outcome that a rehearsal assumes of *command*; None if it is to be sent."""
         outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
         if outcome is not None:
-            self.leases.note_stop(command.place, command.settings, self._clock.monotonic())
-            self._judge.note_sent(command)
-            self._journal.note("would", command)
+            self.leases.record_stop(command, self._clock.monotonic())
+            self._policies.record_sent(command)
+            self._journal.record("would", command)
             self._node.log.info(
                 WOULD_SEND,
                 message=f"{command.issuer.removeprefix('/')} would set {command.label}: {_settings_text(command)}",
@@ -180,7 +190,7 @@ class CommandExecutor:
             part,
             zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part),
             request.issuer,
-            self._judge.rights(request.issuer),
+            self._policies.rights(request.issuer),
             cause=request.cause,
             trigger=request.trigger,
             issued_at=self._clock.now(),
@@ -190,21 +200,20 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> CommandResult:
-        """Carry a command out: rights, leases, policies, sending, evidence."""
-        if (refused := self._refused(command)) is not None:
+        """Check a command, send it unless it is done already, and wait for its outcome."""
+        if len(self._open) >= MOST_PENDING:
+            reason = f"{MOST_PENDING:,} commands wait for their outcome"
+            return result_of(Refused("control", reason, command_id=command.id))
+        if (refused := self.check(command)) is not None:
             return result_of(refused)
         if self._learnt.is_awaited:
             await self._learnt.load()
-        timeline = self.timelines.of(command.device, command.part)
-        is_at_rest = not any(_is_about_same(one, command) for one in timeline.open_commands())
-        order = order_of(command)
-        known = self._known(command, order, timeline)
-        opened = self._begin(command, order, timeline, known)
+        opened, is_certain = self._begin(command)
         try:
-            if known.is_recent and is_at_rest and _is_so(opened):
+            if is_certain and _is_so(opened):
                 return self._decided(opened, AlreadySo(command_id=command.id))
-            if self.rehearsal is not None and (assumed := self.rehearsed(command)) is not None:
-                return await self._rehearse(opened, assumed)
+            if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
+                return await self._rehearsed(opened, assumed)
             outcome = await self._send_and_verify(opened)
             if _is_lost(outcome) and await self._is_gone(command):
                 outcome = Gone(command_id=command.id)
@@ -212,44 +221,46 @@ class CommandExecutor:
         finally:
             del self._open[command.id]
 
-    def _refused(self, command: IssuedCommand) -> Refused | None:
-        if command.is_client and (problem := self._judge.client_refusal(command)):
-            return Refused(POLICY, problem, command_id=command.id)
-        if len(self._open) >= MOST_PENDING:
-            return Refused("control", f"{MOST_PENDING:,} commands wait for their outcome", command_id=command.id)
-        return self.refusal(command)
-
-    def _known(self, command: IssuedCommand, order: Order, timeline: PartTimeline) -> KnownState:
-        """Return the certain values of the part: none while an older command or a witness contradicts them."""
-        is_doubted = any(_wants_otherwise(one, command) for one in timeline.open_commands())
-        if is_doubted or command.place in self.witnesses.contradicted:
-            return KnownState({}, is_recent=False)
-        lost_at = self._feed.last_loss(command.part.routes).wall
-        asked = {*order.settings, *order.wanted}
-        return known_state(command, asked, timeline.unsure_since, lost_at)
-
-    def _begin(self, command: IssuedCommand, order: Order, timeline: PartTimeline, known: KnownState) -> OpenCommand:
+    def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
+        """Append a command to its timeline; return it, and whether the present values of the part are certain."""
+        timeline = self.timelines.of(command.device, command.part)
+        older = [one.order.settings for one in timeline.open_commands()]
+        is_at_rest = all(one.keys().isdisjoint(command.settings) for one in older)
+        order = order_of(command)
+        known = KnownState({}, is_recent=False)
+        if command.place not in self.witnesses.contradicted and not any(_contradicts(one, command) for one in older):
+            lost_at = self._feed.last_loss(command.part.routes).wall
+            known = known_state(command, {*order.settings, *order.wanted}, timeline.unsure_since, lost_at)
         fact = Commanded(self._clock.monotonic(), order, known.values, command.last_reported)
         progress = timeline.command(fact)
         progress.must_answer = self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, Signal(self._limits))
-        return opened
+        return opened, known.is_recent and is_at_rest
 
-    async def _rehearse(self, opened: OpenCommand, assumed: Outcome) -> CommandResult:
+    async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> CommandResult:
         await asyncio.sleep(durations.REHEARSED)
         command = opened.command
+        opened.timeline.send(opened.progress, self._clock.monotonic())
         wanted = tuple(Setting.of(name, value) for name, value in opened.progress.wanted.items())
         self._decided(opened, AlreadySo(command_id=command.id))
         return rehearsed_result(assumed, without_codes(wanted, command.device, command.part))
 
     async def _send_and_verify(self, opened: OpenCommand) -> Outcome:
-        """Send a command and return its outcome, by what the device reports and by what sensors observe."""
+        """Send a command and return its outcome, by the reports of the device and of its witnesses."""
         witnesses = await self.witnesses.begin(opened)
         try:
             outcome = await self._sending.run(opened)
             return await self.witnesses.verify(opened, witnesses, outcome) if witnesses else outcome
         finally:
             self.witnesses.end(witnesses)
+
+    async def _is_gone(self, command: IssuedCommand) -> bool:
+        """Return whether the device or its part was removed while its answer was awaited."""
+        try:
+            device = await self._lookup.device(command.device.id)
+        except ServiceError:
+            return False
+        return device is None or device.part(command.part.id) is None
 
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> CommandResult:
         """Record the outcome of a command, learn from it, and return its result."""
@@ -266,26 +277,43 @@ class CommandExecutor:
         seen = progress.seen
         return result_of(outcome, tuple([Setting.of(one, seen[one]) for one in progress.fitting]))
 
-    async def _is_gone(self, command: IssuedCommand) -> bool:
-        """Return whether the device or its part was removed while its answer was awaited."""
-        try:
-            device = await self.find_device(command.device.id)
-        except ServiceError:
-            return False
-        return device is None or device.part(command.part.id) is None
-
-    def _on_report(self, progress: CommandProgress, fact: Reported) -> None:
-        """Note a report for an open command, and wake the task that waits for it."""
-        opened = self._open.get(progress.order.id)
-        if opened is None or not progress.is_open:
+    def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
+        """Record a report for a command, and wake the task that waits for it."""
+        opened = self._open.get(progress.order.id) if progress.is_open else None
+        if opened is None:
+            if _is_late_answer(progress, fact) and self._cause(place, fact).command == progress.order.id:
+                self._record_report(place, progress, fact, Cause.COMMAND.value)
             return
         capability, role = fact.capability, progress.roles[fact.number]
         if capability in progress.wanted:
             news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
-            if opened.noted.get(capability) != news and len(opened.noted) < _MOST_NOTED:
-                opened.noted[capability] = news
-                self._journal.reported(opened.command, capability, fact.value)
+            if opened.recorded.get(capability) != news and len(opened.recorded) < _MOST_RECORDED:
+                opened.recorded[capability] = news
+                cause = Cause.COMMAND if role is ReportRole.EFFECT else self._cause(place, fact).cause
+                unsure = Cause.UNKNOWN if cause is Cause.PERSON else cause  # it may be the device's own answer
+                is_change = fact.is_change or role is ReportRole.EFFECT
+                self._record_report(place, progress, fact, unsure.value if is_change else "")
         opened.changed.set()
+
+    def _record_report(self, place: _Place, progress: CommandProgress, fact: Reported, cause: str) -> None:
+        order = progress.order
+        self._journal.reported(place, order.id, order.issuer, (fact.capability, fact.value), cause)
+
+    def _cause(self, place: _Place, fact: Reported) -> Attribution:
+        timeline = self.timelines.get(place)
+        return Attribution(Cause.UNKNOWN) if timeline is None else timeline.cause_of(fact)
+
+    def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
+        """Record and publish the end of the confirmed value of a part."""
+        settling, order = progress.settling, progress.order
+        if settling is None or settling.undoing is None or not self._publishes_undoings:
+            return
+        is_usual = cause_of_undoing(progress, settling.undoing.capability) is Cause.DEVICE
+        outcome = Reverted(settling.undoing.after, "device" if is_usual else "unknown", command_id=order.id)
+        result, (device, part) = result_of(outcome), place
+        self._journal.reverted(place, order.id, order.issuer, result)
+        self._events.publish(CommandEvent(device=device, part=part, issuer=order.issuer, result=result))
+        self._node.log.warning(REVERTED, message=f"{order.label}: {outcome.text}", device=device, command=order.id)
 
     def _on_end(self, progress: CommandProgress) -> None:
         opened = self._open.get(progress.order.id)
@@ -304,30 +332,27 @@ def _is_so(opened: OpenCommand) -> bool:
     return progress.was_so and not progress.has_echo and not opened.command.is_always_sent
 
 
-def _is_about_same(older: CommandProgress, command: IssuedCommand) -> bool:
-    return not older.order.settings.keys().isdisjoint(command.settings)
-
-
-def _wants_otherwise(older: CommandProgress, command: IssuedCommand) -> bool:
-    """Return whether an older command would change what *command* sets."""
-    settings = older.order.settings
-    return any(one in settings and changes(one, settings[one], one, value) for one, value in command.settings.items())
+def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> bool:
+    """Return whether an older command would change a value that *command* sets."""
+    return any(one in older and changes(one, older[one], one, value) for one, value in command.settings.items())
 
 
 def _is_lost(outcome: Outcome) -> bool:
     return isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
 
 
-def _shown(request: CommandRequest, device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
-    """Return the settings as the journal may have them: without codes."""
+def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
+    """Return whether a report shows that the device obeyed a command that had failed; no raw text."""
+    outcome = progress.outcome
+    has_failed = isinstance(outcome, NoAnswer) or (isinstance(outcome, Contradicted) and not outcome.witness)
+    return has_failed and not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
+
+
+def _without_codes(request: CommandRequest, device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
+    """Return the settings without codes, for the journal."""
     if not any(one.capability in MAY_BE_CODE for one in request.settings):
         return request.settings
     return () if device is None or part is None else without_codes(request.settings, device, part)
-
-
-@lru_cache(maxsize=1024)
-def _request_for(device_id: str) -> FindDevicesRequest:
-    return FindDevicesRequest(ids=(device_id,), service_type="", query=())
 
 
 def _settings_text(command: IssuedCommand) -> str:

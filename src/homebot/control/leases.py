@@ -1,4 +1,4 @@
-"""Leases: the values of parts that somebody holds, and until when. Pure."""
+"""Leases: held values of parts, their holders, and their end. Pure."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.held_values import STOPPED, changes, departs
-from homebot.control.tolerance import fits
-from homebot.control.value_text import value_text
+from homebot.control.values import STOPPED, changes, departs, fits, value_text
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Refused
 from homebot.devices.value import PlainValue, Value
@@ -33,7 +31,7 @@ MOST_HOLDERS: Final = 1000
 """Holders in all; further ones are refused and counted."""
 
 MOST_OF_ISSUER: Final = 50
-"""Holders of one issuer, so that no program takes the places of the others; further ones are refused and counted."""
+"""Holders of one issuer; further ones are refused and counted, so that there is room for others."""
 
 _MOST_NAMED: Final = 3
 
@@ -45,13 +43,13 @@ _Part: TypeAlias = tuple[str, str]
 
 @dataclass(slots=True)
 class LeaseHolder:
-    """One who holds a lease.
+    """Holder of a lease.
 
     Attributes:
         by: Its name for people.
         ttl: Seconds that each renewal gives.
-        deadline: Seconds of the monotonic clock at which it holds no more.
-        scope: Its rights, where it is a client of the door.
+        deadline: The end, on the monotonic clock.
+        scope: Its rights, if it is a client of the door.
     """
 
     by: str
@@ -62,18 +60,18 @@ class LeaseHolder:
 
 @dataclass(slots=True, eq=False)
 class Lease:
-    """A value that somebody holds.
+    """A held value of a part.
 
     Attributes:
         part: The ids of the device and of the part.
-        capability: What is held.
-        value: At which value.
-        holders: Those who hold it, the first one first.
-        rounded: The value that the device makes of it, where that is another one; None where it is not known to.
-        is_so: Whether the device is known to be so.
-        again_at: Seconds of the monotonic clock at which the value is commanded again; endless where it need not be.
-        hand_until: Until when a hand, or a stop command, outranks the lease.
-        saw: What was reported when the hand came.
+        capability: The held capability.
+        value: Its held value.
+        holders: The holders, the first one first.
+        rounded: The value to which the device rounds; None if that is not known.
+        is_so: Whether the device is known to have the held value.
+        again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
+        hand_until: The time until which a hand, or a stop command, outranks the lease.
+        saw: The report of the hand.
     """
 
     part: _Part
@@ -88,41 +86,41 @@ class Lease:
 
     @property
     def setting(self) -> Setting:
-        """The capability that is held, and its value."""
+        """The held setting."""
         return Setting(capability=self.capability, value=Value.of(self.value))
 
     def text(self, now: float) -> str:
-        """Return what is held, by whom and for how long, for people."""
+        """Return the value, the holders and the time left, for people."""
         names = list(dict.fromkeys(one.by for one in self.holders.values()))
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
-        who = ", ".join(names[:_MOST_NAMED])
-        return f"held {held_text(self.value)} by {who}{more} for {math.ceil(left)} s more"
+        holders = ", ".join(names[:_MOST_NAMED])
+        return f"held {held_text(self.value)} by {holders}{more} for {math.ceil(left)} s more"
 
     def set_so(self) -> None:
-        """Note that the device is as it is held."""
+        """Record that the device has the held value."""
         self.is_so, self.again_at, self.hand_until, self.saw = True, math.inf, -math.inf, ""
 
     def outrank(self, saw: str, until: float) -> None:
-        """Note that a hand changed it: nothing is commanded before *until*."""
+        """Record that a hand changed it: nothing is commanded before *until*."""
         self.is_so, self.again_at, self.hand_until, self.saw = False, until, until, saw
 
     def hand_back(self) -> bool:
-        """Note that no hand outranks it any more; return whether one did."""
+        """Record that no hand outranks it any more; return whether one did."""
         was_outranked = self.hand_until > -math.inf
         self.hand_until, self.saw = -math.inf, ""
         return was_outranked
 
     def fits(self, value: PlainValue) -> bool:
-        """Return whether a report of *value* shows that the device is as it is held."""
+        """Return whether *value* is the held value."""
         return any(fits(self.capability, one, value) for one in self._held)
 
     def departs(self, value: PlainValue) -> bool:
-        """Return whether a report of *value* shows that the device is not as it is held."""
+        """Return whether *value* is neither the held value nor on the way to it."""
         return all(departs(self.capability, one, value) for one in self._held)
 
-    def note_answer(self, value: PlainValue) -> None:
-        """Note that the device reported *value* when it was as it is held."""
+    def record_answer(self, value: PlainValue) -> None:
+        """Record that the device reported *value* for the held value."""
         self.rounded = None if fits(self.capability, self.value, value) else value
 
     @property
@@ -138,9 +136,9 @@ class Leases:
         hand_time: Seconds for which a hand outranks a lease.
 
     Attributes:
-        refused: Holders that were refused because there were :data:`MOST_HOLDERS`, or :data:`MOST_OF_ISSUER`.
+        refused: The number of holders beyond :data:`MOST_HOLDERS` or :data:`MOST_OF_ISSUER`.
         parts: The leases of each part that has any, by capability; for reading.
-        on_outranked: Called with each lease that a hand or a stop command outranks from now on.
+        on_outranked: Called with each lease when a hand or a stop command outranks it.
     """
 
     on_outranked: Callable[[Lease], None]
@@ -159,7 +157,7 @@ class Leases:
     def hold(
         self, part: _Part, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
     ) -> Lease | str:
-        """Let *holder* hold a value from *now* on, after :meth:`expire`; return the lease, or why not."""
+        """Add *holder* at *now*, after :meth:`expire`; return the lease, or the reason of a refusal."""
         if key in self._ended:
             return f"its lease was ended by {self._ended[key][1]}"
         if problem := self.refusal(part, {capability: value}, now):
@@ -177,7 +175,7 @@ class Leases:
         return lease
 
     def renew(self, key: HolderKey, now: float) -> Lease | None:
-        """Let a holder hold on for its time; return its lease, or None where it has none any more."""
+        """Extend the lease of a holder; return it, or None if it is over."""
         lease = self._of.get(key)
         if lease is None or (holder := lease.holders[key]).deadline <= now:
             return None
@@ -185,7 +183,7 @@ class Leases:
         return lease
 
     def release(self, key: HolderKey) -> Lease | None:
-        """Let a holder hold no more; return the lease that it had."""
+        """Remove a holder; return the lease that it had."""
         lease = self._of.pop(key, None)
         if lease is None:
             return None
@@ -205,10 +203,9 @@ class Leases:
                 holder.deadline = min(holder.deadline, latest)
 
     def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
-        """Release all holders of *device*, as *by* wants; return them with their leases.
+        """Release all holders of *device* for *by*; return them with their leases.
 
-        A holder that lives would begin anew when it learns that its lease is over: under the same name it may not,
-        for as long as its lease lasted. The newest :data:`MOST_HOLDERS` are remembered.
+        A holder would request its lease again: under the same name that is refused for the time of its lease.
         """
         found = [
             (lease, key, holder) for lease in self if lease.part[0] == device for key, holder in lease.holders.items()
@@ -221,43 +218,43 @@ class Leases:
         return found
 
     def expire(self, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
-        """Release the holders whose time is over at *now*, and return them with their leases."""
+        """Release the holders with a deadline before *now*, and return them with their leases."""
         self._ended = {key: ended for key, ended in self._ended.items() if ended[0] > now}
         over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
         return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 
     def refusal(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> str:
-        """Return why a command is refused at *now*; empty where no lease forbids it."""
+        """Return why a command is refused at *now*; empty if no lease forbids it."""
         leases = self.parts.get(part)
         if leases is None:
             return ""
         for lease in leases.values():
             if all(one.deadline <= now for one in lease.holders.values()):
-                continue  # over, and not yet taken away
+                continue  # over, and not removed yet
             for capability, value in settings.items():
                 if value != STOPPED and changes(lease.capability, lease.value, capability, value):
                     return lease.text(now)
         return ""
 
     def refuse(self, command: IssuedCommand, now: float) -> Refused | None:
-        """Return the refusal of a command at *now*; None where no lease forbids it."""
+        """Return the refusal of a command at *now*; None if no lease forbids it."""
         reason = self.refusal(command.place, command.settings, now)
         return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
-    def note_stop(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> None:
-        """Let a stop command outrank the leases of its part, as a hand does."""
-        leases = self.parts.get(part)
-        if leases is not None and STOPPED in settings.values():
+    def record_stop(self, command: IssuedCommand, now: float) -> None:
+        """Record that a stop command outranks the leases of its part, as a hand does."""
+        leases = self.parts.get(command.place)
+        if leases is not None and STOPPED in command.settings.values():
             for lease in leases.values():
                 self.outrank(lease, "it was stopped", now)
 
     def outrank(self, lease: Lease, saw: str, now: float) -> None:
-        """Note that a hand changed what *lease* holds: nothing is commanded for a while."""
+        """Record that a hand changed the held value of *lease*: nothing is commanded for a while."""
         lease.outrank(saw, now + self.hand_time)
         self.on_outranked(lease)
 
     def next_time(self) -> float:
-        """Return when the next holder's time is over, or a value is to be commanded again; endless for never."""
+        """Return when the next lease ends, or a value is commanded again; inf for never."""
         return min(self._times(), default=math.inf)
 
     def _limit(self, issuer: str) -> str:

@@ -1,15 +1,16 @@
-"""Profiles of all devices, kept over a restart: one record for each part."""
+"""Profiles of all devices, saved over a restart: one record for each part."""
 
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from typing import Annotated, Final, TypeAlias, final
+from typing import Annotated, Final, Literal, TypeAlias, final
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from homebot.control.learnt_record import KeepLearnt, LearntRecord
+from homebot.control.learnt import SaveRecord
 from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile, Return
 from homebot.devices.value import PlainValue
+from homebot.errors import WireError
 
 __all__ = ["PROFILE", "Profiles"]
 
@@ -26,19 +27,18 @@ _Value: TypeAlias = bool | float | str | tuple[float, ...] | None
 _Answers: TypeAlias = Annotated[tuple[tuple[_Value, _Value], ...], Field(max_length=KEPT_ANSWERS)]
 
 
-class _SavedProfile(LearntRecord):
-    title = "profile of a device"
+class _SavedProfile(BaseModel):
+    """Record of a profile; fields of later versions are ignored."""
 
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    version: Literal[1] = 1
     target: str
     times: dict[str, _Times] = Field(default_factory=dict)
     returns: dict[str, _Returns] = Field(default_factory=dict)
     echoes: dict[str, _Echoes] = Field(default_factory=dict)
     answers: dict[str, _Answers] = Field(default_factory=dict)
     is_told_once: bool = False
-
-    @property
-    def kept_as(self) -> str:
-        return self.target
 
 
 @final
@@ -49,7 +49,7 @@ class Profiles:
         save: Saves the record of a part, over a restart.
     """
 
-    def __init__(self, save: KeepLearnt) -> None:
+    def __init__(self, save: SaveRecord) -> None:
         self._save = save
         self._known: OrderedDict[str, DeviceProfile] = OrderedDict()
 
@@ -83,14 +83,10 @@ class Profiles:
     def restore(self, name: str, record: str) -> None:
         """Restore a profile of an earlier run.
 
-        Args:
-            name: The part.
-            record: The record.
-
         Raises:
             WireError: It cannot be read, or is of another version.
         """
-        saved, profile = _SavedProfile.read(name, record), self.of(name)
+        saved, profile = _read(name, record), self.of(name)
         for capability, times in saved.times.items():
             profile.times.setdefault(capability, deque(times, maxlen=KEPT))
         for capability, returns in saved.returns.items():
@@ -101,3 +97,13 @@ class Profiles:
             known: OrderedDict[PlainValue, PlainValue] = OrderedDict(answers)
             profile.answers.setdefault(capability, known)
         profile.is_told_once = profile.is_told_once or saved.is_told_once
+
+
+def _read(name: str, record: str) -> _SavedProfile:
+    try:
+        saved = _SavedProfile.model_validate_json(record)
+    except ValidationError as exc:
+        raise WireError(f"it is no profile of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
+    if name != saved.target:
+        raise WireError("its name is that of another", record.encode())
+    return saved

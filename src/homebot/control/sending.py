@@ -1,4 +1,4 @@
-"""Sending of commands: sent, sent again if no answer comes, never obeyed twice unseen."""
+"""Sending of commands, and their repetition if no answer comes."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import final
 
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
+from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal import CommandJournal
-from homebot.control.judge import Judge
 from homebot.control.leases import Leases
-from homebot.control.reports import GatewayFeed
+from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
 from homebot.control.timeline.part_timeline import PartTimeline
@@ -62,16 +62,16 @@ class OpenCommand:
     Attributes:
         command: The command.
         timeline: The timeline of its part.
-        progress: What became of it so far.
+        progress: Its progress.
         changed: Wakes the task that waits for it.
-        noted: What the journal has of each capability, so that it does not get the same report again and again.
+        recorded: The last report of each capability in the journal, which does not get the same one again.
     """
 
     command: IssuedCommand
     timeline: PartTimeline
     progress: CommandProgress
     changed: Signal
-    noted: dict[str, object] = field(default_factory=dict)
+    recorded: dict[str, object] = field(default_factory=dict)
 
     def outcome(self, now: float) -> Outcome:
         """Return the outcome as it is at *now*."""
@@ -87,32 +87,32 @@ class Sending:
 
     Args:
         node: The node that sends them.
-        settings: How long it waits, and how often it sends.
-        judge: Is asked again before each repetition.
-        journal: Notes each sending.
-        leases: The values that are held.
-        feed: Knows the lost connections.
+        settings: The time limit and the number of repetitions.
+        policies: Checks each repetition.
+        journal: Records each sending.
+        leases: The held values.
+        feed: Knows lost connections.
     """
 
     def __init__(
         self,
         node: Node,
         settings: ControlSettings,
-        judge: Judge,
+        policies: PolicyEngine,
         journal: CommandJournal,
         leases: Leases,
         feed: GatewayFeed,
     ) -> None:
         self._settings = settings
         self._clock = node.graph.clock
-        self._judge = judge
+        self._policies = policies
         self._journal = journal
         self._leases = leases
         self._feed = feed
         self._sender = CommandSender(node)
 
     async def run(self, sent: OpenCommand) -> Outcome:
-        """Send a command, again if no answer comes, and return its outcome once it is known."""
+        """Send a command, and again if no answer comes; return its outcome."""
         plan, progress, clock = self._plan(sent), sent.progress, self._clock
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
@@ -140,14 +140,14 @@ class Sending:
         command, progress, clock = sent.command, sent.progress, self._clock
         number, plan.attempts = plan.attempts, plan.attempts + 1
         problem: Outcome | None = None
-        if number == 0 or self._judge.refusal(command) is None:  # by what changed meanwhile
+        if number == 0 or self._policies.check(command) is None:
             self._journal.sent(command, number)
             sent.timeline.send(progress, clock.monotonic())
             left = plan.began + plan.lasts - clock.monotonic() if number else plan.lasts
             kept_for = plan.keeps_for if plan.attempts < plan.tries else 0.0
             problem = await self._send(command, left, kept_for, repeated=number > 0)
             if problem is None or (progress.wanted and progress.is_met):
-                self._journal.note("acknowledged", command)
+                self._journal.record("acknowledged", command)
                 problem = None
         plan.asked_at = clock.monotonic()
         if plan.began == -math.inf:
@@ -155,14 +155,13 @@ class Sending:
         return problem if number == 0 else None
 
     async def _send(self, command: IssuedCommand, seconds: float, kept_for: float, *, repeated: bool) -> Outcome | None:
-        """Send the settings in their order, to be done in so many *seconds*; return the outcome if that fails."""
+        """Send the settings in their order within *seconds*; return the outcome if that fails."""
         began = self._clock.monotonic()
-        if command.place in self._leases.parts:  # as hardly ever
-            self._leases.note_stop(command.place, command.settings, began)
-        self._judge.note_sent(command)  # before it waits: a policy that is asked meanwhile must know of it
+        self._leases.record_stop(command, began)
+        self._policies.record_sent(command)  # before it waits: a check meanwhile needs it
         try:
             for capability, value in command.settings.items():
-                if command.place in self._leases.parts:  # since it was judged, or the setting before was sent
+                if command.place in self._leases.parts:  # since the check, or the setting before
                     refused = self._leases.refuse(command, self._clock.monotonic())
                     if refused is not None:
                         return refused
@@ -183,5 +182,5 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         if self._clock.monotonic() - began > durations.SENT_AT_ONCE:
-            self._judge.note_sent(command)  # it may not have reached the device before
+            self._policies.record_sent(command)  # it may not have reached the device before
         return None

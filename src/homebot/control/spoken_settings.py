@@ -8,7 +8,7 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Final
 
-from homebot.control.held_values import changes, related
+from homebot.control.values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part

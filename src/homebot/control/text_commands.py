@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final, final
 
-from homebot.control.client_commands import POLICY
 from homebot.control.command import IssuedCommand
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
-from homebot.control.judge import Judge
+from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
@@ -42,22 +42,31 @@ class TextCommands:
 
     Args:
         node: The node that publishes them.
+        lookup: Looks the devices up.
         executor: Knows the devices, the leases and the commands under way.
-        judge: Asks the policies.
-        journal: Notes each text.
+        policies: Know the rights of issuers.
+        journal: Records each text.
     """
 
-    def __init__(self, node: Node, executor: CommandExecutor, judge: Judge, journal: CommandJournal) -> None:
+    def __init__(
+        self,
+        node: Node,
+        lookup: DeviceLookup,
+        executor: CommandExecutor,
+        policies: PolicyEngine,
+        journal: CommandJournal,
+    ) -> None:
         self._clock = node.graph.clock
+        self._lookup = lookup
         self._executor = executor
-        self._judge = judge
+        self._policies = policies
         self._journal = journal
         self._sender = TextSender(node)
 
     async def send(self, request: SendTextRequest) -> SendTextResponse:
         """Send a text, and return when its gateway has queued it; never raises."""
         try:
-            device = await self._executor.find_device(request.device)
+            device = await self._lookup.device(request.device)
         except ServiceError as exc:
             return self._failed(request, NoAnswer(0.0, str(exc)))
         if device is None:
@@ -82,7 +91,7 @@ class TextCommands:
             part=part,
             settings={capability: value},
             issuer=request.issuer,
-            rights=self._judge.rights(request.issuer),
+            rights=self._policies.rights(request.issuer),
             cause=request.trigger.id,
             trigger=request.trigger,
             issued_at=now,
@@ -91,11 +100,11 @@ class TextCommands:
         refused = self._refusal(command)
         if refused is not None:
             return self._ended(request, part.id, refused)
-        if self._executor.rehearsal is not None and (assumed := self._executor.rehearsed(command)) is not None:
+        if self._executor.rehearsal is not None and (assumed := self._executor.rehearse(command)) is not None:
             self._journal.decided(command.id, request.issuer, command.place, rehearsed_result(assumed))
             is_refused = isinstance(assumed, Refused)
             return _response(assumed) if is_refused else SendTextResponse(success=True, command_id=command.id)
-        self._executor.note_text(command)
+        self._executor.record_text(command)
         try:
             sent = await self._sender.send(
                 request.payload, target, request.issuer, request.trigger, command_id=command.id
@@ -106,11 +115,10 @@ class TextCommands:
         return SendTextResponse(success=True, others=target.others, command_id=command.id)
 
     def _refusal(self, command: IssuedCommand) -> Refused | None:
-        if command.is_client and (problem := self._judge.client_refusal(command)):
-            return Refused(POLICY, problem, command_id=command.id)
+        refused = self._executor.check(command)
         if UNREAD in command.settings and any(always_asks(command.device, one) for one in command.device.parts):
-            return Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
-        return self._executor.refusal(command)
+            refused = refused or Refused(_ALWAYS_ASK, _UNREADABLE, command_id=command.id)
+        return refused
 
     def _failed(self, request: SendTextRequest, outcome: Outcome, device: Device | None = None) -> SendTextResponse:
         """End a text before it is known what it means."""

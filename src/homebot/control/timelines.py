@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final, TypeAlias, final
 
-from homebot.control.held_values import related
+from homebot.control.gateway_feed import GatewayFeed, ReportWatch
 from homebot.control.profiles import Profiles
-from homebot.control.reports import GatewayFeed, ReportWatch
 from homebot.control.timeline.cause import Attribution, cause_of_undoing
 from homebot.control.timeline.facts import Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.seeding import seed
+from homebot.control.values import related
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import Route
 from homebot.devices.value import PlainValue
@@ -57,7 +57,7 @@ class Timelines:
         settle: Seconds for which a confirmed value has to hold.
 
     Attributes:
-        on_report: Called with each report for each command that it may be due to.
+        on_report: Called with each part, command and report that may be due to it.
         on_end: Called with a command that a newer one replaced, or that was answered.
         on_undone: Called with a part and a command when its confirmed value ended.
     """
@@ -70,7 +70,7 @@ class Timelines:
         self._settle = settle
         self._limits = TimeLimits()
         self._entries: OrderedDict[_Place, _TrackedPart] = OrderedDict()
-        self.on_report: Callable[[CommandProgress, Reported], None] = _ignore
+        self.on_report: Callable[[_Place, CommandProgress, Reported], None] = _ignore
         self.on_end: Callable[[CommandProgress], None] = _ignore
         self.on_undone: Callable[[_Place, CommandProgress], None] = _ignore
 
@@ -117,7 +117,7 @@ class Timelines:
         target = f"{device.id}#{part.id}" if part.id else device.id
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        timeline.on_report, timeline.on_end = self._on_report, self._on_end
+        timeline.on_report, timeline.on_end = partial(self._on_report, place), self._on_end
         timeline.on_undone = partial(self._on_undone, place)
         entry = self._entries[place] = _TrackedPart(timeline, target)
         if len(self._entries) > _MOST:
@@ -169,8 +169,8 @@ class Timelines:
                     entry.watch.stop()
                 return
 
-    def _on_report(self, progress: CommandProgress, fact: Reported) -> None:
-        self.on_report(progress, fact)
+    def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
+        self.on_report(place, progress, fact)
 
     def _on_end(self, progress: CommandProgress) -> None:
         self.on_end(progress)

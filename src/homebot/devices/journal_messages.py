@@ -14,6 +14,13 @@ from homebot.messages.message import Message, ServiceType, UInt32
 __all__ = [
     "MOST_ENTRIES",
     "EntryKind",
+    "ExplainDevice",
+    "ExplainDeviceRequest",
+    "ExplainDeviceResponse",
+    "ExplainMissingState",
+    "ExplainMissingStateRequest",
+    "ExplainMissingStateResponse",
+    "Finding",
     "JournalEntry",
     "JournalFact",
     "JournalVerdict",
@@ -41,6 +48,8 @@ EntryKind: TypeAlias = Literal[
     "handed_back",
     "would",
 ]
+
+Finding: TypeAlias = Literal["command", "change", "heard", "retained", "first", "none"]
 
 MOST_ENTRIES = 1000
 """Entries in one answer."""
@@ -106,6 +115,8 @@ class JournalEntry(Message):
             ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
             (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
+        cause: ``reported`` and ``changed``: the cause of a change: ``command``, ``transition``, ``echo``, ``device``,
+            ``person``, or ``unknown``, which is the device or a person; empty if the value is not another one.
         folded: How many commands like the one that begins here, of the same issuer to the same part and with the same
             outcome, came in the minute before it and are not kept.
     """
@@ -121,6 +132,7 @@ class JournalEntry(Message):
     text: str = ""
     verdicts: Annotated[tuple[JournalVerdict, ...], Field(max_length=1)] = ()
     results: Annotated[tuple[CommandResult, ...], Field(max_length=1)] = ()
+    cause: str = ""
     folded: UInt32 = 0
 
 
@@ -163,4 +175,78 @@ class ReadJournalResponse(Message):
     names: tuple[KeyValue, ...] = ()
 
 
+class ExplainDeviceRequest(Message):
+    """A question for the reason why a device is as it is.
+
+    Attributes:
+        device: The id of the device.
+    """
+
+    device: str
+
+
+class ExplainDeviceResponse(Message):
+    """The last change of a device, and its causes.
+
+    Attributes:
+        success: Whether the device is known and the journal could be read.
+        message: The problem otherwise.
+        finding: ``command``: a command explains the change; ``change``: none does; ``heard``: it is so since it was
+            first heard; ``retained``: a retained value does not say since when; ``first``: it was so at its first
+            report; ``none``: it reported no change.
+        changed_at: The time of the change, or of the report; 0 if there is none.
+        entries: The entries of the commands that led to the change, then those of its own, each oldest first; after
+            ``none`` those of the newest command. Entries with the same ``command`` follow each other.
+        names: As for `ReadJournal`.
+    """
+
+    success: bool = True
+    message: str = ""
+    finding: Finding = "none"
+    changed_at: Time = _EPOCH
+    entries: tuple[JournalEntry, ...] = ()
+    names: tuple[KeyValue, ...] = ()
+
+
+class ExplainMissingStateRequest(Message):
+    """A question for the reason why a device is not in a state.
+
+    Attributes:
+        device: The id of the device.
+        state: The state, such as ``on``, ``40 %`` or ``locked``.
+    """
+
+    device: str
+    state: str
+
+
+class ExplainMissingStateResponse(Message):
+    """The commands that asked a device for a state.
+
+    Attributes:
+        success: Whether the device is known and the journal could be read.
+        message: The problem otherwise.
+        is_so: Whether the device is in that state.
+        problem: The reason why it never can be, as a sentence; empty if it can.
+        word: The command for the state, such as ``lock``; empty if it takes more than a word.
+        entries: The entries of these commands and of denied requests, oldest command first. Entries with the same
+            ``command`` follow each other.
+        begins: The time of the oldest entry in the journal; 0 if it is empty.
+        names: As for `ReadJournal`.
+    """
+
+    success: bool = True
+    message: str = ""
+    is_so: bool = False
+    problem: str = ""
+    word: str = ""
+    entries: tuple[JournalEntry, ...] = ()
+    begins: Time = _EPOCH
+    names: tuple[KeyValue, ...] = ()
+
+
+ExplainDevice = ServiceType("homebot/srv/ExplainDevice", ExplainDeviceRequest, ExplainDeviceResponse)
+ExplainMissingState = ServiceType(
+    "homebot/srv/ExplainMissingState", ExplainMissingStateRequest, ExplainMissingStateResponse
+)
 ReadJournal = ServiceType("homebot/srv/ReadJournal", ReadJournalRequest, ReadJournalResponse)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from homebot.clock import Clock, ManualClock
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.memory_store import MemoryStore
+from homebot.control.explanations import Explanations
+from homebot.control.journal.store import JournalNote, MemoryStore
 from homebot.devices import (
     DEVICE_CHANGES,
     FIND_DEVICES,
@@ -32,9 +32,18 @@ from homebot.devices import (
 )
 from homebot.devices.device import part_names
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
-from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.journal_messages import (
+    ExplainDevice,
+    ExplainMissingState,
+    JournalEntry,
+    ReadJournal,
+    ReadJournalRequest,
+    ReadJournalResponse,
+)
 from homebot.devices.names import (
     DISCOVERY_HEALTH,
+    EXPLAIN_DEVICE,
+    EXPLAIN_MISSING_STATE,
     FORGET_DEVICE,
     MERGE_DEVICES,
     READ_JOURNAL,
@@ -267,6 +276,9 @@ class StillHouse:
         node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._directory_health)
         node.create_service(ReadJournal, READ_JOURNAL, self._read_journal)
+        explanations = Explanations(self._read_journal, self._device)
+        node.create_service(ExplainDevice, EXPLAIN_DEVICE, explanations.explain)
+        node.create_service(ExplainMissingState, EXPLAIN_MISSING_STATE, explanations.explain_missing)
         return node
 
     def _devices(self) -> tuple[Device, ...]:
@@ -345,6 +357,9 @@ class StillHouse:
         del request
         trouble = "the index file /data/index.sqlite cannot be written: database or disk is full"
         return HealthResponse(counts=(Count(name="devices", count=3),), troubles=() if self.is_well else (trouble,))
+
+    async def _device(self, device_id: str) -> Device | None:
+        return next((one for one in self._devices() if one.id == device_id), None)
 
     async def _read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         kept = MemoryStore(1000, 1e9)

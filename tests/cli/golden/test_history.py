@@ -90,6 +90,12 @@ def command(
     yield entry(kind="outcome", at=at, results=(decided,), **of)
 
 
+def answered(name: str, seconds: float, **values: PlainValue) -> JournalEntry:
+    """The report by which a device changed, in answer to a command that failed."""
+    of = {"device": LAMP, "part": "light", "command": name, "issuer": "/follow_me"}
+    return entry(kind="reported", at=ago(seconds), settings=settings(**values), cause="command", **of)
+
+
 def changed(seconds: float, **values: PlainValue) -> JournalEntry:
     return entry(kind="changed", at=ago(seconds), device=LAMP, part="light", settings=settings(**values))
 
@@ -227,18 +233,19 @@ def outcomes(name: str) -> list[JournalEntry]:
             witnessed = Contradicted("Kitchen lux measured no change", "Kitchen lux")
             return [*command("a-1", 40.4, witnessed, issuer="client:tablet", reports=(0.4,), on_off=True)]
         case "late":
-            return [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=True)]
+            return [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=True), answered("a-1", 40, on_off=True)]
         case "later":
-            return [*command("a-1", 90, NoAnswer(9.0), tries=3, on_off=True), changed(40, on_off=True)]
+            return [*command("a-1", 90, NoAnswer(9.0), tries=3, on_off=True), answered("a-1", 40, on_off=True)]
         case "too_late":
             return [*command("a-1", 120, NoAnswer(9.0), tries=3, on_off=True), changed(40, on_off=True)]
         case "since":
             hall = [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=True)]
-            return [*hall, *command("a-2", 43, Refused("lease", "held"), tries=0, on_off=False)]
+            refused = command("a-2", 43, Refused("lease", "held"), tries=0, on_off=False)
+            return [*hall, *refused, answered("a-1", 40, on_off=True)]
         case "rounded":
             *steps, outcome = command("a-1", 40.4, Contradicted("level is 39.76"), tries=1, level=45.0)
             of = {"device": LAMP, "part": "light", "command": "a-1"}
-            told = entry(kind="reported", at=ago(40), settings=settings(level=39.76), **of)
+            told = entry(kind="reported", at=ago(40), settings=settings(level=39.76), cause="unknown", **of)
             return [*steps, told, outcome]
         case "silent":
             return [

@@ -7,7 +7,7 @@ from datetime import UTC, tzinfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, House
-from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.policies.turns import Turns
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
@@ -83,13 +83,13 @@ def make_command(
     )
 
 
-def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, recent: RecentCommands | None = None) -> Facts:
-    """Return the facts of a house with these devices."""
+def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, timeline: PartTimeline | None = None) -> Facts:
+    """Return the facts of a house with these devices, and the *timeline* of the commanded part."""
     house = House()
     for device in devices:
         house.put(DeviceView(device, 0))
     house.is_known = True
-    return Facts(now, now, zone, house, recent or RecentCommands(), new_timeline)
+    return Facts(now, now, zone, house, Turns(), new_timeline if timeline is None else lambda *_: timeline)
 
 
 def new_timeline(_device: Device, _part: DevicePart) -> PartTimeline:

@@ -13,7 +13,7 @@ from tests.control.test_journal import read
 
 from homebot.control import Control, ControlSettings
 from homebot.control.policies import Policies, Verdict
-from homebot.control.policies.approval import judge_approval
+from homebot.control.policies.rights import check_approval
 from homebot.devices import FIND_DEVICES, Fact, FindDevices
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.approval_messages import ApproveDevice, GetUnapproved
@@ -45,7 +45,7 @@ def judged(
 ) -> Verdict:
     capability = KINDS[kind][0]
     device = make_device(key, kind, settable=(capability,), facts=facts, approved=approved)
-    return judge_approval(make_command(device, {capability: value}, issuer, ("act: all",)), make_facts())
+    return check_approval(make_command(device, {capability: value}, issuer, ("act: all",)), make_facts())
 
 
 @pytest.mark.parametrize("issuer", ["/app", "client:owner", "client:local"])
@@ -80,8 +80,8 @@ def test_a_capability_that_only_another_route_takes_is_not_approved() -> None:
     )
     device = device.model_copy(update={"parts": (device.parts[0].model_copy(update={"routes": routes}),)})
     lock, text = make_command(device, {"lock": "locked"}), make_command(device, {"text": "1234"})
-    assert judge_approval(lock, make_facts()).allowed
-    assert not judge_approval(text, make_facts()).allowed
+    assert check_approval(lock, make_facts()).allowed
+    assert not check_approval(text, make_facts()).allowed
 
 
 def test_a_part_that_joined_an_approved_device_waits_by_itself() -> None:
@@ -90,10 +90,10 @@ def test_a_part_that_joined_an_approved_device_waits_by_itself() -> None:
     later = own.model_copy(update={"id": "later", "routes": (Route(gateway="memory", key="later", part=""),)})
     joined = device.model_copy(update={"parts": (own, later)})
     command = replace(make_command(joined, {"lock": "locked"}), part=later)
-    verdict = judge_approval(command, make_facts())
+    verdict = check_approval(command, make_facts())
     assert not verdict.allowed
     assert "it was announced after the owner approved the device" in verdict.reason
-    assert judge_approval(make_command(joined, {"lock": "locked"}), make_facts()).allowed
+    assert check_approval(make_command(joined, {"lock": "locked"}), make_facts()).allowed
     assert waits_for_approval(joined)
 
 
@@ -102,12 +102,12 @@ def test_the_relay_of_a_door_opener_is_not_told_anything_before_its_approval(*, 
     """Told that it is off, the relay moves the door too."""
     opener = make_device("opener", "switch", settable=("on_off",))
     opener = opener.model_copy(update={"metadata": (KeyValue(key="model", value="Garage door opener"),)})
-    assert not judge_approval(make_command(opener, {"on_off": value}, "/app", ("act: all",)), make_facts()).allowed
+    assert not check_approval(make_command(opener, {"on_off": value}, "/app", ("act: all",)), make_facts()).allowed
 
 
 def test_a_setting_that_can_hurt_is_not_turned_off_before_its_approval() -> None:
     relock = make_device("relock", "x_setting", settable=("on_off", "lock"))
-    assert not judge_approval(make_command(relock, {"on_off": False}, "/app", ("act: all",)), make_facts()).allowed
+    assert not check_approval(make_command(relock, {"on_off": False}, "/app", ("act: all",)), make_facts()).allowed
 
 
 @given(
@@ -128,8 +128,8 @@ def test_every_command_to_what_can_hurt_takes_an_approval_to_the_safe_side_too(
 def test_the_configuration_turns_it_off() -> None:
     lock = make_device("lock", "door_lock", settable=("lock",))
     command = make_command(lock, {"lock": "unlocked"}, scope=("act: all",))
-    assert not Policies(ControlSettings()).judge(command, make_facts())[-1].allowed
-    assert Policies(ControlSettings(approvals=False)).judge(command, make_facts())[-1].allowed
+    assert not Policies(ControlSettings()).check(command, make_facts())[-1].allowed
+    assert Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].allowed
 
 
 async def approve(home: Home, device: str, *, remove: bool = False) -> None:

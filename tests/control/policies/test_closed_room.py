@@ -5,12 +5,13 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
-from tests.control.policies.houses import START, make_device, make_facts, new_timeline
+from tests.control.policies.houses import START, make_device, new_timeline
 
-from homebot.control.policies.closed_room import stayed_in
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
-from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.policies.presence_guard import remaining_person
+from homebot.control.policies.settings import PresenceGuardSettings
+from homebot.control.policies.turns import Turns
 from homebot.devices import Device
 from homebot.devices.device_view import DeviceView
 from homebot.devices.handles import Light
@@ -35,11 +36,12 @@ def facts(*told: Device, now: float) -> Facts:
     for sequence, device in enumerate(told):
         house.put(DeviceView(device, sequence))
     house.is_known = True
-    return Facts(START + now, START + now, None, house, RecentCommands(), new_timeline)
+    return Facts(START + now, START + now, None, house, Turns(), new_timeline)
 
 
 def stays(*told: Device, now: float = 10_000.0, doors: tuple[str, ...] = DOORS) -> bool:
-    return stayed_in("bath", doors, facts(*told, now=now), 300.0) is not None
+    settings = PresenceGuardSettings.model_validate({"absent_after": 300, "doors": {"bath": doors} if doors else {}})
+    return remaining_person("bath", settings, facts(*told, now=now)) is not None
 
 
 def test_who_moved_after_the_door_was_closed_is_there_hours_later() -> None:
@@ -89,7 +91,7 @@ def test_two_contacts_of_one_name_are_none() -> None:
 
 def test_a_sensor_that_never_detected_anybody_shows_nothing() -> None:
     assert not stays(door(value=False, since=10), motion(value=False, since=5000))
-    assert stayed_in("bath", DOORS, make_facts(door(value=False, since=10)), 300.0) is None
+    assert not stays(door(value=False, since=10))
 
 
 async def put_bath(home: Home) -> None:

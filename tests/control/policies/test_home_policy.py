@@ -40,7 +40,7 @@ def settings(monkeypatch: pytest.MonkeyPatch, name: str, kind: type[object]) -> 
 
 def test_a_refusal_has_the_name_of_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
     policies = Policies(settings(monkeypatch, "dark", Dark))
-    last = policies.judge(LAMP, make_facts())[-1]
+    last = policies.check(LAMP, make_facts())[-1]
     assert last == Verdict("dark", allowed=False, reason="it is to be dark")
 
 
@@ -55,10 +55,10 @@ def test_one_that_fails_refuses_and_is_logged_once(
 ) -> None:
     policies = Policies(settings(monkeypatch, "broken", Broken))
     for _ in range(3):
-        last = policies.judge(LAMP, make_facts())[-1]
+        last = policies.check(LAMP, make_facts())[-1]
         assert last == Verdict("broken", allowed=False, reason="the policy failed: KeyError: 'lamp'")
     assert [one.getMessage() for one in caplog.records] == [
-        "the policy broken failed, and refuses what it is asked about"
+        "the policy broken failed, and refuses every command that it checks"
     ]
     assert caplog.records[0].exc_info is not None
 

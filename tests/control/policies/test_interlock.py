@@ -26,7 +26,7 @@ HEAT: Mapping[str, PlainValue] = {"heating_setpoint": 22.0}
 def judge(device: Device, *house: Device, settings: Mapping[str, PlainValue] = HEAT, where: str = "room") -> Verdict:
     table = {"interlocks": [{**WINDOW[0], "where": where}]}
     policies = Policies(parse_settings(ControlSettings, table, "homebot.toml", "control"))
-    verdicts = policies.judge(make_command(device, settings), make_facts(*house))
+    verdicts = policies.check(make_command(device, settings), make_facts(*house))
     return next(one for one in verdicts if one.policy == "interlock")
 
 

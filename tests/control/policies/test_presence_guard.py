@@ -10,7 +10,7 @@ from tests.set_clock import SetClock
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
-from homebot.control.journal.learnt_row import LearntRow
+from homebot.control.journal.store import LearntRow
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering

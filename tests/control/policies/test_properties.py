@@ -78,7 +78,7 @@ def test_what_is_allowed_violates_no_policy(
         )
     kind, capability, setting = wanted
     device = make_device("it", kind, room=room, settable=(capability,))
-    verdict = POLICIES.judge(make_command(device, {capability: setting}), make_facts(*house, now=now))[-1]
+    verdict = POLICIES.check(make_command(device, {capability: setting}), make_facts(*house, now=now))[-1]
     assert verdict.allowed or verdict.reason
     if not verdict.allowed:
         return

@@ -26,27 +26,27 @@ def policies(table: dict[str, object] = TABLE) -> Policies:
 
 
 def test_a_vacuum_does_not_start_at_night() -> None:
-    verdict = policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), make_facts(now=NIGHT))[-1]
+    verdict = policies().check(make_command(VACUUM, {"vacuum": "cleaning"}), make_facts(now=NIGHT))[-1]
     assert (verdict.policy, verdict.allowed) == ("quiet_hours", False)
     assert verdict.reason == "it is 23:00, and quiet from 22:00 to 07:00"
     assert verdict.facts[0].value == "23:00"
 
 
 def test_it_may_be_stopped_at_night_and_started_by_day() -> None:
-    assert policies().judge(make_command(VACUUM, {"vacuum": "returning"}), make_facts(now=NIGHT))[-1].allowed
-    assert policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), make_facts())[-1].allowed
+    assert policies().check(make_command(VACUUM, {"vacuum": "returning"}), make_facts(now=NIGHT))[-1].allowed
+    assert policies().check(make_command(VACUUM, {"vacuum": "cleaning"}), make_facts())[-1].allowed
 
 
 def test_a_person_may_start_it() -> None:
     wish = make_command(VACUUM, {"vacuum": "cleaning"}, "client:phone")
-    assert policies().judge(wish, make_facts(now=NIGHT))[-1].allowed
+    assert policies().check(wish, make_facts(now=NIGHT))[-1].allowed
 
 
 def test_the_time_is_that_of_the_home() -> None:
     facts = make_facts(now=START, zone=ZoneInfo("Asia/Tokyo"))  # 17:00
-    assert policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), facts)[-1].allowed
+    assert policies().check(make_command(VACUUM, {"vacuum": "cleaning"}), facts)[-1].allowed
     late = make_facts(now=START + 6 * 3600, zone=ZoneInfo("Asia/Tokyo"))  # 23:00
-    assert not policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), late)[-1].allowed
+    assert not policies().check(make_command(VACUUM, {"vacuum": "cleaning"}), late)[-1].allowed
 
 
 @pytest.mark.parametrize(
@@ -91,4 +91,4 @@ def test_hours_that_would_forbid_nothing_are_an_error(start: str, end: str, key:
 )
 def test_hours_are_those_of_the_clock_on_the_wall_when_it_is_changed(now: str, *, is_quiet: bool) -> None:
     facts = make_facts(now=datetime.fromisoformat(now).timestamp(), zone=ZoneInfo("Europe/Vienna"))
-    assert policies().judge(make_command(VACUUM, {"vacuum": "cleaning"}), facts)[-1].allowed is not is_quiet
+    assert policies().check(make_command(VACUUM, {"vacuum": "cleaning"}), facts)[-1].allowed is not is_quiet

@@ -7,7 +7,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey
 from tests.control.policies.houses import START, make_command, make_device
 
-from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.policies.turns import Turns
 from homebot.devices import Device
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
@@ -49,12 +49,12 @@ async def test_dimming_is_no_strobe(open_home: OpenHome) -> None:
 
 def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
     """Each of the two alone never turns round."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), RecentCommands()
+    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), Turns()
     on, dark = make_command(lamp, {"on_off": True}), make_command(lamp, {"level": 0.0})
     for number in range(10):
-        recent.note(on if number % 2 else dark, float(number))
-    assert recent.turns(dark, 9.0, 10.0) == 9
-    assert recent.turns(on, 9.0, 10.0) == 0
+        recent.record(on if number % 2 else dark, float(number))
+    assert recent.count(dark, 9.0, 10.0) == 9
+    assert recent.count(on, 9.0, 10.0) == 0
 
 
 async def test_a_command_that_is_still_being_sent_counts(open_home: OpenHome) -> None:
@@ -78,32 +78,32 @@ async def obey_slowly(home: Home, command: Command) -> None:
 
 def test_a_turn_counts_from_the_last_try() -> None:
     """The device may have missed those before."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off",)), RecentCommands()
+    lamp, recent = make_device("lamp", "light", settable=("on_off",)), Turns()
     on, off = make_command(lamp, {"on_off": True}), make_command(lamp, {"on_off": False})
-    recent.note(on, 0.0)
-    recent.note(off, 1.0)
-    recent.note(off, 6.0)
-    assert (recent.turns(on, 7.0, 2.0), recent.turns(on, 7.0, 1.0)) == (1, 0)
+    recent.record(on, 0.0)
+    recent.record(off, 1.0)
+    recent.record(off, 6.0)
+    assert (recent.count(on, 7.0, 2.0), recent.count(on, 7.0, 1.0)) == (1, 0)
 
 
 def test_to_turn_on_again_what_reported_since_that_it_is_off_is_a_turn() -> None:
     """The command before was lost. A random day found it: the lamp was switched to and fro once more than it may be."""
-    recent = RecentCommands()
+    recent = Turns()
     before = lamp_that_was(on=False, told=-100.0)
-    recent.note(make_command(before, {"on_off": True}, at=START), 0.0)
+    recent.record(make_command(before, {"on_off": True}, at=START), 0.0)
     again = make_command(lamp_that_was(on=False, told=5.0), {"level": 40.0}, name="2", at=START + 10.0)
-    recent.note(again, 10.0)
+    recent.record(again, 10.0)
     off = make_command(lamp_that_was(on=True, told=11.0), {"on_off": False}, name="3", at=START + 12.0)
-    assert recent.turns(off, 12.0, 10.0) == 1
+    assert recent.count(off, 12.0, 10.0) == 1
 
 
 def test_to_turn_on_again_what_has_not_reported_since_is_none() -> None:
     """It may be slow."""
-    recent = RecentCommands()
+    recent = Turns()
     slow = lamp_that_was(on=False, told=-1.0)
     for number in range(10):
-        recent.note(make_command(slow, {"on_off": True}, name=str(number), at=START + number), float(number))
-    assert recent.turns(make_command(slow, {"on_off": False}, at=START + 10.0), 10.0, 10.0) == 0
+        recent.record(make_command(slow, {"on_off": True}, name=str(number), at=START + number), float(number))
+    assert recent.count(make_command(slow, {"on_off": False}, at=START + 10.0), 10.0, 10.0) == 0
 
 
 def lamp_that_was(*, on: bool, told: float) -> Device:

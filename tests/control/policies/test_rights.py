@@ -31,7 +31,7 @@ OVEN = make_device("oven", "plug", room="kitchen", settable=("on_off",))
 def refused_by(scope: tuple[str, ...], device: Device, **settings: bool | str) -> str:
     """Return the policy that refuses an app of this scope the command; empty for none."""
     policies = Policies(ControlSettings(approvals=False))
-    verdict = policies.judge(make_command(device, settings, scope=scope), make_facts())[-1]
+    verdict = policies.check(make_command(device, settings, scope=scope), make_facts())[-1]
     return "" if verdict.allowed else verdict.policy
 
 
@@ -98,13 +98,13 @@ def test_harmless_is_what_does_not_always_ask() -> None:
 )
 def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str, issuer: str, table: str) -> None:
     command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=issuer)
-    reason = Policies(ControlSettings(approvals=False)).judge(command, make_facts())[-1].reason
+    reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
     line = f"[{table}] act = {act}"
     right = "front_door takes a right that names it (its type is door_lock)"
     assert reason == f"{right}, and {issuer} has none; {line} gives one"
     config = parse_config(tomllib.loads(f"{table}.act = {act}"), "homebot.toml")
     allowed = replace(command, rights=read_scope(make_plan(config).grants[issuer]))
-    assert Policies(ControlSettings(approvals=False)).judge(allowed, make_facts())[-1].allowed
+    assert Policies(ControlSettings(approvals=False)).check(allowed, make_facts())[-1].allowed
 
 
 def test_the_table_of_an_app_says_what_it_may_command() -> None:

@@ -16,11 +16,10 @@ from typing import Literal, TypeAlias
 
 from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Commanded, Decided, Order, Reported
+from homebot.control.timeline.facts import Commanded, Decided, Order, Reported, ReportRole
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.roles import ReportRole
 from homebot.devices.outcomes import AlreadySo, Outcome
 from homebot.devices.value import PlainValue
 

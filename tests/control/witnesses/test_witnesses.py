@@ -6,11 +6,12 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after
 
-from homebot.control.witnesses.observation import Measurement, Observed, observed
-from homebot.devices.approval_messages import TrustDeviceRequest
+from homebot.control.observation import Measurement, Observed, observed
+from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
 from homebot.devices.health import HealthRequest
+from homebot.devices.names import TRUST_DEVICE
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
 from homebot.devices.value import PlainValue
 
@@ -79,9 +80,9 @@ async def test_the_owner_trusts_a_contradicted_lamp_again(open_home: OpenHome) -
     async with open_home(witnesses=NAMED) as home:
         lamp = await room(home, lie)
         await lamp.turn_on()
-        request = TrustDeviceRequest(device=lamp.device.id)
-        assert home.control.trust(request).witnesses == ("Lux",)
-        assert home.control.trust(request).witnesses == ()
+        trust, request = home.app.create_client(TrustDevice, TRUST_DEVICE), TrustDeviceRequest(device=lamp.device.id)
+        assert (await trust.call(request)).witnesses == ("Lux",)
+        assert (await trust.call(request)).witnesses == ()
         assert (await home.control.health(HealthRequest())).notes == ()
 
 

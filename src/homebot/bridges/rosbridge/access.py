@@ -24,6 +24,8 @@ from homebot.bridges.rosbridge.protocol import (
 from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights, Right, issuer_of_client
 from homebot.devices.names import (
     COMMAND_DEVICES,
+    EXPLAIN_DEVICE,
+    EXPLAIN_MISSING_STATE,
     EXPORT_PLACES,
     FIND_DEVICES,
     GATEWAY_READING,
@@ -68,6 +70,8 @@ _OWN: Final = frozenset(
 
 _READING: Final = frozenset(
     {
+        EXPLAIN_DEVICE,
+        EXPLAIN_MISSING_STATE,
         EXPORT_PLACES,
         FIND_DEVICES,
         GET_CHANGES,

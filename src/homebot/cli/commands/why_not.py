@@ -7,19 +7,18 @@ import shlex
 from collections.abc import Sequence
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.device_history import Chain, DeviceHistory
+from homebot.cli.command_records import MissingStateRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.history_words import result_text
+from homebot.cli.history_words import Chain, chains_of, result_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text, clock_text, issuer_text, trigger_text
-from homebot.cli.records import DeviceRecord, TimeRecord
+from homebot.cli.records import DeviceRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import state_text
-from homebot.cli.wanted_states import command_for, is_so, unknown_state
 from homebot.errors import UsageError
 
 __all__ = ["add_arguments"]
@@ -52,25 +51,24 @@ def _why_not(options: argparse.Namespace) -> int:
         device = named_device(door, options.device)
         client = JournalClient(door)
         client.names[device["id"]] = device["name"]
-        history = DeviceHistory(client)
-        asked = history.asked(device, options.state)
+        found = client.explain_missing(device["id"], options.state)
+        asked = chains_of(found["entries"])
         if options.json:
-            chains = [chain_json(one.entries, client.names) for one in asked]
-            found = {"device": device["id"], "state": state_text(device), "wanted": options.state}
-            print(json_text({**found, "is_so": is_so(device, options.state), "asked": chains}))
+            chains = [chain_json(one, client.names) for one in asked]
+            shown = {"device": device["id"], "state": state_text(device), "wanted": options.state}
+            print(json_text({**shown, "is_so": found["is_so"], "asked": chains}))
             return 0
         now = house_time(door)
         state = state_text(device)
         print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
-        already = is_so(device, options.state)
-        if already:
+        if found["is_so"]:
             print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
         if asked:
             _print_asked(asked, client, options, device, now)
-            if not already and _obeyed(asked[-1]):
+            if not found["is_so"] and _obeyed(asked[-1]):
                 print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
-        elif not already:
-            print(_unasked(device, options, history.begins, now))
+        elif not found["is_so"]:
+            print(_unasked(device, options, found, now))
         return 0
 
     return with_client(options, run)
@@ -87,20 +85,20 @@ def _print_asked(
         print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
-def _unasked(device: DeviceRecord, options: argparse.Namespace, begins: TimeRecord, now: float) -> str:
-    """Return why *device* is not as wanted where the journal has no command for that."""
-    if problem := unknown_state(device, options.state):
-        return problem
+def _unasked(device: DeviceRecord, options: argparse.Namespace, found: MissingStateRecord, now: float) -> str:
+    """Return why *device* is not as wanted if the journal has no command for that."""
+    if found["problem"]:
+        return printable(found["problem"])
+    begins = found["begins"]
     since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins["sec"] else ""
     empty = "" if begins["sec"] else ": the journal is empty"
-    word = command_for(device, options.state)
-    how = f" To ask for it: homebot do {_quoted(device)} {printable(word)}" if word else ""
+    how = f" To ask for it: homebot do {_quoted(device)} {printable(found['word'])}" if found["word"] else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
 
 
 def _obeyed(chain: Chain) -> bool:
     """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
-    results = [one["results"][0]["outcome"] for one in chain.entries if one["kind"] in {"outcome", "reverted"}]
+    results = [one["results"][0]["outcome"] for one in chain if one["kind"] in {"outcome", "reverted"}]
     return bool(results) and results[-1] in {"confirmed", "already_so"}
 
 
@@ -117,8 +115,8 @@ def _wanted(options: argparse.Namespace) -> str:
 
 
 def _row(chain: Chain, client: JournalClient, now: float) -> tuple[str, ...]:
-    cause = trigger_text(chain.trigger, client.names)
-    part = client.names.get(f"{chain.first['device']}#{chain.first['part']}", "")
+    cause = trigger_text(chain[0]["trigger"], client.names)
+    part = client.names.get(f"{chain[0]['device']}#{chain[0]['part']}", "")
     result = (f"{printable(part, 60)}: " if part else "") + result_text(chain, now)
     result += f" (asked because {cause})" if cause else ""
-    return clock_text(chain.first["at"], now), issuer_text(chain.first["issuer"]), result
+    return clock_text(chain[0]["at"], now), issuer_text(chain[0]["issuer"]), result

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
-from homebot.control.journal.journal_note import JournalNote
+from homebot.control.journal.store import JournalNote
 
 __all__ = ["IN_FULL", "CommandFolding"]
 

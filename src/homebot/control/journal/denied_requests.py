@@ -1,4 +1,4 @@
-"""Requests of clients that were refused for want of a right: a few of each client are entries, the rest a count."""
+"""Entries for requests of clients that lack a right: a few of each client, and a count of the rest."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
-from homebot.control.journal.command_addresses import CommandAddresses
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
-from homebot.devices import FIND_DEVICES, FindDevices
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
-from homebot.devices.query import NameIs, Or, query_terms
+from homebot.devices.query import NameIs, Or
 from homebot.devices.query.terms import FactIs
-from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.folding import fold
@@ -22,13 +20,13 @@ from homebot.support.folding import fold
 __all__ = ["DeniedRequests"]
 
 MOST_ENTRIES: Final = 20
-"""Entries of one client in an hour; further requests are counted in one more at the end of it."""
+"""Entries of one client in an hour; further requests are counted in one more entry."""
 
 MOST_CLIENTS: Final = 100
-"""Clients that are told apart; those beyond are noted as one."""
+"""Clients with own counts; the others share one."""
 
 _HOUR: Final = 3600.0
-_NAMED_IN: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
+_WITH_DEVICE: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 
 
 _Request: TypeAlias = tuple[str, str, str, str]
@@ -36,76 +34,80 @@ _Request: TypeAlias = tuple[str, str, str, str]
 
 @dataclass(slots=True)
 class _DeniedOfClient:
-    """The requests of one client that were denied in this hour: those noted, with their devices, and the others."""
+    """The denied requests of one client in this hour.
 
-    noted: dict[_Request, str] = field(default_factory=dict)
+    Attributes:
+        recorded: The requests with an entry, each with the id of its device.
+        more: The number of others.
+        newest: The newest of the others.
+    """
+
+    recorded: dict[_Request, str] = field(default_factory=dict)
     more: int = 0
     newest: AccessRefused | None = None
 
 
 @final
 class DeniedRequests:
-    """Notes in the journal what the door refused.
+    """Records the requests that the door refused.
 
-    The same request of a client is noted once in an hour, and 20 in all; how many more there were is noted at its end,
-    or when homebot stops. So a flood of them takes little of the journal's room.
+    A flood takes little room: each different request of a client is an entry once in an hour, 20 in all, and the others
+    are counted in one entry at its end, or when homebot stops.
 
     Args:
-        node: The node that asks the directory.
-        journal: Takes the entries.
-        addresses: The devices that raw commands are for.
+        node: For its tasks.
+        lookup: Looks the devices up.
+        journal: The journal.
     """
 
-    def __init__(self, node: Node, journal: CommandJournal, addresses: CommandAddresses) -> None:
+    def __init__(self, node: Node, lookup: DeviceLookup, journal: CommandJournal) -> None:
         self._node = node
+        self._lookup = lookup
         self._journal = journal
-        self._addresses = addresses
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._clients: dict[str, _DeniedOfClient] = {}
-        journal.add_last_note(self._note_counts)
+        journal.before_close(self._record_counts)
 
-    async def take(self, refused: AccessRefused) -> None:
-        """Take in a request that the door refused."""
+    async def record(self, refused: AccessRefused) -> None:
+        """Record a refused request."""
         if not self._clients:
             self._node.create_task(self._end_hour)
         name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""
         client = self._clients.setdefault(name, _DeniedOfClient())
         request = _request(refused)
         count = 1 + refused.held_back
-        if request in client.noted or len(client.noted) >= MOST_ENTRIES:
+        if request in client.recorded or len(client.recorded) >= MOST_ENTRIES:
             client.more, client.newest = client.more + count, refused
             return
-        client.noted[request] = ""
-        client.noted[request] = device = await self._device_of(refused)
+        client.recorded[request] = ""
+        client.recorded[request] = device = await self._device_of(refused)
         self._journal.denied(refused, device, count)
 
     async def _end_hour(self) -> None:
         await anyio.sleep(_HOUR)
-        self._note_counts()
+        self._record_counts()
 
-    def _note_counts(self) -> None:
-        """Note how many more requests there were of each client, and begin to count anew."""
+    def _record_counts(self) -> None:
+        """Record the counts of all clients, and reset them."""
         clients, self._clients = self._clients, {}
         for client in clients.values():
             if client.newest is not None:
-                device = client.noted.get(_request(client.newest), "")
+                device = client.recorded.get(_request(client.newest), "")
                 self._journal.denied(client.newest, device, client.more)
 
     async def _device_of(self, refused: AccessRefused) -> str:
-        """Return the id of the device that a command was for; empty where there is none, or several."""
+        """Return the id of the device of a command; empty if there is none, or several."""
         if not refused.subject:
             return ""
         target = "/" + refused.target.removeprefix("/")
         node, _, last = target.rpartition("/")
         if last == "out" and (gateway := gateway_of(node)):
-            return await self._addresses.device_at(gateway, refused.subject)
-        return await self._named(refused.subject) if target in _NAMED_IN else ""
+            return await self._lookup.device_at(gateway, refused.subject)
+        return await self._named(refused.subject) if target in _WITH_DEVICE else ""
 
     async def _named(self, subject: str) -> str:
         device = subject.partition("#")[0]
-        wanted = Or((FactIs("id", device.casefold()), NameIs(fold(subject))))
         try:
-            found = (await self._find.call(FindDevicesRequest(query=query_terms(wanted)))).devices
+            found = await self._lookup.devices(Or((FactIs("id", device.casefold()), NameIs(fold(subject)))))
         except ServiceError:
             return ""
         own = [one.id for one in found if one.id == device] or [one.id for one in found]

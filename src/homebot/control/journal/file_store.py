@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.learnt_row import LearntRow
-from homebot.control.journal.memory_store import MemoryStore, with_newer
+from homebot.control.journal.store import JournalNote, LearntRow, MemoryStore, with_newer
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node

@@ -10,26 +10,26 @@ from homebot.devices.value import PlainValue
 
 __all__ = ["HouseChanges", "RawWindow"]
 
-_KEPT: Final = 10
-"""Raw commands of one device, the newest."""
+_MOST_COMMANDS: Final = 10
+"""The newest raw commands of one device."""
 
-_HEARD_LATER: Final = 0.2
-"""Seconds after the gateway that the journal may receive a raw command, in a loop that is busy."""
+_DELAY: Final = 0.2
+"""Seconds after the gateway within which the journal receives a raw command in a busy loop."""
 
 _MOST: Final = 100_000
 _CALM: Final = 10.0
-"""Seconds in which further numbers of one place are not noted: a dial that is turned, a blind on its way."""
+"""Seconds in which further numbers of one place are not recorded: a dial that is turned, a blind on its way."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
 
 class RawWindow(NamedTuple):
-    """The time in which a raw command explains changes of its device.
+    """The time in which a raw command explains changes of its device, in seconds since the Unix epoch.
 
     Attributes:
         id: The id of the command; empty for none.
-        began: Seconds since the Unix epoch.
-        until: Likewise.
+        began: The begin.
+        until: The end.
         text: The command.
     """
 
@@ -38,7 +38,7 @@ class RawWindow(NamedTuple):
     until: float = 0.0
     text: str = ""
 
-    def says(self, value: PlainValue) -> bool:
+    def means(self, value: PlainValue) -> bool:
         """Return whether the command is the usual text for *value*."""
         if isinstance(value, bool):
             return self.text == ("on" if value else "off")
@@ -50,10 +50,10 @@ _NONE: Final = RawWindow()
 
 @final
 class HouseChanges:
-    """The last values of what can be set, and the raw commands of a moment ago.
+    """The last values of settings, and recent raw commands.
 
-    The first value of each place is no change. At most 100,000 places and devices are kept; the longest unused are
-    forgotten.
+    The first value of each place is no change. At most 100,000 places and devices are stored; the longest unused are
+    dropped.
     """
 
     def __init__(self) -> None:
@@ -61,10 +61,10 @@ class HouseChanges:
         self._values: OrderedDict[_Place, tuple[PlainValue, float]] = OrderedDict()
 
     def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
-        """Take changes of the device for effects of a raw command, from *now* on *until* then."""
-        known = self._raw.setdefault(device, deque(maxlen=_KEPT))
+        """Explain changes of the device by a raw command, from *now* to *until*."""
+        known = self._raw.setdefault(device, deque(maxlen=_MOST_COMMANDS))
         self._raw.move_to_end(device)
-        known.append(RawWindow(command, now - _HEARD_LATER, until, text.strip().casefold()))
+        known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
         if len(self._raw) > _MOST:
             self._raw.popitem(last=False)
 
@@ -77,14 +77,16 @@ class HouseChanges:
         place, value = (change.device, change.part, change.capability), change.value.plain()
         known = self._values.pop(place, None)
         self._values[place] = value, at
-        if known is None:
-            if len(self._values) > _MOST:
-                self._values.popitem(last=False)
-            return None
-        if known[0] == value:
-            return None
-        if isinstance(value, float) and known[0] and value and at - known[1] < _CALM:
+        if known is None and len(self._values) > _MOST:
+            self._values.popitem(last=False)
+        if known is None or not _is_change(known, value, at):
             return None
         raw = [one for one in self._raw.get(change.device, ()) if one.began <= at <= one.until]
-        meant = [one for one in raw if one.says(value)] or raw
+        meant = [one for one in raw if one.means(value)] or raw
         return max(meant, key=lambda one: one.began, default=_NONE)
+
+
+def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) -> bool:
+    before, before_at = known
+    is_dial = isinstance(value, float) and before and value and at - before_at < _CALM
+    return before != value and not is_dial

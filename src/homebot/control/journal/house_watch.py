@@ -1,11 +1,12 @@
-"""Watches what happens in the house beside the commands: changes that none explains, and raw commands."""
+"""Watch of the house beside commands: unexplained changes, and raw commands of other programs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Final, final
 
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.house_changes import HouseChanges
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.device import ChangedSetting, ChangedSettings
@@ -14,35 +15,37 @@ from homebot.errors import InvalidNameError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
-    from homebot.control.journal.command_addresses import CommandAddresses
     from homebot.control.journal.journal import CommandJournal
     from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
 
 _SETTINGS: Final = QoSProfile(depth=100)
-"""Messages, each of a few changes of half a second; the oldest is dropped where they come too fast."""
+"""Each message has the changes of half a second; the oldest is dropped in a flood."""
 
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""The oldest is dropped where they come too fast; a gateway's commands never wait for the journal."""
+"""The oldest is dropped in a flood; a gateway's commands never wait for the journal."""
 
 
 @final
 class HouseWatch:
-    """Notes in the journal what no command explains.
+    """Records unexplained changes and raw commands in the journal.
 
     Args:
-        node: The node that listens.
-        changes: The last values, and the raw commands.
-        journal: Returns what takes the entries, when there is one.
+        node: The subscribing node.
+        lookup: Looks the devices up.
+        journal: Returns the journal, which is built for the first entry.
         cause_of: Returns the cause of a change; None if no command was ever given to the part.
         is_dry_run: Whether gateways send nothing, so that a raw command has no effect.
+
+    Attributes:
+        changes: The last values, and the raw commands.
     """
 
     def __init__(
         self,
         node: Node,
-        changes: HouseChanges,
+        lookup: DeviceLookup,
         journal: Callable[[], CommandJournal],
         cause_of: Callable[[ChangedSetting], Attribution | None],
         *,
@@ -50,54 +53,42 @@ class HouseWatch:
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
-        self._changes = changes
+        self._lookup = lookup
         self._journal = journal
         self._is_dry_run = is_dry_run
         self._cause_of = cause_of
-
-    @cached_property
-    def addresses(self) -> CommandAddresses:
-        """The devices that raw commands are for."""
-        from homebot.control.journal.command_addresses import CommandAddresses  # noqa: PLC0415 - few homes have any
-
-        return CommandAddresses(self._node)
+        self.changes = HouseChanges()
 
     def follow_settings(self) -> None:
-        """Note changes of settings from now on."""
+        """Record changes of settings from now on."""
         self._node.create_subscription(
             ChangedSettings, DEVICE_SETTINGS, self._on_settings, _SETTINGS, from_node=DIRECTORY_NODE
         )
 
     def follow_gateway(self, gateway: str) -> None:
-        """Note the raw commands for a gateway from now on."""
+        """Record the raw commands to a gateway from now on."""
         try:
-            names = GatewayNames(gateway)
-            self._node.create_subscription(
-                RawCommand, names.out, partial(self._take_raw, gateway), _RAW, from_node=OTHERS
-            )
+            out = GatewayNames(gateway).out
+            self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
         except InvalidNameError:
             return  # no node publishes under such a name
 
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            raw_command = self._changes.record(change, change.told_at.to_seconds())
-            if raw_command is None:
+            raw = self.changes.record(change, change.told_at.to_seconds())
+            if raw is None:
                 continue
-            if not raw_command.id:
-                if not _is_in_chain(self._cause_of(change)):
-                    self._journal().changed(change, "")
-            elif raw_command.says(change.value.plain()) or not _is_in_chain(self._cause_of(change)):
-                self._journal().changed(change, raw_command.id)
+            attribution = self._cause_of(change)
+            if raw.id and raw.means(change.value.plain()):
+                self._journal().changed(change, raw.id, "command")
+            elif attribution is None or attribution.role is None:  # else the entries of a command have it
+                cause = "person" if attribution is None else attribution.cause.value
+                self._journal().changed(change, raw.id, "command" if raw.id else cause)
 
-    async def _take_raw(self, gateway: str, command: RawCommand) -> None:
+    async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:
-            return  # it has passed a control layer, which noted it
+            return  # the control layer sent it, and recorded it
         now = self._clock.now()
-        device = await self.addresses.device_at(gateway, command.address)
+        device = await self._lookup.device_at(gateway, command.address)
         if device:
             self._journal().published(device, command, now, is_sent=not self._is_dry_run)
-
-
-def _is_in_chain(finding: Attribution | None) -> bool:
-    """Return whether the entries of a command have the change, or it is a part of the command's effect."""
-    return finding is not None and finding.role is not None

@@ -12,8 +12,7 @@ from typing import Final, final
 
 from pydantic import ValidationError
 
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.learnt_row import LearntRow
+from homebot.control.journal.store import JournalNote, LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.messages import Time
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema

@@ -1,24 +1,101 @@
-"""Port of the stores of the journal, which keep what was learnt from commands too."""
+"""Store of the journal and of device profiles: its port, its rows, and the store in memory."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections import Counter, deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, final
 
-from homebot.control.journal.journal_note import JournalNote
-from homebot.control.journal.learnt_row import LearntRow
-from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.trigger import NO_TRIGGER
+from homebot.messages import Time
 
-__all__ = ["JournalStore"]
+if TYPE_CHECKING:
+    from homebot.devices.command_messages import CommandResult, Setting
+    from homebot.devices.journal_messages import EntryKind, JournalVerdict
+    from homebot.devices.trigger import Trigger
+
+__all__ = ["JournalNote", "JournalStore", "LearntRow", "MemoryStore", "with_newer"]
+
+_SHARE: Final = 0.1
+"""Of the entries of the issuer with the most, that are dropped at once; see :mod:`.journal_file`."""
+
+
+@final
+@dataclass(slots=True)
+class JournalNote:
+    """The fields of a `JournalEntry`; the entry is made when it is read, which few are.
+
+    Attributes:
+        at: Seconds since the Unix epoch.
+    """
+
+    kind: EntryKind
+    at: float
+    device: str
+    part: str = ""
+    command: str = ""
+    issuer: str = ""
+    trigger: Trigger = NO_TRIGGER
+    settings: tuple[Setting, ...] = ()
+    text: str = ""
+    verdicts: tuple[JournalVerdict, ...] = ()
+    results: tuple[CommandResult, ...] = ()
+    cause: str = ""
+    folded: int = 0
+
+    @property
+    def stamp(self) -> Time:
+        """The time as the entry has it, to the nanosecond."""
+        return Time.from_seconds(self.at)
+
+    def entry(self) -> JournalEntry:
+        """Return a new entry."""
+        return JournalEntry(
+            kind=self.kind,
+            at=self.stamp,
+            device=self.device,
+            part=self.part,
+            command=self.command,
+            issuer=self.issuer,
+            trigger=self.trigger,
+            settings=self.settings,
+            text=self.text,
+            verdicts=self.verdicts,
+            results=self.results,
+            cause=self.cause,
+            folded=self.folded,
+        )
+
+
+class LearntRow(NamedTuple):
+    """A saved record of the knowledge about devices.
+
+    Attributes:
+        kind: Such as ``profile``.
+        name: Its name, unique in its kind.
+        record: The record as text; empty if it is removed.
+        at: When it was learnt last, in seconds since the Unix epoch.
+        command: The id of the command from which it was learnt last.
+    """
+
+    kind: str
+    name: str
+    record: str
+    at: float
+    command: str
 
 
 class JournalStore(Protocol):
-    """Keeps entries in the order in which they come.
+    """Store of entries, in the order in which they are added, and of learnt rows.
 
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
-        failures: Entries that could not be kept.
-        problem: The trouble of the store, as text; empty where there is none.
-        remembers: Whether it may have what an earlier run learnt.
+        failures: Entries that could not be stored.
+        problem: The trouble of the store, as text; empty if there is none.
+        remembers: Whether it may have rows of an earlier run.
     """
 
     dropped: int
@@ -27,7 +104,7 @@ class JournalStore(Protocol):
     remembers: bool
 
     def add(self, note: JournalNote) -> None:
-        """Keep what was noted; never blocks, and does no input or output."""
+        """Add an entry; never blocks, and does no input or output."""
         ...
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
@@ -35,17 +112,101 @@ class JournalStore(Protocol):
         ...
 
     def learn(self, row: LearntRow) -> None:
-        """Keep *row* in place of the one of its kind and name; without a record, none; never blocks."""
+        """Replace the row of the same kind and name, or remove it if *row* has no record; never blocks."""
         ...
 
     async def learnt(self) -> tuple[LearntRow, ...]:
-        """Return what an earlier run learnt, the longest unused first; a row that cannot be read has no record."""
+        """Return the rows of earlier runs, the longest unused first; an unreadable row has no record."""
         ...
 
     async def run(self) -> None:
-        """Write what is added until cancelled."""
+        """Write until cancelled."""
         ...
 
     async def close(self) -> None:
-        """Write what waits and close, within a few seconds; nothing is added afterwards."""
+        """Write the rest and close, within a few seconds; nothing is added afterwards."""
         ...
+
+
+@final
+class MemoryStore:
+    """The newest entries; the oldest are dropped when they are too old, those of the largest issuer when too many.
+
+    Args:
+        most: The number of entries at most.
+        longest: Seconds for which an entry is stored.
+    """
+
+    def __init__(self, most: int, longest: float) -> None:
+        self._entries: deque[JournalNote] = deque()
+        self._most = most
+        self._longest = longest
+        self.dropped = self.failures = 0
+        self.problem = ""
+        self.remembers = False
+
+    def add(self, note: JournalNote) -> None:
+        """Add an entry."""
+        entries = self._entries
+        entries.append(note)
+        oldest = note.at - self._longest
+        while entries[0].at < oldest:
+            entries.popleft()
+            self.dropped += 1
+        if len(entries) > self._most:
+            self._drop_oldest()
+
+    def _drop_oldest(self) -> None:
+        """Drop the oldest entries of the issuer with the most."""
+        ((issuer, count),) = Counter(note.issuer for note in self._entries).most_common(1)
+        excess = max(1, round(_SHARE * count))
+        self.dropped += excess
+        kept: deque[JournalNote] = deque()
+        for note in self._entries:
+            if excess and note.issuer == issuer:
+                excess -= 1
+            else:
+                kept.append(note)
+        self._entries = kept
+
+    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
+        """Return the newest entries that fit."""
+        return with_newer(ReadJournalResponse(), self._entries, request)
+
+    def learn(self, row: LearntRow) -> None:
+        """Do nothing: the knowledge ends with the run."""
+
+    async def learnt(self) -> tuple[LearntRow, ...]:
+        """Return no rows."""
+        return ()
+
+    async def run(self) -> None:
+        """Do nothing: there is no file."""
+
+    async def close(self) -> None:
+        """Do nothing: there is no file."""
+
+
+def with_newer(
+    response: ReadJournalResponse, notes: Sequence[JournalNote], request: ReadJournalRequest
+) -> ReadJournalResponse:
+    """Return *response* with those of the newer *notes*, oldest first, that fit *request*."""
+    if not notes or not response.success:
+        return response
+    limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
+    newer = list(islice(_newest_fitting(notes, request), limit + 1))
+    entries = (*response.entries, *(note.entry() for note in reversed(newer)))
+    begins = response.begins if response.begins.to_seconds() else notes[0].stamp
+    is_complete = response.complete and len(entries) <= limit
+    return ReadJournalResponse(entries=entries[-limit:], complete=is_complete, begins=begins)
+
+
+def _newest_fitting(notes: Sequence[JournalNote], request: ReadJournalRequest) -> Iterator[JournalNote]:
+    """Yield those of *notes*, oldest first, that fit *request*, newest first."""
+    since, until = request.since.to_seconds(), request.until.to_seconds()
+    for note in reversed(notes):
+        at = note.stamp.to_seconds()  # as in the entries, which a request may quote
+        if at < since:
+            continue  # not the end: the clock may have been set
+        if (not until or at <= until) and request.device in {"", note.device} and request.command in {"", note.command}:
+            yield note

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, TypeAlias, final
+from typing import Annotated, Final, TypeAlias, final
 
 from pydantic import GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
@@ -13,27 +13,26 @@ from pydantic_core import CoreSchema, core_schema
 from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
-from homebot.control.policies.known_value import known_value
-from homebot.control.policies.possible import without_reports
-from homebot.devices import Device, DevicePart
+from homebot.control.values import END_POSITIONS
+from homebot.control.values import fits as is_reached
 from homebot.devices.query import PartFacets, Query, fits, type_is
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["VERBS", "CommandPattern", "Patterns", "pattern_of_type", "read_pattern"]
+__all__ = ["VERBS", "CommandPattern", "Patterns", "known_value", "pattern_of_type", "read_pattern"]
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
-"""Tells whether setting a capability to a value, where another is known to be so or None is, is what a verb means."""
+"""Return whether to set a capability to a value is an action, given the value before, or None if that is unknown."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CommandPattern:
-    """Commands that do something certain to certain devices.
+    """Pattern of commands.
 
     Attributes:
-        text: The pattern as it was written.
+        text: The pattern as it is written.
         verb: One of :data:`VERBS`.
         query: The devices.
     """
@@ -43,7 +42,7 @@ class CommandPattern:
     query: Query
 
     def fits(self, command: IssuedCommand, facts: Facts) -> bool:
-        """Return whether *command* is one of these, as far as is known: a motor that may be open can be closed."""
+        """Return whether *command* matches, or may match: a motor at an unknown position may be closed."""
         does = VERBS[self.verb]
         for capability, value in command.settings.items():
             known = known_value(command, capability, facts) if capability in _COMPARED else None
@@ -55,23 +54,17 @@ class CommandPattern:
         facets.part = command.part
         return fits(self.query, facets)
 
-    def may_concern(self, device: Device, part: DevicePart) -> bool:
-        """Return whether some command to *part* may be one of these, whatever is reported."""
-        facets = PartFacets(device)
-        facets.part = part
-        return fits(without_reports(self.query), facets)
-
     def __str__(self) -> str:
         return self.text
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Take a pattern as it is; called by pydantic, which would load and make much for all kinds of queries."""
+        """Accept instances alone; else pydantic would build validators for all kinds of queries."""
         return core_schema.is_instance_schema(cls)
 
 
 def read_pattern(text: str) -> CommandPattern:
-    """Return the pattern that *text* is: a verb and a query; without a query it is about every device.
+    """Parse a verb and a query; without a query the pattern matches every device.
 
     Raises:
         UsageError: It does not begin with a verb, or the rest is no query; names the problem.
@@ -124,7 +117,7 @@ _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "
 _STRENGTHS = frozenset({"level", "fan_speed"})
 _OPENINGS = frozenset({"movement", "valve"})
 _COMPARED = frozenset({"position", "heating_setpoint"})
-"""Capabilities of which it depends on the value before what a command does."""
+"""Capabilities with an effect that depends on the value before."""
 
 _OPEN, _CLOSED = 100.0, 0.0  # percent
 _NO_HEAT = frozenset({"off", "cool", "dry", "fan_only"})
@@ -159,7 +152,7 @@ def _closes(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
 
 
 def _heats(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
-    """Return whether it asks for heat: a lower setpoint does not."""
+    """Return whether a command asks for heat: a lower setpoint does not."""
     if capability == "heating_setpoint" and isinstance(wanted, float):
         return not isinstance(known, float) or wanted > known
     return capability in _MODES and wanted not in _NO_HEAT
@@ -168,6 +161,38 @@ def _heats(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
 def _starts(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     is_work = (capability, wanted) in {("vacuum", "cleaning"), ("vacuum", "spot"), ("mower", "mowing")}
     return is_work or _turns_on(capability, wanted, known)
+
+
+_ON_THE_WAY: Final = 300.0
+"""Seconds after a command in which a report of another value may be a value on the way."""
+
+_ROUNDING: Final = 0.001
+"""Seconds by which stamps and the monotonic clock may differ: some devices answer at once."""
+
+_MOVED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({"position": ("position", "movement")})
+
+
+def known_value(command: IssuedCommand, capability: str, facts: Facts) -> PlainValue:
+    """Return the certain value of *capability* of the commanded part; None if an earlier command may have changed it.
+
+    A report after that command is certain if it has the commanded value, and five minutes after the command in any
+    case.
+    """
+    states = (one for one in command.device.states if one.capability == capability and one.part == command.part.id)
+    state = next(states, None)
+    if state is None:
+        return None
+    value, age = state.value.plain(), facts.age(state.told_at.to_seconds())
+    timeline = facts.timeline_of(command.device, command.part)
+    for name in _MOVED_BY.get(capability, (capability,)):
+        sent = timeline.last_sent(name, command.id)
+        if sent is None:
+            continue
+        wanted, sent_ago = sent[0], facts.monotonic - sent[1]
+        is_there = is_reached(capability, END_POSITIONS.get(wanted, wanted), value)
+        if age > sent_ago + _ROUNDING or (not is_there and sent_ago < _ON_THE_WAY):
+            return None
+    return value
 
 
 VERBS: Mapping[str, _Does] = MappingProxyType(

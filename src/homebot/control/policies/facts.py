@@ -1,4 +1,4 @@
-"""The facts that policies judge by. Pure."""
+"""Facts that policies check a command against, and their verdicts. Pure."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from datetime import datetime, tzinfo
 from typing import NamedTuple, TypeAlias
 
 from homebot.control.policies.house import House
-from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.policies.turns import Turns
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
 
@@ -22,11 +22,11 @@ class Facts(NamedTuple):
     """A read-only view of the house at one moment.
 
     Attributes:
-        now: The time, in seconds since the Unix epoch.
-        monotonic: The same by a clock that is never set, in seconds since an arbitrary start.
+        now: Seconds since the Unix epoch.
+        monotonic: Seconds of a clock that is never set.
         zone: The time zone of the home; None for that of the computer.
-        house: The devices that some policy needs.
-        recent: The commands that were sent lately.
+        house: The devices that the policies need.
+        turns: The turns of values.
         timeline_of: The timeline of each part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
@@ -35,12 +35,12 @@ class Facts(NamedTuple):
     monotonic: float
     zone: tzinfo | None
     house: House
-    recent: RecentCommands
+    turns: Turns
     timeline_of: TimelineOf
     clock_set_at: float = -math.inf
 
     def age(self, stamp: float) -> float:
-        """Return the seconds since *stamp*; since the clock was set, for what was stamped before by another time."""
+        """Return the seconds since *stamp*, at most those since the clock was set."""
         since_set = self.monotonic - self.clock_set_at
         if stamp > self.now:
             return since_set if since_set < math.inf else 0.0

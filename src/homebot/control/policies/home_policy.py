@@ -70,15 +70,15 @@ class NamedPolicy:
         self.policy = policy
         self._has_failed = False
 
-    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+    def check(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Return the verdict of the policy under its name."""
         try:
             verdict = self.policy.judge(command, facts)
             return Verdict(self.name, verdict.allowed, verdict.reason, verdict.facts)
-        except Exception as exc:  # by another author; nothing is sent that it did not allow
+        except Exception as exc:  # the code of another package; it did not allow the command
             if not self._has_failed:
                 self._has_failed = True
-                _logger.exception("the policy %s failed, and refuses what it is asked about", self.name)
+                _logger.exception("the policy %s failed, and refuses every command that it checks", self.name)
             return Verdict(
                 self.name, allowed=False, reason=f"the policy failed: {type(exc).__name__}: {exc}"[:_LONGEST]
             )
@@ -91,7 +91,7 @@ def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedP
     """Yield the policies of *tables*.
 
     Raises:
-        UsageError: A name is no installed policy, or its table does not fit; says what to write.
+        UsageError: A name is no installed policy, or its table is wrong; names the remedy.
     """
     for name, table in tables.items():
         kind = _kind(name)
@@ -104,10 +104,10 @@ def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedP
 
 
 def check_tables(tables: PolicyTables) -> PolicyTables:
-    """Return *tables*, which installed policies take.
+    """Return *tables* if installed policies accept them.
 
     Raises:
-        ValueError: One does not; the message is for :mod:`pydantic`.
+        ValueError: One does not; for :mod:`pydantic`.
     """
     try:
         for _ in home_policies(tables):

@@ -1,4 +1,4 @@
-"""The devices that policies look at, by room. Pure."""
+"""Devices that policies need, by room. Pure."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from homebot.support.folding import fold
 __all__ = ["OCCUPANCY", "House", "SensorReading"]
 
 OCCUPANCY: Final = "occupancy"
-"""The capability that tells of presence."""
+"""The capability of motion sensors."""
 
 
 class SensorReading(NamedTuple):
     """The newest value of one sensor.
 
     Attributes:
-        sensor: The id of the device, with ``#`` and the id of the part where it has one.
-        value: What it reports; None where that is unknown, as it reported nothing live or has been silent too long.
-        since: Since when it has reported that, in seconds since the Unix epoch; 0 where unknown.
+        sensor: The id of the device, with ``#`` and the id of the part if it has one.
+        value: The value; None if the sensor reported nothing live, or has been silent for too long.
+        since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
     """
 
     sensor: str
@@ -113,7 +113,7 @@ class House:
         for state in states:
             if state.capability == OCCUPANCY and state.value.plain() is True:
                 sensor = _sensor(device_id, state.part)
-                self.detections.note(sensor, state.told_at.to_seconds())
+                self.detections.record(sensor, state.told_at.to_seconds())
                 self._detected_since[sensor] = state.since.to_seconds()
 
     def _is_unproven(self, device: Device, part: DevicePart) -> bool:

@@ -1,36 +1,33 @@
-"""Interlocks: what is not done while something else is so, such as heating with an open window. Pure."""
+"""Interlocks: commands that are refused while a condition holds, such as heating with an open window. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
-from homebot.control.policies.possible import without_states
 from homebot.control.policies.settings import Interlock
 from homebot.control.policies.verdict import FactUsed, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
 
-__all__ = ["InterlockRule", "judge_interlocks"]
+__all__ = ["InterlockRule", "check_interlock"]
 
 NAME: Final = "interlock"
-
-_NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class InterlockRule:
-    """An interlock, with what is worked out once of its condition.
+    """An interlock with its parsed condition.
 
     Attributes:
         interlock: The interlock.
         query: The condition.
-        possible: The query for the parts that may match the condition, whatever they report.
-        capabilities: The capabilities whose values the condition is about.
+        possible: The query for the parts that may match the condition at some time.
+        capabilities: The capabilities with values in the condition.
     """
 
     interlock: Interlock
@@ -45,22 +42,35 @@ class InterlockRule:
         return cls(interlock, query, without_states(query), frozenset(_capabilities(query)))
 
 
-def judge_interlocks(rules: Iterable[InterlockRule], command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command while the condition of one of *rules* holds, or while that is unknown."""
-    for rule in rules:
-        interlock = rule.interlock
-        if not any(pattern.fits(command, facts) for pattern in interlock.commands):
-            continue
+def check_interlock(rule: InterlockRule, command: IssuedCommand, facts: Facts) -> Verdict:
+    """Refuse a command while the condition of *rule* holds, or while that is unknown."""
+    interlock = rule.interlock
+    if any(pattern.fits(command, facts) for pattern in interlock.commands):
         room = command.device.area if interlock.where == "room" else None
         if not facts.house.is_known or room == "":
-            what = "the state of the house" if room != "" else "the room of the device"
-            return Verdict(NAME, allowed=False, reason=f"not while {interlock.condition}: {what} is unknown")
-        if (verdict := _judge(rule, room, facts)) is not None:
-            return verdict
-    return _NOT_CONCERNED
+            unknown = "the state of the house" if room != "" else "the room of the device"
+            return Verdict(NAME, allowed=False, reason=f"not while {interlock.condition}: {unknown} is unknown")
+        for device, part in _concerned_parts(rule, room, facts):
+            if (verdict := _check_part(rule, device, part)) is not None:
+                return verdict
+    return Verdict(NAME, allowed=True)
 
 
-def _judge(rule: InterlockRule, room: str | None, facts: Facts) -> Verdict | None:
+def without_states(query: Query, *, is_possible: bool = True) -> Query:
+    """Return the query for the parts that may match *query* at some time; else for those that match it at any time."""
+    match query:
+        case StateIs():
+            return And(()) if is_possible else Or(())
+        case And(terms):
+            return And(tuple(without_states(term, is_possible=is_possible) for term in terms))
+        case Or(terms):
+            return Or(tuple(without_states(term, is_possible=is_possible) for term in terms))
+        case Not(term):
+            return Not(without_states(term, is_possible=not is_possible))
+    return query
+
+
+def _concerned_parts(rule: InterlockRule, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
     for tracked in facts.house.devices(room):
         if not tracked.device.parts:
             continue
@@ -69,12 +79,11 @@ def _judge(rule: InterlockRule, room: str | None, facts: Facts) -> Verdict | Non
             if rule.capabilities and not any(one.name in rule.capabilities for one in part.part.capabilities):
                 continue
             facets.part = part
-            if fits(rule.possible, facets) and (verdict := _judge_part(rule, tracked.current(), part)) is not None:
-                return verdict
-    return None
+            if fits(rule.possible, facets):
+                yield tracked.current(), part
 
 
-def _judge_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdict | None:
+def _check_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdict | None:
     condition = rule.interlock.condition
     facets = PartFacets(device)
     facets.part = part
@@ -89,7 +98,7 @@ def _judge_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdic
 
 
 def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
-    """Return why the present state of a part is not known; empty where it is."""
+    """Return why the present state of a part is unknown; empty if it is known."""
     if is_away:
         return "it is unreachable"
     if device.freshness == "stale":

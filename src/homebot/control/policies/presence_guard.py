@@ -1,51 +1,50 @@
-"""The presence guard: what annoys or hurts people is not done by itself where somebody is. Pure."""
+"""Presence guard: apps do not annoy or hurt people who are in the room. Pure."""
 
 from __future__ import annotations
 
 from typing import Final, Literal, TypeAlias
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.closed_room import stayed_in
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
 from homebot.control.policies.verdict import FactUsed, Verdict
 
-__all__ = ["Presence", "judge_presence", "person_at", "presence_in"]
+__all__ = ["CONTACT", "Presence", "check_presence", "presence_in", "remaining_person"]
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"
 
-_NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
+CONTACT: Final = "contact"
+"""The capability of a door contact; true is open."""
 
 
-def judge_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command of an app where somebody is, or where that is unknown, if it is one of *settings*."""
-    if command.is_wish or not any(pattern.fits(command, facts) for pattern in settings.commands):
-        return _NOT_CONCERNED
+def check_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
+    """Refuse a command of *settings* by an app in a room that is occupied, or may be."""
+    if command.is_by_person or not any(pattern.fits(command, facts) for pattern in settings.commands):
+        return Verdict(NAME, allowed=True)
     room = command.device.area
     if not room:
-        return Verdict(
-            NAME, allowed=False, reason="the room of the device is unknown, and so is whether somebody is there"
-        )
+        reason = "the room of the device is unknown, and so is whether somebody is there"
+        return Verdict(NAME, allowed=False, reason=reason)
     presence, used = presence_in(room, facts, settings.absent_after)
-    if presence == "absent" and (stayed := _stayed(settings, room, facts)) is not None:
-        detected = f"{stayed.name} was on {facts.age(stayed.since):.0f} s ago"
+    if presence == "absent" and (remaining := remaining_person(room, settings, facts)) is not None:
+        detected = f"{remaining.name} was on {facts.age(remaining.since):.0f} s ago"
         reason = f"somebody is in {room}: {detected}, and no door has been opened since"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(stayed,))
-    if presence != "present" and (person := person_at(command, facts, settings.absent_after)) is not None:
-        changed = f"{command.label} changed {facts.now - person.since:.0f} s ago, and no command explains it"
+        return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
+    if presence != "present" and (change := _person_at(command, facts, settings.absent_after)) is not None:
+        changed = f"{command.label} changed {facts.now - change.since:.0f} s ago, and no command explains it"
         reason = f"somebody may be in {room}: {changed}"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(person,))
+        return Verdict(NAME, allowed=False, reason=reason, facts=(change,))
     return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
 
 
 def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence, tuple[FactUsed, ...]]:
-    """Return whether somebody is in *room*, and the readings that tell.
+    """Return whether *room* is occupied, and the readings behind it.
 
-    Present if any sensor detects motion, or did within *absent_after* seconds; unknown if there is no sensor, or any
-    of them is silent, has never detected anybody, or was first heard within these seconds; absent otherwise.
+    Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
+    silent, has never detected motion, or first reported within these seconds. Absent otherwise.
     """
     found: list[FactUsed] = []
     doubtful: list[FactUsed] = []
@@ -62,20 +61,39 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     return "absent", tuple(found)
 
 
-def person_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
-    """Return a change of the commanded part within the last seconds that no command explains: a person at its switch.
+def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -> FactUsed | None:
+    """Return the detection of a person who has not left *room* since its doors were closed; None if there is none.
 
-    The switch reports sooner than the motion sensor.
+    A sensor began to detect motion after all doors were closed, or still did ``absent_after`` seconds later, which is
+    longer than it holds the motion of a person who left.
     """
+    closed_for = _closed_for(settings.contacts_of(room), facts)
+    if closed_for is None:
+        return None
+    for one in facts.house.readings(room, OCCUPANCY):
+        began = facts.house.detected_since(one.sensor)
+        if began is None:
+            continue
+        has_moved = facts.age(began) <= closed_for
+        if has_moved or (one.value is False and facts.age(one.since) + settings.absent_after <= closed_for):
+            return FactUsed(f"{OCCUPANCY} of {one.sensor}", value=True, since=began)
+    return None
+
+
+def _closed_for(contacts: tuple[str, ...], facts: Facts) -> float | None:
+    """Return for how many seconds all doors have been closed; None if one is open or unknown, or there is none."""
+    readings = [facts.house.reading_of(one, CONTACT) for one in contacts]
+    if not readings or any(one is None or one.value is not False for one in readings):
+        return None
+    return min(facts.age(one.since) for one in readings if one is not None)
+
+
+def _person_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
+    """Return the newest unexplained change of the commanded part: a switch reports sooner than a motion sensor."""
     change = facts.timeline_of(command.device, command.part).unexplained(facts.monotonic - within)
     if change is None:
         return None
     return FactUsed(f"{change.capability} of {command.target}", change.value, facts.now - facts.monotonic + change.at)
-
-
-def _stayed(settings: PresenceGuardSettings, room: str, facts: Facts) -> FactUsed | None:
-    contacts = settings.contacts_of(room)
-    return stayed_in(room, contacts, facts, settings.absent_after) if contacts else None
 
 
 def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Facts) -> str:
@@ -91,23 +109,27 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
 
 
 def _shown(used: FactUsed) -> str:
-    """Return the fact in words: the id of the sensor's part tells people nothing."""
+    """Return the name of the fact without the id of the sensor's part."""
     return used.name.partition("#")[0]
 
 
 def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
-    """Return why nothing tells, and what to do about it."""
+    """Return why the presence is unknown, and the remedy."""
     if not facts.house.is_known:
         return "the devices of the home are not known yet"
     if not used:
         return "it has no motion sensor"
-    reasons: list[str] = []
-    if silent := [_shown(one) for one in used if one.value is None]:
-        reasons.append(f"no current {' or '.join(silent)}")
+    silent = " or ".join(_shown(one) for one in used if one.value is None)
+    return "; ".join([*([f"no current {silent}"] if silent else []), *_doubts_of_clear(used, facts)])
+
+
+def _doubts_of_clear(used: tuple[FactUsed, ...], facts: Facts) -> list[str]:
+    """Return why each sensor that reports "clear" does not count."""
+    found: list[str] = []
     for one in used:
         sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (one.name, _shown(one)))
         if one.value is False and sensor in facts.house.detections:
-            reasons.append(f"{shown} has been heard for only {facts.age(one.since):.0f} s")
+            found.append(f"{shown} has been heard for only {facts.age(one.since):.0f} s")
         elif one.value is False:
-            reasons.append(f"{shown} has never detected anybody; walk past it once")
-    return "; ".join(reasons)
+            found.append(f"{shown} has never detected anybody; walk past it once")
+    return found

@@ -1,4 +1,4 @@
-"""The rate limit: no device is switched to and fro like a strobe. Pure."""
+"""Rate limit: no device is switched to and fro like a strobe. Pure."""
 
 from __future__ import annotations
 
@@ -9,18 +9,16 @@ from homebot.control.policies.facts import Facts
 from homebot.control.policies.settings import RateLimitSettings
 from homebot.control.policies.verdict import FactUsed, Verdict
 
-__all__ = ["judge_rate"]
+__all__ = ["check_rate"]
 
 NAME: Final = "rate_limit"
 
-_NOT_CONCERNED: Final = Verdict(NAME, allowed=True)
 
-
-def judge_rate(settings: RateLimitSettings, command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command that turns a value round once more than *settings* allow."""
-    turns = facts.recent.turns(command, facts.monotonic, settings.seconds)
+def check_rate(settings: RateLimitSettings, command: IssuedCommand, facts: Facts) -> Verdict:
+    """Refuse a command that turns a value once more than *settings* allow."""
+    turns = facts.turns.count(command, facts.monotonic, settings.seconds)
     if turns < settings.changes:
-        return _NOT_CONCERNED
+        return Verdict(NAME, allowed=True)
     used = FactUsed(f"changes of {command.target} in {settings.seconds:g} s", float(turns))
     reason = f"{command.label} was switched to and fro {turns} times within {settings.seconds:g} s"
     return Verdict(NAME, allowed=False, reason=reason, facts=(used,))

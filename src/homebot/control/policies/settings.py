@@ -1,4 +1,4 @@
-"""Settings of the policies: the tables and keys of ``[control]`` that say what is never done. Pure."""
+"""Settings of the policies: the tables and keys of ``[control]`` for them. Pure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _annoying() -> tuple[CommandPattern, ...]:
 
 
 def _as_tuple(value: object) -> object:
-    """Return an array as a tuple: in a table that may be ``true`` too, pydantic takes no list for one."""
+    """Return an array as a tuple: pydantic rejects a list in a table that may be ``true`` as well."""
     return tuple(value) if isinstance(value, list) else value
 
 
@@ -46,10 +46,10 @@ class PresenceGuardSettings(BaseModel):
     """The table ``[control.presence_guard]``.
 
     Attributes:
-        commands: The commands that are not given by an app where somebody is, or where that is unknown.
-        absent_after: Seconds without motion after which nobody is there: somebody who reads does not move.
-        doors: The ids or names of the contacts on all doors of a room, by its name: who moved in it after they were
-            closed is there until one opens.
+        commands: The commands that apps may not give in an occupied room, or one that may be.
+        absent_after: Seconds without motion after which a room is empty: a person who reads does not move.
+        doors: The ids or names of the contacts on all doors of a room, by its name: a person who moved in it after
+            they were closed is there until one opens.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -59,14 +59,14 @@ class PresenceGuardSettings(BaseModel):
     doors: Annotated[dict[_Name, _Contacts], Field(max_length=1000)] = Field(default_factory=dict)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
-        """Return the contacts on all doors of *room*; none where they are not known."""
+        """Return the contacts on all doors of *room*; none if they are not known."""
         if not self.doors:
             return ()
         return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
 
 
 def _local(value: time) -> time:
-    """Return *value*, which is a time of day in the home."""
+    """Return *value* if it is a time of day in the home."""
     if value.tzinfo is not None:
         raise ValueError("must be a local time such as 22:00; `[control] time_zone` says where")
     return value
@@ -79,9 +79,9 @@ class QuietHours(BaseModel):
     """A table ``[[control.quiet_hours]]``.
 
     Attributes:
-        start: The local time from which it is quiet.
-        end: The local time from which it no longer is; before *start*, it is that of the next day.
-        commands: The commands that apps do not give meanwhile.
+        start: The local time at which they begin.
+        end: The local time at which they end; before *start* it is on the next day.
+        commands: The commands that apps may not give meanwhile.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -99,7 +99,7 @@ class QuietHours(BaseModel):
 
 
 def _query_text(text: str) -> str:
-    """Return *text*, which is a query."""
+    """Return *text* if it is a query."""
     from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - only where the configuration has one
 
     if not text.strip():
@@ -119,8 +119,8 @@ class Interlock(BaseModel):
     """A table ``[[control.interlocks]]``.
 
     Attributes:
-        commands: The commands that are not sent.
-        condition: While a device matches this query, written as ``while``.
+        commands: The refused commands.
+        condition: The query, written as ``while``: the commands are refused while a device matches.
         where: Whether that device must be in the room of the commanded one, or may be anywhere in the home.
     """
 
@@ -142,8 +142,7 @@ class RateLimitSettings(BaseModel):
     """The table ``[control.rate_limit]``.
 
     Attributes:
-        changes: How often a value of a device may be switched to and fro within *seconds*.
-        seconds: Seconds.
+        changes: The number of turns of a value that are allowed within *seconds*.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -153,7 +152,7 @@ class RateLimitSettings(BaseModel):
 
 
 def _zone(name: str) -> str:
-    """Return *name*, which is that of a time zone; empty for that of the computer."""
+    """Return *name* if it is a time zone, or empty for that of the computer."""
     from zoneinfo import ZoneInfo, ZoneInfoNotFoundError  # noqa: PLC0415 - only where the configuration has one
 
     if name:
@@ -165,7 +164,7 @@ def _zone(name: str) -> str:
 
 
 def _table_or_bool(example: str) -> BeforeValidator:
-    """Return what reads the table that ``true`` means, none for ``false``; *example* is a table, for messages."""
+    """Return a validator: ``true`` is the default table, ``false`` is None; *example* is a table, for messages."""
 
     def read(value: object) -> object:
         if isinstance(value, bool):
@@ -184,7 +183,7 @@ _Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
 
 
 def _installed(tables: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
-    """Return *tables*, which installed policies take."""
+    """Return *tables* if installed policies accept them."""
     if not tables:
         return tables
     from homebot.control.policies.home_policy import check_tables  # noqa: PLC0415 - few homes have any
@@ -196,16 +195,15 @@ _Policies: TypeAlias = Annotated[dict[_Name, dict[str, object]], Field(max_lengt
 
 
 class PolicySettings(BaseModel):
-    """The part of the table ``[control]`` that is about policies.
+    """The keys of the table ``[control]`` for policies.
 
     Attributes:
-        presence_guard: Whether apps may not turn things off or close them where somebody is: ``true``, or a table for
-            how.
-        quiet_hours: What apps do not do at which times.
-        interlocks: What is not done while something else is so.
-        rate_limit: How often a device may be switched to and fro; ``false`` for no limit.
-        always_ask: Whether locks, garage doors, ovens and their like take a right that names them.
-        approvals: Whether these are not driven until the owner approves each device.
+        presence_guard: Whether apps may not turn things off or close them in an occupied room: ``true``, or a table.
+        quiet_hours: Times at which apps may not give some commands.
+        interlocks: Commands that are refused while a condition holds.
+        rate_limit: The limit for switching to and fro; ``false`` for none.
+        always_ask: Whether locks, garage doors, ovens and the like take a right that names them.
+        approvals: Whether these take no command until the owner approves each device.
         policies: The tables of the policies of other packages, by the names of their entry points.
         time_zone: The time zone of the home, such as ``Europe/Vienna``; empty for that of the computer.
     """

@@ -1,4 +1,4 @@
-"""Verdicts of policies, as data. Pure."""
+"""Verdicts of policies. Pure."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ __all__ = ["FactUsed", "Verdict"]
 
 
 class FactUsed(NamedTuple):
-    """One fact that a verdict rests on.
+    """Fact behind a verdict.
 
     Attributes:
-        name: The name, for example ``occupancy of motion/hall``.
-        value: The value; None where it is unknown.
-        since: Since when it has been so, in seconds since the Unix epoch; 0 where that is unknown.
+        name: For example ``occupancy of motion/hall``.
+        value: Its value; None if that is unknown.
+        since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
     """
 
     name: str
@@ -24,13 +24,13 @@ class FactUsed(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """The answer of one policy to one command.
+    """Answer of one policy to one command.
 
     Attributes:
-        policy: The name of the policy, for example ``presence_guard``.
+        policy: The name of the policy.
         allowed: Whether the command may be sent.
-        reason: The reason, as text; empty where the policy does not concern the command.
-        facts: The facts that it rests on.
+        reason: The reason; empty if the policy does not concern the command.
+        facts: The facts behind it.
     """
 
     policy: str

@@ -7,9 +7,8 @@ from enum import Enum
 from typing import Final, NamedTuple
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Reported
+from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.roles import ReportRole
 
 __all__ = ["Attribution", "Cause", "cause_of", "cause_of_undoing"]
 

@@ -8,7 +8,7 @@ from typing import Final, Literal, NamedTuple
 
 from homebot.control import durations
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.value_text import value_text
+from homebot.control.values import value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
 
 __all__ = ["SendingPlan", "Step", "next_step", "outcome_of"]

@@ -6,7 +6,7 @@ from typing import Final
 
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.tolerance import fits
+from homebot.control.values import fits
 from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome
 
 __all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]

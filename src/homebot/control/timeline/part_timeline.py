@@ -135,6 +135,7 @@ class PartTimeline:
         for one in active:
             one.report(fact)
             self._learn(one)
+        for one in active:
             self.on_report(one, fact)
         return fact
 
@@ -176,6 +177,13 @@ class PartTimeline:
                 return fact if isinstance(fact, facts.Reported) else None
         kept = self.dropped_change
         return kept if kept is not None and kept.at >= since else None
+
+    def last_sent(self, capability: str, except_id: str) -> tuple[PlainValue, float] | None:
+        """Return the value and the time of the newest sent command for *capability*, except that command."""
+        for one in reversed(self.commands):
+            if one.sendings and one.order.id != except_id and capability in one.order.settings:
+                return one.order.settings[capability], one.sent_at
+        return None
 
     def open_commands(self) -> Iterator[CommandProgress]:
         """Yield the commands without an outcome, oldest first; no raw texts."""

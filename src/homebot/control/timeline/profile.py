@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from homebot.control import durations
-from homebot.control.tolerance import fits, is_same
+from homebot.control.values import fits, is_same
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 

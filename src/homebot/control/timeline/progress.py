@@ -10,14 +10,11 @@ import math
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.held_values import POWERS, STOPPED, changes, related
-from homebot.control.timeline.facts import Commanded, Order, Reported
-from homebot.control.timeline.motion import Motion
+from homebot.control.timeline.facts import Commanded, Order, Reported, ReportRole
+from homebot.control.timeline.goal import Motion, WantedValues
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.roles import ReportRole
 from homebot.control.timeline.settling import Settling
-from homebot.control.timeline.wanted_values import WantedValues
-from homebot.control.tolerance import is_intermediate
+from homebot.control.values import POWERS, STOPPED, changes, is_intermediate, related
 from homebot.devices.outcomes import Confirmed, Outcome
 from homebot.devices.value import PlainValue
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple, final
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control import durations
-from homebot.control.held_values import departs
-from homebot.control.timeline.motion import FadeOut, FadeSign
-from homebot.control.timeline.roles import ReportRole
-from homebot.control.tolerance import is_intermediate
+from homebot.control.timeline.facts import ReportRole
+from homebot.control.values import departs, is_intermediate
 from homebot.devices.value import PlainValue
 
 if TYPE_CHECKING:
@@ -18,7 +16,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Settling", "Undoing"]
 
+FadeSign: TypeAlias = Literal["fading", "back", "unknown"]
+
 _ON: Final = "on_off"
+_STEP: Final = 0.5
+"""Percent by which a level changes at least while a lamp fades."""
 
 
 class Undoing(NamedTuple):
@@ -188,3 +190,43 @@ class Settling:
         self._steps.clear()
         self.undoing = Undoing(at, capability, at - self._confirmed_at)
         self.until = at
+
+
+@final
+class FadeOut:
+    """Difference between a lamp that fades off after it reported "off", and one that was turned on again.
+
+    Many bridges report what was commanded before the lamp has faded there. Each further report has a lower level, but
+    that of a lamp that was turned on again mostly the level of before.
+
+    Args:
+        level: The level that the lamp reported before it was turned off; None if it reported none.
+    """
+
+    __slots__ = ("_level", "_lowered_at", "_told_at")
+
+    def __init__(self, level: PlainValue) -> None:
+        self._level = level if isinstance(level, float) else math.inf
+        self._told_at = self._lowered_at = -math.inf
+
+    @property
+    def is_possible(self) -> bool:
+        """True if the level before is known."""
+        return self._level < math.inf
+
+    def report(self, level: PlainValue, now: float) -> FadeSign:
+        """Record a report of *level* at *now*, and return its meaning."""
+        if not isinstance(level, float) or not self.is_possible:
+            return "unknown"
+        self._told_at = now
+        if level < self._level - _STEP:
+            self._level, self._lowered_at = level, now
+            return "fading"
+        return "back" if level > self._level + _STEP or self._lowered_at == -math.inf else "unknown"
+
+    def sign(self, now: float) -> FadeSign:
+        """Return the meaning of a report of "on" at *now*, by the level in the same message."""
+        if now - self._lowered_at <= durations.SAME_MESSAGE:
+            return "fading"
+        is_back = now - self._told_at <= durations.SAME_MESSAGE and self._lowered_at == -math.inf
+        return "back" if is_back else "unknown"

@@ -1,4 +1,4 @@
-"""Wanted values of one command, and which reports show that the device obeyed. Pure."""
+"""Goal of one command: the reports that show that the device obeyed, or is on its way. Pure."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from typing import Final, final
 
 from homebot.control.timeline.facts import Order
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.tolerance import fits, is_other_end, is_same
+from homebot.control.values import END_POSITIONS, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
-__all__ = ["WantedValues"]
+__all__ = ["Motion", "WantedValues"]
 
 _NOTHING: Final = object()
+_RUNS: Final = frozenset({"opening", "closing"})
+_OPENINGS: Final = frozenset({"movement", "valve"})
+_STEP: Final = 0.5
+"""Percent by which a level or a position changes at least while a device is on its way."""
 
 
 @final
@@ -69,3 +73,46 @@ class WantedValues:
     def _is_answer(self, capability: str, value: PlainValue) -> bool:
         wanted = self._order.settings.get(capability)
         return fits(capability, wanted, value) and self._profile.is_answer(capability, wanted, value)
+
+
+@final
+class Motion:
+    """Approach of a level or a position to its goal, over the reports after one command.
+
+    Many dimmers have a ramp of their own, and many blinds report their position alone until the last step.
+
+    Args:
+        order: The command.
+        last: The values that the part reported last.
+    """
+
+    __slots__ = ("_goals", "_is_positioned", "_now")
+
+    def __init__(self, order: Order, last: Mapping[str, PlainValue]) -> None:
+        settings = order.settings
+        self._is_positioned = order.moves and "position" in settings
+        self._goals: dict[str, float] = {}
+        self._now: dict[str, float] = {}
+        level = 0.0 if settings.get("on_off") is False else settings.get("level")
+        if isinstance(level, float):
+            self._goals["level"] = level
+            self._begin("level", 0.0 if last.get("on_off") is False else last.get("level"))
+        position = END_POSITIONS.get(settings.get("movement"))
+        if order.moves and not self._is_positioned and position is not None:
+            self._goals["position"] = position
+            self._begin("position", last.get("position"))
+
+    def shows(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a report shows that the device is on its way."""
+        if self._is_positioned and capability in _OPENINGS:
+            return value in _RUNS
+        goal = self._goals.get(capability)
+        if goal is None or not isinstance(value, float):
+            return False
+        before = self._now.get(capability)
+        self._now[capability] = value
+        return before is not None and abs(before - goal) - abs(value - goal) >= _STEP
+
+    def _begin(self, capability: str, value: PlainValue) -> None:
+        if isinstance(value, float):
+            self._now[capability] = value

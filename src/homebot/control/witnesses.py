@@ -8,16 +8,17 @@ from functools import partial
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.reports import GatewayFeed, ReportWatch
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.gateway_feed import GatewayFeed, ReportWatch
+from homebot.control.observation import Measurement, Observed, observed, rises, sensed_by
 from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.facts import Witnessed
-from homebot.control.witnesses.observation import Measurement, Observed, observed, rises, sensed_by
-from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
+from homebot.devices import Device, DevicePart
+from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
-from homebot.devices.query import NameIs, Or, PartFacets, fits, query_terms
+from homebot.devices.query import NameIs, Or, PartFacets, fits
 from homebot.devices.query.terms import FactIs
-from homebot.devices.services import FindDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -62,22 +63,23 @@ class Witnesses:
     """Asks sensors about commands.
 
     Args:
-        node: The node whose clients ask the directory.
+        node: For its log and clock.
         settings: The sensors that the owner names, and for how long they are waited for.
         feed: The reports of the sensors.
+        lookup: Looks the sensors up.
 
     Attributes:
         contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts
             it.
     """
 
-    def __init__(self, node: Node, settings: ControlSettings, feed: GatewayFeed) -> None:
+    def __init__(self, node: Node, settings: ControlSettings, feed: GatewayFeed, lookup: DeviceLookup) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._named = settings.named_witnesses
         self._timeout = settings.timeout
         self._feed = feed
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._lookup = lookup
         self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
         self.contradicted: dict[tuple[str, str], str] = {}
 
@@ -93,10 +95,10 @@ class Witnesses:
             for (device, _), witness in self.contradicted.items()
         )
 
-    def trust(self, device: str) -> tuple[str, ...]:
-        """Forget that witnesses contradicted *device*; return their names."""
-        places = [one for one in self.contradicted if one[0] == device]
-        return tuple(self.contradicted.pop(one) for one in places)
+    def trust(self, request: TrustDeviceRequest) -> TrustDeviceResponse:
+        """Forget that witnesses contradicted a device; return their names."""
+        places = [one for one in self.contradicted if one[0] == request.device]
+        return TrustDeviceResponse(witnesses=tuple([self.contradicted.pop(one) for one in places]))
 
     async def begin(self, opened: OpenCommand) -> list[Witness]:
         """Return the witnesses of a command that is about to be sent; :meth:`end` must follow."""
@@ -152,9 +154,8 @@ class Witnesses:
             return _sensors(command.device, wanted & _METERS, is_named=False)
         if not name:
             return []
-        query = query_terms(Or((FactIs("id", name), NameIs(name))))
         try:
-            devices = (await self._find.call(FindDevicesRequest(query=query))).devices
+            devices = await self._lookup.devices(Or((FactIs("id", name), NameIs(name))))
         except ServiceError:
             return []
         return [one for device in devices for one in _sensors(device, wanted, is_named=True)][:_MOST_FOR_ONE]

@@ -1,22 +1,24 @@
-"""Knowledge that the control layer learnt from commands, kept over a restart in the store of the journal."""
+"""Persistence of the knowledge about devices, in the store of the journal."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import Final, Protocol, final
+from typing import Final, Protocol, TypeAlias, final
 
 import anyio
 
-from homebot.control.journal.learnt_row import LearntRow
-from homebot.control.journal.store import JournalStore
-from homebot.control.learnt_record import KeepLearnt
+from homebot.control.journal.store import JournalStore, LearntRow
 from homebot.errors import WireError
 from homebot.graph import Node
 
-__all__ = ["Learner", "LearntPersistence"]
+__all__ = ["Learner", "LearntPersistence", "SaveRecord"]
+
+SaveRecord: TypeAlias = Callable[[str, str, str], None]
+"""Saves a record over a restart: its name, the record, empty to remove it, and the id of the command behind it."""
 
 KINDS: Final = frozenset({"detection", "profile"})
-"""What this version learns; other rows are dropped."""
+"""The kinds of this version; other rows are dropped."""
 
 LOADED: Final = "control.learnt_loaded"
 DROPPED: Final = "control.learnt_dropped"
@@ -25,14 +27,14 @@ LATE: Final = "control.learnt_late"
 _LONGEST: Final = 100
 
 _PATIENCE: Final = 1.0
-"""Seconds for which a command waits for what was learnt: another program may keep the file for longer."""
+"""Seconds for which a command waits for the records: another program may lock the file for longer."""
 
 
 class Learner(Protocol):
-    """A part of the control layer that learns from commands."""
+    """A part of the control layer with saved records."""
 
     def restore(self, name: str, record: str) -> None:
-        """Take over what an earlier run kept as *record* under *name*.
+        """Restore a record of an earlier run.
 
         Raises:
             WireError: It cannot be read, or is of another version.
@@ -42,18 +44,17 @@ class Learner(Protocol):
 
 @final
 class LearntPersistence:
-    """Writes what was learnt as it is learnt, and reads it back before the first command.
+    """Saves records when they change, and restores them before the first command.
 
-    Each row says when it was learnt last, and from which command, which the journal may still know. What was not learnt
-    again for as long as the journal keeps its entries is dropped with them. A row that cannot be read is dropped, and
-    said so; the rest is used. Rows whose learner is another one's are left to that.
+    A record that does not change for as long as the journal stores its entries is dropped with them. An unreadable one
+    is dropped and logged.
 
     Args:
         node: For its log and clock.
-        store: Where it is kept.
+        store: The store.
 
     Attributes:
-        is_awaited: Whether a command has to wait until it was read, which takes a second at most.
+        is_awaited: Whether a command has to wait for the records, which takes a second at most.
     """
 
     def __init__(self, node: Node, store: JournalStore) -> None:
@@ -63,19 +64,16 @@ class LearntPersistence:
         self._loaded: anyio.Event | None = None
         self.is_awaited = store.remembers
 
-    def keeper(self, kind: str) -> KeepLearnt:
-        """Return what keeps the records of *kind*."""
-        return partial(self._keep, kind)
+    def saver(self, kind: str) -> SaveRecord:
+        """Return the function that saves records of *kind*."""
+        return partial(self._save, kind)
 
     def add(self, kind: str, learner: Learner) -> None:
-        """Have *learner* take over the records of *kind*."""
+        """Restore the records of *kind* with *learner*."""
         self._learners[kind] = learner
 
     async def load(self) -> None:
-        """Let all take over what an earlier run learnt; once.
-
-        Where that cannot be read within a second, they do so later, which the log says.
-        """
+        """Restore all records; once. After a second they are restored later, and that is logged."""
         if self._loaded is None:
             self._loaded = anyio.Event()
             self._node.create_task(partial(self._load, self._loaded))
@@ -83,7 +81,7 @@ class LearntPersistence:
             await self._loaded.wait()
         if not self._loaded.is_set() and self.is_awaited:
             kinds = ", ".join(sorted(self._learners))
-            text = f"what was learnt in earlier runs ({kinds}) cannot be read yet; commands are sent without it"
+            text = f"records of earlier runs ({kinds}) cannot be read yet; commands are sent without them"
             self._node.log.warning(LATE, message=text)
         self.is_awaited = False
 
@@ -101,17 +99,17 @@ class LearntPersistence:
             self._node.log.warning(DROPPED, message=f"{text}; it is learnt anew", count=len(problems))
 
     def _restore(self, row: LearntRow) -> str:
-        """Take one row over; return what is wrong with it, empty for nothing."""
+        """Restore one row; return its problem, or an empty text."""
         learner = self._learners.get(row.kind)
-        problem = "" if learner is not None else "this version learns no such thing"
+        problem = "" if learner is not None else "this version has no such records"
         try:
             if learner is not None:
                 learner.restore(row.name, row.record)
         except WireError as exc:
             problem = exc.problem
         if problem:
-            self._keep(row.kind, row.name, "", "")
+            self._save(row.kind, row.name, "", "")
         return problem and f"{row.kind} {row.name[:_LONGEST]!r}: {problem}"
 
-    def _keep(self, kind: str, name: str, record: str, command: str) -> None:
+    def _save(self, kind: str, name: str, record: str, command: str) -> None:
         self._store.learn(LearntRow(kind, name, record, self._node.graph.clock.now(), command))

@@ -1,4 +1,4 @@
-"""The services that keep parts as somebody holds them: each value is commanded, watched, and commanded again."""
+"""Services for leases: each held value is commanded, watched, and commanded again."""
 
 from __future__ import annotations
 
@@ -11,17 +11,15 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.control.command import zero_as_off
-from homebot.control.commanded_part import commanded_part, no_part_result
+from homebot.control.command import commanded_part, no_part_result, zero_as_off
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
-from homebot.control.held_parts import held_part
-from homebot.control.held_values import STOPPED
 from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.value_text import value_text
+from homebot.control.values import STOPPED, value_text
 from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
@@ -29,6 +27,8 @@ from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,
+    HeldPart,
+    HolderOfPart,
     HolderRequest,
     HoldRequest,
     LeaseResponse,
@@ -39,8 +39,9 @@ from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.messages import Time
 
-__all__ = ["LeaseKeeper"]
+__all__ = ["LeaseService"]
 
 _AGAIN: Final = 30.0
 """Seconds after a command without success in which the value is commanded again."""
@@ -53,36 +54,45 @@ _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
 @dataclass(slots=True)
 class _WatchedLease:
-    """Watch over one lease, while it lasts, and its newest command."""
+    """Watch of one lease, and its newest command.
+
+    Attributes:
+        stop: Ends the watch.
+        lock: Held while the value is commanded.
+        result: The result of the newest command.
+        seen: The value that was reported since.
+    """
 
     stop: Callable[[], None]
-    one_by_one: anyio.Lock = field(default_factory=anyio.Lock)
+    lock: anyio.Lock = field(default_factory=anyio.Lock)
     result: CommandResult | None = None
     seen: PlainValue = None
 
 
 @final
-class LeaseKeeper:
-    """Keeps parts as they are held.
+class LeaseService:
+    """Commands the held values, watches them, and commands them again.
 
     Args:
-        node: The node that it is on the graph.
-        executor: Carries the commands out, and asks its leases about each.
-        journal: Notes what becomes of each lease.
+        node: The node of the layer.
+        lookup: Looks the devices up.
+        executor: Carries the commands out, which its leases may refuse.
+        journal: Records each step of each lease.
     """
 
-    def __init__(self, node: Node, executor: CommandExecutor, journal: CommandJournal) -> None:
+    def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor, journal: CommandJournal) -> None:
         self._node = node
         self._clock = node.graph.clock
+        self._lookup = lookup
         self._executor = executor
         self._journal = journal
         self._leases = executor.leases
-        self._leases.on_outranked = self._note_outranked
-        self._kept: dict[Lease, _WatchedLease] = {}
+        self._leases.on_outranked = self._on_outranked
+        self._watched: dict[Lease, _WatchedLease] = {}
         self._changed = anyio.Event()
 
     async def run(self) -> None:
-        """End leases in their time, and command again what is to be, until cancelled."""
+        """End leases in their time, and command values again, until cancelled."""
         async with anyio.create_task_group() as tasks:
             while True:
                 self._changed = anyio.Event()
@@ -95,7 +105,7 @@ class LeaseKeeper:
     async def hold(self, request: HoldRequest) -> LeaseResponse:
         """Command a value and hold it; return when the outcome of the command is known."""
         try:
-            device = await self._executor.find_device(request.device)
+            device = await self._lookup.device(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
         part = None if device is None else commanded_part(device, request.part, (request.setting,))
@@ -107,20 +117,20 @@ class LeaseKeeper:
                 request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
             )
         refused = self._executor.preview(_command_of(request), device, part)
-        if refused is not None:  # before it holds: it would block others meanwhile
+        if refused is not None:  # before it blocks others
             return self._refused(request, refused.reason, refused.policy)
         lease = self._begin(request)
         if isinstance(lease, str):
             return self._refused(request, lease)
-        if lease not in self._kept:
-            kept = self._kept[lease] = _WatchedLease(lambda: None)
-            kept.stop = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
+        if lease not in self._watched:
+            watched = self._watched[lease] = _WatchedLease(lambda: None)
+            watched.stop = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
-        self._note_step("held", lease, request.issuer, request.by)
+        self._record("held", lease, request.issuer, request.by)
         key = _key(request)
         result = await self._command(lease, key, request.scope)
-        if result is None:  # over, or a hand came, before its turn
+        if result is None:  # it ended, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
         if result.outcome in {"refused", "gone"} and key in lease.holders:
@@ -128,7 +138,7 @@ class LeaseKeeper:
         return LeaseResponse(held=key in lease.holders, result=result)
 
     def renew(self, request: HolderRequest) -> LeaseResponse:
-        """Let a holder hold on, and tell it how things are."""
+        """Extend the lease of a holder, and return its state."""
         now = self._clock.monotonic()
         lease = self._leases.renew(_key(request), now)
         if lease is None:
@@ -136,7 +146,7 @@ class LeaseKeeper:
         return LeaseResponse(held=True, result=self._state(lease, now))
 
     def release(self, request: HolderRequest) -> LeaseResponse:
-        """Let a holder hold no more, and tell it how things are; one that holds nothing is refused."""
+        """End the lease of a holder, and return its state; a holder without a lease is refused."""
         response = self.renew(request)
         lease = self._release(_key(request))
         if lease is not None:
@@ -144,19 +154,19 @@ class LeaseKeeper:
         return response.model_copy(update={"held": False})
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
-        """Return the parts that are held."""
+        """Return the held parts."""
         self._expire()
         monotonic, now = self._clock.monotonic(), self._clock.now()
         leases = sorted((one for one in self._leases if request.device in {"", one.part[0]}), key=lambda one: one.part)
-        return LeasesResponse(parts=tuple(held_part(one, monotonic, now) for one in leases))
+        return LeasesResponse(parts=tuple(_held_part(one, monotonic, now) for one in leases))
 
     def end(self, request: EndLeasesRequest) -> LeasesResponse:
-        """Let nobody hold a device any more; return what was held."""
+        """End all leases of a device, and return them."""
         response = self.held_parts(GetLeasesRequest(device=request.device))
         for lease, (issuer, by, _), _ in self._leases.end(request.device, request.issuer, self._clock.monotonic()):
             self._end_if_over(lease)
             self._log("control.lease_ended", lease, f"is no longer held by {by} ({issuer}): {request.issuer} ended it")
-            self._note_step("ended", lease, request.issuer, by)
+            self._record("ended", lease, request.issuer, by)
         return response
 
     def on_client_left(self, issuer: str) -> None:
@@ -165,7 +175,7 @@ class LeaseKeeper:
         self._changed.set()
 
     def _begin(self, request: HoldRequest) -> Lease | str:
-        """Return the lease of a new holder, or why there is none."""
+        """Return the lease of a new holder, or the reason of its refusal."""
         capability, value = request.setting.capability, request.setting.value.plain()
         if not request.by.strip():
             return "a holder needs a name"
@@ -179,16 +189,16 @@ class LeaseKeeper:
         return lease
 
     async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> CommandResult | None:
-        """Command what is held, for one holder after the other; return what became of it, or None if nothing was."""
-        kept = self._kept.get(lease)
-        if kept is None:
+        """Send the held value for one holder at a time; return None if the lease is over or outranked."""
+        watched = self._watched.get(lease)
+        if watched is None:
             return None
-        async with kept.one_by_one:
+        async with watched.lock:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
-            kept.seen = None
+            watched.seen = None
             (device, part), (issuer, by, _) = lease.part, key
-            kept.result = result = await self._executor.perform(
+            watched.result = result = await self._executor.perform(
                 CommandRequest(
                     device=device,
                     part=part,
@@ -198,15 +208,15 @@ class LeaseKeeper:
                     scope=scope,
                 )
             )
-            self._note(lease, kept, outcome_of(result))
+            self._on_outcome(lease, watched, outcome_of(result))
         self._changed.set()
         return result
 
-    def _note(self, lease: Lease, kept: _WatchedLease, outcome: Outcome) -> None:
-        """Note the outcome of a command for *lease*."""
+    def _on_outcome(self, lease: Lease, watched: _WatchedLease, outcome: Outcome) -> None:
+        """Record the outcome of a command for *lease*."""
         now = self._clock.monotonic()
         if now < lease.hand_until:
-            return  # it was stopped meanwhile
+            return  # a stop came meanwhile
         if isinstance(outcome, Contradicted):
             self._leases.outrank(lease, outcome.saw, now)
         elif not outcome.succeeded:
@@ -214,24 +224,24 @@ class LeaseKeeper:
         else:
             self._hand_back(lease)
             lease.set_so()
-            for one in kept.result.reported if kept.result is not None else ():
+            for one in watched.result.reported if watched.result is not None else ():
                 if one.capability == lease.capability:
-                    lease.note_answer(one.value.plain())
-            if kept.seen is not None:
-                self._judge(lease, kept.seen)
+                    lease.record_answer(one.value.plain())
+            if watched.seen is not None:
+                self._compare(lease, watched.seen)
 
     def _on_value(self, lease: Lease, capability: str, value: PlainValue, finding: Attribution | None) -> None:
-        """Record a live report of the part, unless it is a step on the way of a command."""
+        """Compare a live report of the part with the held value, unless it is a step on the way."""
         if finding is not None and finding.cause is Cause.TRANSITION:
             return
-        kept = self._kept.get(lease)
-        if kept is None or capability != lease.capability:
+        watched = self._watched.get(lease)
+        if watched is None or capability != lease.capability:
             return
-        kept.seen = value
-        if not kept.one_by_one.locked():
-            self._judge(lease, value)
+        watched.seen = value
+        if not watched.lock.locked():
+            self._compare(lease, value)
 
-    def _judge(self, lease: Lease, value: PlainValue) -> None:
+    def _compare(self, lease: Lease, value: PlainValue) -> None:
         if lease.fits(value):
             self._hand_back(lease)
             lease.set_so()
@@ -240,18 +250,18 @@ class LeaseKeeper:
             self._changed.set()
 
     def _state(self, lease: Lease, now: float) -> CommandResult:
-        """Return the result of the newest command, or what a hand did since."""
+        """Return the result of the newest command, or the change by a hand since."""
         if now < lease.hand_until:
             left = math.ceil(lease.hand_until - now)
             return result_of(Contradicted(f"{lease.saw}; it is commanded again in {left} s"))
-        result = self._kept[lease].result
+        result = self._watched[lease].result
         return result_of(NoAnswer(0.0, "it is being commanded")) if result is None else result
 
     async def _command_again(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> None:
         await self._command(lease, key, scope)
 
     def _begin_due(self, tasks: TaskGroup) -> None:
-        """Begin to command again what is due."""
+        """Command the values that are due again."""
         now = self._clock.monotonic()
         for lease in self._leases:
             if lease.again_at <= now:
@@ -263,7 +273,7 @@ class LeaseKeeper:
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
             self._end_if_over(lease)
-            self._note_step("expired", lease, issuer, holder.by)
+            self._record("expired", lease, issuer, holder.by)
             self._log(
                 "control.expired", lease, f"is no longer held {held_text(lease.value)} by {holder.by}: time is over"
             )
@@ -272,12 +282,12 @@ class LeaseKeeper:
         lease = self._leases.release(key)
         if lease is not None:
             self._end_if_over(lease)
-            self._note_step("released", lease, key[0], key[1])
+            self._record("released", lease, key[0], key[1])
         return lease
 
     def _end_if_over(self, lease: Lease) -> None:
-        if not lease.holders and (kept := self._kept.pop(lease, None)) is not None:
-            kept.stop()
+        if not lease.holders and (watched := self._watched.pop(lease, None)) is not None:
+            watched.stop()
 
     def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseResponse:
         self._node.log.info(
@@ -288,15 +298,15 @@ class LeaseKeeper:
         self._journal.hold_denied(request, policy, reason)
         return LeaseResponse(held=False, result=result_of(Refused(policy, reason)))
 
-    def _note_outranked(self, lease: Lease) -> None:
+    def _on_outranked(self, lease: Lease) -> None:
         self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
-        self._note_step("outranked", lease, text=lease.saw)
+        self._record("outranked", lease, text=lease.saw)
 
     def _hand_back(self, lease: Lease) -> None:
         if lease.hand_back():
-            self._note_step("handed_back", lease)
+            self._record("handed_back", lease)
 
-    def _note_step(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
+    def _record(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
         self._journal.lease(step, lease.part, lease.setting, issuer, text)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
@@ -305,13 +315,13 @@ class LeaseKeeper:
 
 
 def _setting_of(wanted: Setting, part: DevicePart) -> Setting:
-    """Return what is held for *wanted*: off in place of a level of 0, as it is commanded."""
+    """Return the held setting for *wanted*: off in place of a level of 0, as it is commanded."""
     ((capability, value),) = zero_as_off({wanted.capability: wanted.value.plain()}, part.part).items()
     return Setting.of(capability, value)
 
 
 def _command_of(request: HoldRequest) -> CommandRequest:
-    """Return the command that *request* begins with."""
+    """Return the first command for *request*."""
     return CommandRequest(
         device=request.device,
         part=request.part,
@@ -324,3 +334,24 @@ def _command_of(request: HoldRequest) -> CommandRequest:
 
 def _key(request: HoldRequest | HolderRequest) -> HolderKey:
     return request.issuer, request.by, request.lease
+
+
+def _held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
+    """Return *lease* at *monotonic* seconds, which are *now* seconds since the Unix epoch."""
+
+    def time(at: float) -> Time:
+        return Time.from_seconds(now + at - monotonic)
+
+    device, part = lease.part
+    is_outranked = monotonic < lease.hand_until
+    return HeldPart(
+        device=device,
+        part=part,
+        setting=lease.setting,
+        holders=tuple(
+            HolderOfPart(by=holder.by, issuer=issuer, until=time(holder.deadline))
+            for (issuer, _, _), holder in lease.holders.items()
+        ),
+        outranked_until=time(lease.hand_until) if is_outranked else Time(sec=0, nanosec=0),
+        saw=lease.saw if is_outranked else "",
+    )

@@ -1,4 +1,4 @@
-"""The judge of commands: asks the policies, with the facts that they need of the house."""
+"""Policy engine: checks commands against the policies, with the facts of the house."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from datetime import tzinfo
 from functools import lru_cache
 from typing import Final, final
 
-from homebot.control.client_commands import client_refusal
 from homebot.control.command import IssuedCommand
 from homebot.control.journal import CommandJournal
-from homebot.control.learnt_persistence import LearntPersistence
+from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
-from homebot.control.policies.recent_commands import RecentCommands
+from homebot.control.policies.rights import client_refusal
 from homebot.control.policies.settings import PolicySettings
+from homebot.control.policies.turns import Turns
 from homebot.control.timelines import Timelines
 from homebot.devices import DeviceChange, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
@@ -26,31 +26,30 @@ from homebot.devices.outcomes import Refused
 from homebot.devices.query import Query, facets_of, fits
 from homebot.graph import Node
 
-__all__ = ["Judge"]
+__all__ = ["PolicyEngine"]
 
 _MOST_NAMED: Final = 5
-_SET: Final = 5.0
-"""Seconds by which the clock of the computer and the monotonic one come apart where it was set, or has slept."""
+_CLOCK_SET: Final = 5.0
+"""Seconds by which the computer's clock differs from the monotonic one if it was set, or has slept."""
 
 
 @final
-class Judge:
-    """Asks the policies about each command.
-
-    The devices that policies need are followed; where none needs any, nothing is.
+class PolicyEngine:
+    """Checks commands against the policies; follows the devices that these need.
 
     Args:
-        node: The node that follows them.
+        node: The following node.
         settings: The policies.
         grants: The scope of each node that may not command everything, by its full name.
-        journal: Notes the verdicts of policies that a command concerns.
-        timelines: Know the changes that no command explains.
-        trusts_apps: Whether nodes without a scope may command what always asks.
-        detected: Motion sensors that detected somebody before.
+        journal: Records the verdicts.
+        learnt: Saves the motion sensors that have detected a person.
+        timelines: Know the unexplained changes.
+        trusts_apps: Whether nodes without a scope may command devices that always ask.
+        detected: Motion sensors that detected a person in another run.
 
     Attributes:
-        rights: Returns the rights of an issuer, by the configuration; those of a client of the door were checked
-            before. Worked out once for each of the last ones.
+        rights: Returns the rights of an issuer by the configuration; those of a client of the door are checked by
+            :meth:`client_refusal`.
     """
 
     def __init__(
@@ -59,6 +58,7 @@ class Judge:
         settings: PolicySettings,
         grants: Mapping[str, tuple[str, ...]],
         journal: CommandJournal,
+        learnt: LearntPersistence,
         timelines: Timelines,
         *,
         trusts_apps: bool,
@@ -72,11 +72,10 @@ class Judge:
         self._trusts_apps = trusts_apps
         self.rights = lru_cache(maxsize=256)(self._rights)
         self._policies = Policies(settings)
-        self._learnt = LearntPersistence(node, journal.store)
-        self._house = House(Detections(self._learnt.keeper(DETECTION)))
-        self._learnt.add(DETECTION, self._house.detections)
-        self._house.detections.take_over(detected)
-        self._recent = RecentCommands()
+        self._learnt = learnt
+        self._house = House(Detections(learnt.saver(DETECTION)))
+        self._house.detections.add(detected)
+        self._turns = Turns()
         self._timelines = timelines
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
@@ -84,38 +83,36 @@ class Judge:
         if settings.needs_house:
             node.create_task(self._follow)
         if settings.presence_guard is not None:
-            node.create_task(self._learnt.load)
+            learnt.add(DETECTION, self._house.detections)
+            node.create_task(learnt.load)
             journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
 
-    def refusal(self, command: IssuedCommand, *, is_noted: bool = True) -> Refused | None:
+    def check(self, command: IssuedCommand, *, is_recorded: bool = True) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now.
 
         Args:
             command: The command.
-            is_noted: Whether the journal takes the verdicts; not for one that nobody gave yet.
+            is_recorded: Whether the journal records the verdicts; not for a preview.
         """
         now, monotonic = self._clock.now(), self._clock.monotonic()
-        if abs(now - monotonic - self._ahead) > _SET:
+        if abs(now - monotonic - self._ahead) > _CLOCK_SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self._recent, self._timelines.of, self._clock_set_at)
-        verdicts = self._policies.judge(command, facts)
+        facts = Facts(now, monotonic, self._zone, self._house, self._turns, self._timelines.of, self._clock_set_at)
+        verdicts = self._policies.check(command, facts)
         for verdict in verdicts:
-            if is_noted and (verdict.reason or not verdict.allowed):
+            if is_recorded and (verdict.reason or not verdict.allowed):
                 self._journal.judged(command, verdict)
         last = verdicts[-1]
         return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 
     def client_refusal(self, command: IssuedCommand) -> str:
-        """Return why the client that gave *command* has no right to the part, and what else it takes; empty if it has.
-
-        See :func:`homebot.control.client_commands.client_refusal`.
-        """
+        """Return why the client that gave *command* has no right to the part, with the remedy; empty if it has."""
         return client_refusal(command, needs_approval=self._settings.approvals)
 
     def notes(self) -> tuple[str, ...]:
-        """Return a note on the motion sensors that the presence guard does not trust yet, for people."""
-        names = self._house.unproven()
+        """Return a note on the motion sensors that the presence guard does not trust yet."""
+        names = self._house.unproven() if self._settings.presence_guard is not None else ()
         if not names:
             return ()
         named = ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
@@ -123,15 +120,15 @@ class Judge:
         return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {named}",)
 
     async def detected(self) -> tuple[str, ...]:
-        """Return the motion sensors that have ever detected somebody, as far as a policy needs them."""
+        """Return the motion sensors that have ever detected a person, as far as a policy needs them."""
         if self._settings.presence_guard is None:
             return ()
         await self._learnt.load()
         return self._house.detections.sensors
 
-    def note_sent(self, command: IssuedCommand) -> None:
-        """Note that *command* was sent."""
-        self._recent.note(command, self._clock.monotonic())
+    def record_sent(self, command: IssuedCommand) -> None:
+        """Record that *command* is sent."""
+        self._turns.record(command, self._clock.monotonic())
 
     def _rights(self, issuer: str) -> ClientRights:
         if is_client(issuer):

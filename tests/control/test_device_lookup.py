@@ -6,7 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import OpenHome
 
-from homebot.control.journal.command_addresses import CommandAddresses
+from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import FIND_DEVICES, FindDevices
 from homebot.devices.handles import Light
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
@@ -20,7 +20,7 @@ async def test_a_device_is_found_by_its_address(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")
         lamp = (await home.handle(Light)).device
-        addresses = CommandAddresses(home.app)
+        addresses = DeviceLookup(home.app)
         assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
         assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
 
@@ -30,12 +30,12 @@ async def test_a_device_is_found_by_what_its_parts_take(open_home: OpenHome) -> 
         part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
         home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
         kettle = (await home.handle(Light)).device
-        assert await CommandAddresses(home.app).device_at("memory", "kettle/set") == kettle.id
+        assert await DeviceLookup(home.app).device_at("memory", "kettle/set") == kettle.id
 
 
 async def test_a_device_that_appears_later_is_found_a_second_later(open_home: OpenHome) -> None:
     async with open_home() as home:
-        addresses = CommandAddresses(home.app)
+        addresses = DeviceLookup(home.app)
         await addresses.device_at("memory", "nowhere")
         home.put("lamp", "light", "on_off")
         lamp = (await home.handle(Light)).device
@@ -53,7 +53,7 @@ async def test_a_flood_of_unknown_addresses_reads_the_devices_once_a_second() ->
     graph = Graph()
     async with Node(graph, "directory") as directory, Node(graph, "control") as control:
         directory.create_service(FindDevices, FIND_DEVICES, find)
-        addresses = CommandAddresses(control)
+        addresses = DeviceLookup(control)
         for number in range(1000):  # within ten seconds
             assert await addresses.device_at("memory", f"nowhere/{number}") == ""
             await anyio.sleep(0.01)

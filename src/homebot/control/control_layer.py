@@ -1,0 +1,126 @@
+"""The parts of the control layer, built for the first command, change or question."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Final, final
+
+import anyio
+
+from homebot.control.approvals import Approvals
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.executor import CommandExecutor
+from homebot.control.explanations import Explanations
+from homebot.control.gateway_feed import GatewayFeed
+from homebot.control.journal.denied_requests import DeniedRequests
+from homebot.control.journal.file_store import FileStore
+from homebot.control.journal.house_watch import HouseWatch
+from homebot.control.journal.journal import CommandJournal
+from homebot.control.journal.store import JournalStore, MemoryStore
+from homebot.control.learnt import LearntPersistence
+from homebot.control.lease_service import LeaseService
+from homebot.control.leases import Leases
+from homebot.control.policy_engine import PolicyEngine
+from homebot.control.profiles import PROFILE, Profiles
+from homebot.control.rehearsal import Rehearsal
+from homebot.control.settings import ControlSettings
+from homebot.control.text_commands import TextCommands
+from homebot.control.timelines import Timelines
+from homebot.devices.health import HealthResponse
+from homebot.graph import Node
+
+__all__ = ["ControlLayer"]
+
+_DAY: Final = 86_400.0
+_MEGABYTE: Final = 1_000_000
+
+MOST_IN_MEMORY: Final = 10_000
+"""Entries of a journal without a file."""
+
+
+@final
+class ControlLayer:
+    """The parts of the control layer, each with those that it calls.
+
+    Args:
+        node: The node of the layer.
+        feed: The messages of the gateways.
+        lookup: Looks devices up.
+        house_watch: Its raw commands explain changes.
+        settings: The table ``[control]``.
+        grants: The scope of each node that may not command everything, by its full name.
+        trusts_apps: Whether nodes without a scope may command devices that always ask.
+        detected: Motion sensors that detected somebody in another run.
+        journal_file: The file of the journal; None for memory.
+        store: The store of the journal, in place of the file.
+        rehearsal: Answers commands in place of the devices; None if they are sent.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        feed: GatewayFeed,
+        lookup: DeviceLookup,
+        house_watch: HouseWatch,
+        settings: ControlSettings,
+        grants: Mapping[str, tuple[str, ...]],
+        *,
+        trusts_apps: bool,
+        detected: Iterable[str],
+        journal_file: Path | None,
+        store: JournalStore | None,
+        rehearsal: Rehearsal | None,
+    ) -> None:
+        self._node = node
+        self._lookup = lookup
+        store = store or _store(node, settings, journal_file)
+        self.journal = CommandJournal(node, store, lookup, house_watch.changes, settings.settle)
+        self.learnt = LearntPersistence(node, store)
+        profiles = Profiles(self.learnt.saver(PROFILE))
+        self.learnt.add(PROFILE, profiles)
+        self.timelines = Timelines(node, feed, profiles, settings.timeout, settings.settle)
+        self.policies = PolicyEngine(
+            node,
+            settings,
+            grants,
+            self.journal,
+            self.learnt,
+            self.timelines,
+            trusts_apps=trusts_apps,
+            detected=detected,
+        )
+        leases = Leases(settings.hand_time)
+        self.journal.add_counter("leases_refused", lambda: leases.refused)
+        self.executor = CommandExecutor(
+            node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
+        )
+        self.leases = LeaseService(node, lookup, self.executor, self.journal)
+        self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
+        self.approvals = Approvals(lookup, is_needed=settings.approvals)
+        self.explanations = Explanations(self.journal.read, lookup.device)
+
+    async def run(self) -> None:
+        """Write the journal and keep the leases, until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self.journal.run)
+            await self.leases.run()
+
+    @cached_property
+    def denied(self) -> DeniedRequests:
+        """The requests that the door refused."""
+        return DeniedRequests(self._node, self._lookup, self.journal)
+
+    async def health(self) -> HealthResponse:
+        """Return the health of the journal, with notes for the owner."""
+        notes = await self.approvals.notes() + self.executor.witnesses.notes() + self.policies.notes()
+        return self.journal.health().model_copy(update={"notes": notes})
+
+
+def _store(node: Node, settings: ControlSettings, journal_file: Path | None) -> JournalStore:
+    longest = settings.journal_days * _DAY
+    in_memory = MemoryStore(MOST_IN_MEMORY, longest)
+    if journal_file is None:
+        return in_memory
+    return FileStore(node, journal_file, longest, settings.journal_megabytes * _MEGABYTE, in_memory)

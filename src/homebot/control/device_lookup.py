@@ -1,0 +1,76 @@
+"""Look-up of devices in the directory: by id, by query, and by the address of raw commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Final, TypeAlias, final
+
+from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.query import Query, query_terms
+from homebot.devices.services import FindDevicesRequest
+from homebot.errors import ServiceError
+from homebot.graph import Node
+
+__all__ = ["DeviceLookup"]
+
+_READ_AGAIN_AFTER: Final = 1.0
+"""Seconds after which all devices are read again for an unknown address."""
+
+_Address: TypeAlias = tuple[str, str]
+
+
+@final
+class DeviceLookup:
+    """Client of the directory; a look-up raises `ServiceError` if the directory does not answer.
+
+    Args:
+        node: The calling node.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._clock = node.graph.clock
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._by_address: dict[_Address, str] = {}
+        self._read_at = -math.inf
+
+    async def device(self, device_id: str) -> Device | None:
+        """Return a device by its id; None if there is none."""
+        found = (await self._find.call(_request_for(device_id))).devices
+        return found[0] if found else None
+
+    async def devices(self, query: Query | None = None) -> tuple[Device, ...]:
+        """Return the devices that fit *query*, or all."""
+        request = FindDevicesRequest() if query is None else FindDevicesRequest(query=query_terms(query))
+        return (await self._find.call(request)).devices
+
+    async def device_at(self, gateway: str, address: str) -> str:
+        """Return the id of the device that takes commands at *address*; empty if there is none, or no answer.
+
+        All devices are read for an unknown address, at most once a second.
+        """
+        now = self._clock.monotonic()
+        if (gateway, address) not in self._by_address and now - self._read_at >= _READ_AGAIN_AFTER:
+            self._read_at = now
+            try:
+                devices = await self.devices()
+            except ServiceError:
+                return ""
+            self._by_address = {place: one.id for one in reversed(devices) for place in _addresses(one)}
+        return self._by_address.get((gateway, address), "")
+
+
+@lru_cache(maxsize=1024)
+def _request_for(device_id: str) -> FindDevicesRequest:
+    return FindDevicesRequest(ids=(device_id,), service_type="", query=())
+
+
+def _addresses(device: Device) -> Iterable[_Address]:
+    for endpoint in device.endpoints:
+        if endpoint.command_address:
+            yield endpoint.gateway, endpoint.command_address
+    for part in device.parts:
+        for route in part.routes:
+            for address in part.part.writes:
+                yield route.gateway, address

@@ -1,0 +1,326 @@
+"""Services that explain a device from the journal: why it is as it is, and why it is not in another state."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from typing import Final, TypeAlias, final
+
+from homebot.control.values import value_text
+from homebot.devices import Device, KeyValue, State
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.journal_messages import (
+    ExplainDeviceRequest,
+    ExplainDeviceResponse,
+    ExplainMissingStateRequest,
+    ExplainMissingStateResponse,
+    Finding,
+    JournalEntry,
+    ReadJournalRequest,
+    ReadJournalResponse,
+)
+from homebot.devices.part import Capability
+from homebot.devices.setting_check import accepted_values
+from homebot.devices.trigger import Trigger
+from homebot.devices.value import PlainValue
+from homebot.errors import PeerError, ServiceError
+from homebot.messages import Time
+
+__all__ = ["Explanations"]
+
+_COMMANDED_STATES: Final = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
+_WORDS: Final = {state: word for word, state in _COMMANDED_STATES.items()}
+_FLAGS: Final = ("on", "off", "true", "false", "yes", "no")
+
+_DEEPEST: Final = 5
+"""Commands of one chain: a report that led to a command may have been the effect of another."""
+
+_SAME_TIME: Final = 2.0
+"""Seconds between a report in the journal and the same one as the trigger of a command."""
+
+_LATE: Final = 3.0
+"""Seconds after an entry within which the directory knows the change."""
+
+_FIRST_REPORTS: Final = 5.0
+"""Seconds after its discovery within which a device reports its state."""
+
+_MOST_CHOICES: Final = 6
+_REQUESTS: Final = frozenset({"requested", "published", "denied"})
+_REPORTS: Final = frozenset({"reported", "changed"})
+_SUCCESSES: Final = frozenset({"confirmed", "superseded"})
+
+ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
+FindDevice: TypeAlias = Callable[[str], Awaitable[Device | None]]
+
+_Entries: TypeAlias = tuple[JournalEntry, ...]
+
+
+@final
+class _JournalReader:
+    """Reader of the journal for one question.
+
+    Attributes:
+        names: The names of the devices in the entries, by id.
+    """
+
+    def __init__(self, read: ReadEntries) -> None:
+        self._read = read
+        self.names: dict[str, KeyValue] = {}
+
+    async def read(
+        self, *, device: str = "", command: str = "", since: float = 0.0, until: float = 0.0
+    ) -> ReadJournalResponse:
+        begin, end = Time.from_seconds(since), Time.from_seconds(until)
+        found = await self._read(ReadJournalRequest(device=device, command=command, since=begin, until=end))
+        if not found.success:
+            raise PeerError(found.message)
+        self.names |= {one.key: one for one in found.names}
+        return found
+
+    async def chain(self, entry: JournalEntry, deepest: int) -> _Entries:
+        """Return the entries of the command of *entry*, after those of the commands that led to it."""
+        if not entry.command:
+            return (entry,)
+        entries = (await self.read(command=entry.command)).entries or (entry,)
+        before = await self._cause(entries[0]) if deepest > 1 else None
+        return entries if before is None else (*await self.chain(before, deepest - 1), *entries)
+
+    async def _cause(self, command: JournalEntry) -> JournalEntry | None:
+        """Return the entry of the report that triggered *command*; None if there is none."""
+        trigger = command.trigger
+        at = trigger.at.to_seconds()
+        if not trigger.device or trigger.kind not in {"report", "message"} or not at:
+            return None
+        found = await self.read(device=trigger.device, since=at - _SAME_TIME, until=at + _SAME_TIME)
+        reports = [
+            one
+            for one in found.entries
+            if one.kind in _REPORTS and one.command != command.command and _is_trigger(one, trigger)
+        ]
+        return min(reports, key=lambda one: abs(one.at.to_seconds() - at), default=None)
+
+
+@final
+class Explanations:
+    """Explanations of the state of a device.
+
+    Args:
+        read: Reads the journal.
+        find_device: Returns a device by its id; None if there is none.
+    """
+
+    def __init__(self, read: ReadEntries, find_device: FindDevice) -> None:
+        self._read = read
+        self._find_device = find_device
+
+    async def explain(self, request: ExplainDeviceRequest) -> ExplainDeviceResponse:
+        """Return the last change of a device, with the chain of its causes."""
+        try:
+            return await self._explain(await self._device(request.device))
+        except (PeerError, ServiceError) as exc:
+            return ExplainDeviceResponse(success=False, message=str(exc))
+
+    async def explain_missing(self, request: ExplainMissingStateRequest) -> ExplainMissingStateResponse:
+        """Return the commands and the denied requests for a state of a device."""
+        try:
+            return await self._explain_missing(await self._device(request.device), request.state)
+        except (PeerError, ServiceError) as exc:
+            return ExplainMissingStateResponse(success=False, message=str(exc))
+
+    async def _device(self, device_id: str) -> Device:
+        device = await self._find_device(device_id)
+        if device is None:
+            raise PeerError(f"there is no device with the id {device_id}")
+        return device
+
+    async def _explain(self, device: Device) -> ExplainDeviceResponse:
+        reader = _JournalReader(self._read)
+        known = (await reader.read(device=device.id)).entries
+        entries: _Entries = ()
+        finding: Finding = "none"
+        changed_at = Time(sec=0, nanosec=0)
+        if (last := _last_change(device, known)) is not None:
+            entries = await reader.chain(last, _DEEPEST)
+            finding, changed_at = "change" if last.kind == "changed" else "command", entries[-1].at
+        elif (newest := max(_settable_states(device), key=_since, default=None)) is not None:
+            finding, changed_at = _finding_of_state(device, newest), newest.since
+        elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
+            entries = await reader.chain(sent, 1)
+        names = tuple(reader.names.values())
+        return ExplainDeviceResponse(finding=finding, changed_at=changed_at, entries=entries, names=names)
+
+    async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
+        reader, wanted = _JournalReader(self._read), _as_state(state)
+        found = await reader.read(device=device.id)
+        asking = [one for one in found.entries if one.kind in _REQUESTS and _asks_for(one, wanted)]
+        newest = {one.command or number: one for number, one in enumerate(asking)}
+        return ExplainMissingStateResponse(
+            is_so=_is_so(device, wanted),
+            problem=_unknown_state(device, state),
+            word=_command_for(device, wanted),
+            entries=tuple([entry for one in newest.values() for entry in await reader.chain(one, 1)]),
+            begins=found.begins,
+            names=tuple(reader.names.values()),
+        )
+
+
+def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntry | None:
+    """Return the newest entry of a change; None if the device reported newer values that the journal lacks."""
+    last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
+    if last is None:
+        return None
+    until = last.at.to_seconds() + _LATE
+    newer = [one for one in _settable_states(device) if _since(one) > until]
+    return last if not newer or _knows(entries, newer, last) else None
+
+
+def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
+    """Return whether *entry* is of a change of the device."""
+    if entry.kind in {"changed", "reverted"}:
+        return True
+    if entry.kind == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
+        return entry.results[0].outcome == "confirmed"
+    if entry.kind != "reported":
+        return False
+    outcomes = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]
+    is_obeyed = not outcomes or outcomes[0].outcome in _SUCCESSES or bool(outcomes[0].witness)
+    return is_obeyed or bool(entry.cause)
+
+
+def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: JournalEntry) -> bool:
+    """Return whether *entries*, with the change *last*, have the values of *states*, and no others."""
+    known = {
+        (entry.part, one.capability): one.value.plain()
+        for entry in entries
+        if entry.kind in _REPORTS
+        for one in entry.settings
+    }
+    current = {(one.part, one.capability): one.value.plain() for one in states}
+    shared = known.keys() & current.keys()
+    if last.kind == "reverted":  # to the state before, which is not known
+        return all(known[one] != current[one] for one in shared)
+    return bool(shared) and all(known[one] == current[one] for one in shared)
+
+
+def _finding_of_state(device: Device, newest: State) -> Finding:
+    if _since(newest) <= device.first_seen.to_seconds() + _FIRST_REPORTS:
+        return "heard"
+    if not newest.live:
+        return "retained"
+    return "first" if newest.is_first else "change"
+
+
+def _since(state: State) -> float:
+    return state.since.to_seconds()
+
+
+def _settable_states(device: Device) -> list[State]:
+    """Return the states of *device* that a command could have changed."""
+    settable = {
+        (part.id, one.name)
+        for part in device.parts
+        if not part.part.category
+        for one in part.part.capabilities
+        if one.settable
+    }
+    return [one for one in device.states if (one.part, one.capability) in settable]
+
+
+def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:
+    """Return whether a report has a value of *trigger*; the values in a structured text are not known."""
+    if trigger.kind == "message":
+        text = trigger.text.strip().casefold()
+        return text.startswith("{") or any(_means(one.capability, one.value.plain(), text) for one in entry.settings)
+    values = {one.capability: one.value.plain() for one in trigger.readings}
+    return any(one.capability in values and values[one.capability] == one.value.plain() for one in entry.settings)
+
+
+def _as_state(text: str) -> str:
+    """Return *text* as a state, folded: ``closed`` also for the command ``close``."""
+    folded = text.strip().casefold()
+    return _COMMANDED_STATES.get(folded, folded)
+
+
+def _asks_for(entry: JournalEntry, wanted: str) -> bool:
+    if entry.kind != "requested" and not entry.settings:  # a raw command, or one that the door refused
+        word = entry.text.strip().casefold()
+        return wanted in {word, _COMMANDED_STATES.get(word)}
+    return any(_means(one.capability, one.value.plain(), wanted) for one in entry.settings)
+
+
+def _means(capability: str, value: PlainValue, wanted: str) -> bool:
+    """Return whether a value is *wanted*, as ``on``, ``40``, ``40 %`` or ``level 40``: a lamp at 40 % is on."""
+    match value:
+        case bool():
+            return wanted in (("on", "true", "yes") if value else ("off", "false", "no"))
+        case str():
+            return value.casefold() == wanted
+        case float():
+            if capability in {"level", "fan_speed"} and wanted in {"on", "off"}:
+                return (value > 0) is (wanted == "on")
+            if capability == "position" and wanted in {"open", "closed"}:
+                return (value > 0) is (wanted == "open")
+            known = CAPABILITIES.get(capability)
+            unit = _squeezed(known.unit) if known is not None else ""
+            name, number = _squeezed(capability), value_text(value)
+            return _squeezed(wanted) in {number, f"{number}{unit}", f"{name}{number}", f"{name}{number}{unit}"}
+    return False
+
+
+def _squeezed(text: str) -> str:
+    """Return *text* without the characters that differ between two spellings."""
+    return text.casefold().replace(" ", "").replace("_", "")
+
+
+def _is_so(device: Device, wanted: str) -> bool:
+    """Return whether the last report of a commandable state is *wanted*."""
+    states = _settable_states(device)
+    off = {one.part for one in states if one.capability == "on_off" and one.value.plain() is False}
+    return any(
+        _means(one.capability, one.value.plain(), wanted)
+        for one in states
+        if one.capability == "on_off" or one.part not in off  # a lamp that is off is not at its level
+    )
+
+
+def _unknown_state(device: Device, state: str) -> str:
+    """Return in a sentence why no command can bring *device* to *state*; empty if one may."""
+    settable = [(part.part, one.name) for part in device.parts for one in part.part.capabilities if one.settable]
+    if not device.parts:
+        return ""
+    if not settable:
+        return "It takes no commands, it only reports."
+    if any(_may_be(one, _as_state(state)) for one in _capabilities(device)):
+        return ""
+    known = "; ".join(f"{name} {accepted_values(part, name)}" for part, name in settable[:_MOST_CHOICES])
+    more = "; …" if len(settable) > _MOST_CHOICES else ""
+    return f"It has no state {state[:40]!r}. It takes {known}{more}."
+
+
+def _command_for(device: Device, wanted: str) -> str:
+    """Return the word that commands *wanted*; empty if the command takes more than a word."""
+    if wanted in _WORDS:
+        return _WORDS[wanted]
+    options = {option.casefold() for one in _capabilities(device) if one.settable for option in one.options}
+    return wanted if wanted in {"on", "off", "open", *options} and " " not in wanted else ""
+
+
+def _capabilities(device: Device) -> Iterator[Capability]:
+    return (one for part in device.parts for one in part.part.capabilities)
+
+
+def _may_be(capability: Capability, wanted: str) -> bool:
+    known = CAPABILITIES.get(capability.name)
+    options = {option.casefold() for option in _options(capability)}
+    if known is None or (known.kind == "text" and not options):
+        return True
+    if known.kind == "bool":
+        return wanted in _FLAGS
+    if options:
+        return wanted in options or any(_COMMANDED_STATES.get(one) == wanted for one in options)
+    return any(char.isdigit() for char in wanted) or wanted in {"on", "off", "open", "closed"}
+
+
+def _options(capability: Capability) -> Sequence[str]:
+    """Return its texts, else those of the vocabulary."""
+    known = CAPABILITIES.get(capability.name)
+    return capability.options or (known.options if known is not None else ())

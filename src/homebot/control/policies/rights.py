@@ -1,0 +1,172 @@
+"""Rights and approvals: the devices that an issuer may command, and those that the owner has to approve. Pure."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Final
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.command_pattern import VERBS
+from homebot.control.policies.facts import Facts
+from homebot.control.policies.verdict import FactUsed, Verdict
+from homebot.devices.always_ask import APPROVED, CHANGED, always_asks, is_approved, is_arming, is_opener, why_it_asks
+from homebot.devices.client_rights import (
+    HARMLESS,
+    LOCAL_CLIENT,
+    LOCAL_RIGHTS,
+    ClientRights,
+    issuer_of_client,
+    read_scope,
+)
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.names import THING_DIRECTORY_NODE
+from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
+
+__all__ = ["CLIENT_RIGHTS", "check_approval", "check_grants", "client_refusal", "is_safe"]
+
+CLIENT_RIGHTS: Final = "rights"
+"""The policy that refuses clients of the door."""
+
+GRANTS: Final = "grants"
+ALWAYS_ASK: Final = "always_ask"
+APPROVAL: Final = "approval"
+
+_SAFE: Final = ("lock", "turn off")
+_SAFE_SETTING: Final = ("lock",)
+"""Off is unsafe for a setting, such as the one by which a lock locks itself, for a part that arms the alarm, and for a
+door opener: some models move the door at either value."""
+
+
+def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) -> Verdict:  # noqa: FBT001 - see Policy
+    """Refuse a command to a device that its issuer may not command.
+
+    Without a right that names a dangerous device an issuer may still lock, stop or turn it off.
+    """
+    if command.rights.may_command(command.device, command.part):
+        return Verdict(GRANTS, allowed=True)
+    why = why_it_asks(command.device, command.part)
+    if not why:
+        own = ", ".join(command.rights.act_scope) or "nothing"
+        return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
+    if _may_make_safe(command, command.rights):
+        return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
+    step = _approval_step(command) if needs_approval else ""
+    lacks = f"{command.label} takes a right that names it ({why}), and {command.issuer} has none"
+    return Verdict(ALWAYS_ASK, allowed=False, reason=f"{lacks}; {step}{_grant_advice(command)} gives one")
+
+
+def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
+    """Refuse every command to a part that can hurt, unless the owner approved a route that takes it."""
+    if not _waits_for_approval(command):
+        return Verdict(APPROVAL, allowed=True)
+    device = command.device
+    used = FactUsed(f"{APPROVED} of {device.id}", value=False)
+    why = why_it_asks(device, command.part)
+    reason = f"{command.label} can hurt ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"
+    return Verdict(APPROVAL, allowed=False, reason=reason, facts=(used,))
+
+
+def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
+    """Return why the client that gave *command* may not command the part; empty if it may.
+
+    Args:
+        command: The command.
+        needs_approval: Whether dangerous devices need an approval, which the reason then names with the right.
+    """
+    device, part = command.device, command.part
+    try:
+        rights = _rights(command.scope)
+    except UsageError as exc:
+        return str(exc)
+    if rights.may_command(device, part):
+        return ""
+    asks = why_it_asks(device, part)
+    if asks and _may_make_safe(command, rights):
+        return ""
+    right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
+    why = (
+        f"such a device takes a right that names it ({asks})" if asks else "it is not among what the client may command"
+    )
+    has = f"the scope of the client is {', '.join(command.scope)}" if command.scope else "the client has no token"
+    step = _approval_step(command) if needs_approval else ""
+    return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
+
+
+def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
+    """Return whether all *settings* make the house safer: a valve that closes does, a door that closes may hurt."""
+    is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device) or is_arming(part)
+    verbs = _SAFE_SETTING if is_off_unsafe else _SAFE
+    return all(
+        any(VERBS[verb](name, value, None) for verb in verbs) or _is_always_safe(name, value)
+        for name, value in settings.items()
+    )
+
+
+def _is_always_safe(name: str, value: PlainValue) -> bool:
+    is_armed = name == "alarm" and isinstance(value, str) and value.startswith("armed")
+    return value == "stopped" or (name, value) == ("valve", "closed") or is_armed
+
+
+def _may_make_safe(command: IssuedCommand, rights: ClientRights) -> bool:
+    """Return whether *rights* to all harmless devices allow a command to a dangerous one.
+
+    A lease is not allowed: it would hold off those with the right to the device.
+    """
+    is_lease = command.trigger.kind == "lease"
+    return rights.acts_on_harmless and not is_lease and is_safe(command.device, command.part, command.settings)
+
+
+def _grant_advice(command: IssuedCommand) -> str:
+    """Return the line of the configuration that allows the issuer this device, besides those that it may command."""
+    table = command.issuer.removeprefix("/")
+    key = table if command.issuer == THING_DIRECTORY_NODE else f"apps.{table}"
+    rights = command.rights
+    own = [HARMLESS] if rights.acts_on_harmless else [one.removeprefix("act: ") for one in rights.act_scope]
+    queries = ", ".join(f"'{one}'" for one in (*own, f'id="{command.device.id}"'))
+    return f"[{key}] act = [{queries}]"
+
+
+def _client_advice(command: IssuedCommand, right: str) -> str:
+    """Return the place in the configuration that gives the client *right*."""
+    if not command.scope:
+        scope = f"scope = ['read', '{right}']"
+        return f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and {scope}"
+    is_local = command.issuer == issuer_of_client(LOCAL_CLIENT)
+    table = "door" if is_local else f"door.tokens.{command.issuer.partition(':')[2]}"
+    return f"add '{right}' to that, in the table [{table}] of homebot.toml"
+
+
+@lru_cache(maxsize=256)
+def _rights(scope: tuple[str, ...]) -> ClientRights:
+    return read_scope(scope) if scope else LOCAL_RIGHTS
+
+
+def _approval_step(command: IssuedCommand) -> str:
+    """Return the missing approval as the first step of an advice; empty if none is missing."""
+    return f"approve it with {_approve(command.device)}, and " if _waits_for_approval(command) else ""
+
+
+def _waits_for_approval(command: IssuedCommand) -> bool:
+    routes = command.part.routes
+    if not routes or not always_asks(command.device, command.part):
+        return False
+    approved = [route for route in routes if route.approved]
+    return not (approved and all(any(route.can(one) for route in approved) for one in command.settings))
+
+
+def _missing_approval(command: IssuedCommand) -> str:
+    """Return the reason why no approval counts for the part."""
+    keys = {(route.gateway, route.key) for route in command.part.routes}
+    for fact in command.device.facts:
+        if fact.name == CHANGED and (fact.gateway, fact.key) in keys:
+            return f"it changed since the owner approved it: {fact.value}"
+    if is_approved(command.device):
+        return "it was announced after the owner approved the device"
+    return "the owner has not approved it"
+
+
+def _approve(device: Device) -> str:
+    return f"`homebot approve {shlex.quote(device.name or device.id)}`"

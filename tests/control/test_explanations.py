@@ -1,0 +1,181 @@
+"""Explanations of a device: its last change, late answers, and the states that it can have."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore, report
+from tests.control.policies.houses import make_device
+from tests.patience import PATIENCE
+
+from homebot.bridges.rosapi import RosApi
+from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.control.explanations import Explanations
+from homebot.devices import Device
+from homebot.devices.handles import Light
+from homebot.devices.journal_messages import (
+    ExplainDevice,
+    ExplainDeviceRequest,
+    ExplainDeviceResponse,
+    ExplainMissingStateRequest,
+    ExplainMissingStateResponse,
+    JournalEntry,
+    ReadJournalRequest,
+    ReadJournalResponse,
+)
+from homebot.devices.names import EXPLAIN_DEVICE
+from homebot.devices.outcomes import Contradicted, NoAnswer
+from homebot.graph import Node
+
+virtual_time = pytest.mark.virtual_time
+
+ROBOT = """
+import json, sys, roslibpy
+
+ros = roslibpy.Ros("127.0.0.1", int(sys.argv[1]), transport="asyncio")
+ros.run(timeout=40)
+
+def call(name, kind, **request):
+    return dict(roslibpy.Service(ros, name, kind).call(roslibpy.ServiceRequest(request), timeout=40))
+
+why = call("/control/why", "homebot/ExplainDevice", device="lamp")
+why_not = call("/control/why_not", "homebot/ExplainMissingState", device="lamp", state="on")
+print(json.dumps([why, why_not]))
+ros.terminate()
+"""
+
+
+async def explain(home: Home, device: str) -> ExplainDeviceResponse:
+    await anyio.sleep(1)  # the directory publishes changes together
+    return await home.app.create_client(ExplainDevice, EXPLAIN_DEVICE).call(ExplainDeviceRequest(device=device))
+
+
+def changes(entries: tuple[JournalEntry, ...]) -> list[tuple[str, str]]:
+    return [(one.kind, one.cause) for one in entries if one.kind in {"reported", "changed"}]
+
+
+async def lamp_in(home: Home) -> Light:
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "on_off", False)
+    await home.report("lamp", "level", 20.0)
+    await anyio.sleep(20)
+    return await home.handle(Light)
+
+
+@virtual_time
+async def test_a_change_by_a_command_is_explained_by_its_entries(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_in(home)
+        assert (await lamp.turn_on()).succeeded
+        found = await explain(home, lamp.device.id)
+        assert (found.finding, found.entries[0].kind, found.entries[0].issuer) == ("command", "requested", "/app")
+        assert changes(found.entries) == [("reported", "command")]
+
+
+@virtual_time
+async def test_a_late_answer_is_explained_by_the_command_that_failed(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_in(home)
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        await anyio.sleep(20)
+        await home.report("lamp", "on_off", True)
+        found = await explain(home, lamp.device.id)
+        assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])
+        await home.report("lamp", "on_off", True)  # again, which is no change
+        assert len((await explain(home, lamp.device.id)).entries) == len(found.entries)
+
+
+@virtual_time
+async def test_a_change_long_after_a_failed_command_is_unexplained(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_in(home)
+        home.behaviours["lamp"] = ignore
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        await anyio.sleep(100)
+        await home.report("lamp", "on_off", True)
+        found = await explain(home, lamp.device.id)
+        assert (found.finding, changes(found.entries)) == ("change", [("changed", "person")])
+
+
+@virtual_time
+async def test_another_value_in_answer_to_a_command_is_explained_by_it(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        lamp = await lamp_in(home)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(20)
+        home.behaviours["lamp"] = report((0.1, 10.0))
+        assert isinstance(await lamp.set_level(50), Contradicted)
+        found = await explain(home, lamp.device.id)
+        assert (found.finding, changes(found.entries)) == ("command", [("reported", "unknown")])
+
+
+@virtual_time
+async def test_an_unknown_device_is_named_in_the_answer(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        found = await explain(home, "nowhere")
+        assert (found.success, found.message) == (False, "there is no device with the id nowhere")
+
+
+@pytest.mark.system
+async def test_a_robot_asks_over_rosbridge(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        RosApi(Node(home.graph, "rosapi"))
+        door = Door(Node(home.graph, "rosbridge_websocket"), DoorSettings(port=0))
+        await home.tasks.start(door.run)
+        home.put("lamp", "light", "on_off")
+        assert (await (await home.handle(Light)).turn_on()).succeeded
+        with anyio.fail_after(PATIENCE):
+            done = await anyio.run_process([sys.executable, "-c", ROBOT, str(door.port)])
+        why, why_not = json.loads(done.stdout)
+    assert (why["finding"], why["entries"][0]["issuer"], why["names"][0]["value"]) == ("command", "/app", "Lamp")
+    assert (why_not["is_so"], why_not["problem"], why_not["word"]) == (True, "", "on")
+
+
+def blind(*settable: str, readable: tuple[str, ...] = ()) -> Device:
+    values = dict.fromkeys(readable, True)
+    return make_device("blind", "window_covering", settable=settable, values=values)
+
+
+async def missing(device: Device, state: str) -> ExplainMissingStateResponse:
+    async def read(_: ReadJournalRequest) -> ReadJournalResponse:
+        return ReadJournalResponse()
+
+    async def find(_: str) -> Device | None:
+        return device
+
+    return await Explanations(read, find).explain_missing(ExplainMissingStateRequest(device="blind", state=state))
+
+
+BLIND = blind("movement", "position")
+
+
+@pytest.mark.parametrize("wanted", ["open", "Closed", "close", "stopped", "40", "position 40"])
+async def test_a_state_of_the_vocabulary_is_possible(wanted: str) -> None:
+    assert (await missing(BLIND, wanted)).problem == ""
+
+
+@pytest.mark.parametrize(
+    ("device", "wanted", "sentence"),
+    [
+        (BLIND, "sunny", "It has no state 'sunny'. It takes movement a value; position 0 to 100 %."),
+        (blind(readable=("occupancy",)), "on", "It takes no commands, it only reports."),
+        (BLIND.with_checked(parts=()), "on", ""),
+        (blind("x_fizz"), "lit", ""),
+    ],
+)
+async def test_an_impossible_state_is_explained_by_the_possible_ones(
+    device: Device, wanted: str, sentence: str
+) -> None:
+    assert (await missing(device, wanted)).problem == sentence
+
+
+@pytest.mark.parametrize(
+    ("wanted", "word"),
+    [("closed", "close"), ("close", "close"), ("locked", "lock"), ("on", "on"), ("level 40", ""), ("lit", "")],
+)
+async def test_a_state_with_a_single_word_names_it(wanted: str, word: str) -> None:
+    assert (await missing(BLIND, wanted)).word == word
