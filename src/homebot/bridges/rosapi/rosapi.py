@@ -10,14 +10,11 @@ from functools import partial
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.bridges.rosapi import nodes, parameters, services, topics
 from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
+from homebot.bridges.rosapi.services import SERVICES
 from homebot.graph import Node
-from homebot.messages.message import ServiceType
 
 __all__ = ["RosApi"]
-
-_SERVICES = {**topics.SERVICES, **services.SERVICES, **nodes.SERVICES, **parameters.SERVICES}
 
 
 class RosApi:
@@ -30,9 +27,8 @@ class RosApi:
     """
 
     def __init__(self, node: Node) -> None:
-        for name, (request, response, answer) in _SERVICES.items():
-            service_type = ServiceType(request.ros_type.removesuffix("_Request"), request, response)
-            node.create_service(service_type, f"/rosapi/{name}", partial(answer, node.graph))
+        for service in SERVICES:
+            service.serve(node)
         node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:

@@ -1,142 +1,124 @@
-"""Services of ``/rosapi`` about services, and their messages, field for field as in ``rosapi_msgs``.
+"""The services of ``/rosapi`` as rows: type, fields of request and response as in ``rosapi_msgs``, and the answer.
 
 Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``rosapi_msgs/msg``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, Final, NamedTuple, TypeAlias
 
-from homebot.bridges.rosapi.typedefs import TypeDef, absolute, typedefs_of, unique
-from homebot.bridges.rosbridge.types import find_service_type, same_type
-from homebot.graph import EndpointInfo, EntityKind, Graph
-from homebot.messages.message import Message
+from pydantic import create_model
+
+from homebot.bridges.rosapi import parameters
+from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
+from homebot.bridges.rosbridge.types import find_message_type, find_service_type, same_type
+from homebot.graph import EndpointInfo, EntityKind, Graph, Node
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.definition import definition_text
+from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import is_hidden
 
-__all__ = ["SERVICES"]
+__all__ = ["SERVICES", "RosApiService"]
+
+_Fields: TypeAlias = Mapping[str, Any]
+_Answer: TypeAlias = Mapping[str, object]
 
 
-class ServicesRequest(Message, ros_type="rosapi_msgs/srv/Services_Request"):
-    """A question for the names of all services."""
+class RosApiService(NamedTuple):
+    """One service of ``/rosapi``.
+
+    Attributes:
+        name: Its name below ``/rosapi``.
+        ros_name: The name of its type in ``rosapi_msgs``.
+        request: The types of the fields of the request, with the default if there is one.
+        response: The types of the fields of the response.
+        answer: Returns the fields of the response to a request.
+    """
+
+    name: str
+    ros_name: str
+    request: _Fields
+    response: _Fields
+    answer: Callable[[Graph, Any], _Answer]
+
+    def serve(self, node: Node) -> None:
+        """Offer the service on *node*."""
+        ros_type = f"rosapi_msgs/srv/{self.ros_name}"
+        response = _message_type(f"{ros_type}_Response", self.response)
+        service_type = ServiceType(ros_type, _message_type(f"{ros_type}_Request", self.request), response)
+
+        def answer(request: Message) -> Message:
+            return response(**self.answer(node.graph, request))
+
+        node.create_service(service_type, f"/rosapi/{self.name}", answer)
 
 
-class ServicesResponse(Message, ros_type="rosapi_msgs/srv/Services_Response"):
-    """The services."""
-
-    services: tuple[str, ...]
-
-
-class ServicesForTypeRequest(Message, ros_type="rosapi_msgs/srv/ServicesForType_Request"):
-    """A question for the services of a type."""
-
-    type: str
+def _message_type(ros_type: str, fields: _Fields) -> type[Message]:
+    definitions: dict[str, Any] = {name: one if isinstance(one, tuple) else (one, ...) for name, one in fields.items()}
+    name = ros_type.rpartition("/")[2].replace("_", "")
+    return create_model(name, __base__=Message, __cls_kwargs__={"ros_type": ros_type}, **definitions)
 
 
-class ServicesForTypeResponse(Message, ros_type="rosapi_msgs/srv/ServicesForType_Response"):
-    """The services."""
+class TimeOfBothKinds(Message):
+    """A point in time as ROS 2 and as ROS 1 spell it, since clients of both ask."""
 
-    services: tuple[str, ...]
-
-
-class ServiceTypeRequest(Message, ros_type="rosapi_msgs/srv/ServiceType_Request"):
-    """Of which type is a service?"""
-
-    service: str
+    sec: Int32
+    nanosec: UInt32
+    secs: Int32
+    nsecs: UInt32
 
 
-class ServiceTypeResponse(Message, ros_type="rosapi_msgs/srv/ServiceType_Response"):
-    """Its type, empty where there is no such service."""
-
-    type: str
-
-
-class ServiceRequestDetailsRequest(Message, ros_type="rosapi_msgs/srv/ServiceRequestDetails_Request"):
-    """A question for the fields of a service type's request."""
-
-    type: str
+def _topics(graph: Graph, _request: Message) -> _Answer:
+    topics = _visible(graph.get_topic_names_and_types())
+    return {"topics": tuple(topics), "types": tuple(topics.values())}
 
 
-class ServiceRequestDetailsResponse(Message, ros_type="rosapi_msgs/srv/ServiceRequestDetails_Response"):
-    """The request and every type in it."""
-
-    typedefs: tuple[TypeDef, ...]
-
-
-class ServiceResponseDetailsRequest(Message, ros_type="rosapi_msgs/srv/ServiceResponseDetails_Request"):
-    """A question for the fields of a service type's response."""
-
-    type: str
+def _topics_with_texts(graph: Graph, _request: Message) -> _Answer:
+    topics = _visible(graph.get_topic_names_and_types())
+    texts = tuple(definition_text(found) for name in topics if (found := graph.get_message_type(name)))
+    return {"topics": tuple(topics), "types": tuple(topics.values()), "typedefs_full_text": texts}
 
 
-class ServiceResponseDetailsResponse(Message, ros_type="rosapi_msgs/srv/ServiceResponseDetails_Response"):
-    """The response and every type in it."""
-
-    typedefs: tuple[TypeDef, ...]
-
-
-class ServiceNodeRequest(Message, ros_type="rosapi_msgs/srv/ServiceNode_Request"):
-    """A question for the node that serves a service."""
-
-    service: str
+def _topics_of_type(graph: Graph, request: Any) -> _Answer:
+    types = (known.ros_type for known in graph.get_message_types() if same_type(known.ros_type, request.type))
+    return {"topics": _unique(name for one in types for name in graph.get_topics_of_type(one) if not is_hidden(name))}
 
 
-class ServiceNodeResponse(Message, ros_type="rosapi_msgs/srv/ServiceNode_Response"):
-    """The node, empty where there is none."""
-
-    node: str
-
-
-class ServiceProvidersRequest(Message, ros_type="rosapi_msgs/srv/ServiceProviders_Request"):
-    """A question for the nodes that serve services of a type."""
-
-    service: str
+def _type_of_topic(graph: Graph, request: Any) -> _Answer:
+    found = graph.get_message_type(_absolute(request.topic))
+    return {"type": found.ros_type if found else ""}
 
 
-class ServiceProvidersResponse(Message, ros_type="rosapi_msgs/srv/ServiceProviders_Response"):
-    """The nodes."""
-
-    providers: tuple[str, ...]
-
-
-def list_services(graph: Graph, _request: ServicesRequest) -> ServicesResponse:
-    """Return every visible service."""
-    return ServicesResponse(services=tuple(_visible(graph)))
+def _type_of_service(graph: Graph, request: Any) -> _Answer:
+    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
+    return {"type": found[0].ros_type if found else ""}
 
 
-def services_for_type(graph: Graph, request: ServicesForTypeRequest) -> ServicesForTypeResponse:
-    """Return the visible services of a type."""
-    found = (info.name for info in _served(graph, request.type) if not is_hidden(info.name))
-    return ServicesForTypeResponse(services=unique(found))
+def _node_of_service(graph: Graph, request: Any) -> _Answer:
+    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
+    return {"node": found[0].node if found else ""}
 
 
-def type_of_service(graph: Graph, request: ServiceTypeRequest) -> ServiceTypeResponse:
-    """Return the type of a service."""
-    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
-    return ServiceTypeResponse(type=found[0].ros_type if found else "")
+def _node_details(graph: Graph, request: Any) -> _Answer:
+    """Return the subscriptions, publications and services of a node; empty for an unknown one."""
+    ends = graph.get_endpoints(node=_absolute(request.node))
+    return {
+        "subscribing": _unique(info.name for info in ends if info.kind is EntityKind.SUBSCRIPTION),
+        "publishing": _unique(info.name for info in ends if info.kind is EntityKind.PUBLISHER),
+        "services": _unique(info.name for info in ends if info.kind is EntityKind.SERVICE),
+    }
 
 
-def request_details(graph: Graph, request: ServiceRequestDetailsRequest) -> ServiceRequestDetailsResponse:
-    """Return the fields of the request of a service type; an unknown one is a PeerError."""
-    found = find_service_type(graph, request.type)
-    return ServiceRequestDetailsResponse(typedefs=typedefs_of(found.Request))
+def _action_servers(graph: Graph, _request: Message) -> _Answer:
+    suffix = "/_action/status"  # every action server publishes this
+    topics = graph.get_topic_names_and_types()
+    return {"action_servers": tuple(name.removesuffix(suffix) for name in topics if name.endswith(suffix))}
 
 
-def response_details(graph: Graph, request: ServiceResponseDetailsRequest) -> ServiceResponseDetailsResponse:
-    """Return the fields of the response of a service type; an unknown one is a PeerError."""
-    found = find_service_type(graph, request.type)
-    return ServiceResponseDetailsResponse(typedefs=typedefs_of(found.Response))
-
-
-def node_of_service(graph: Graph, request: ServiceNodeRequest) -> ServiceNodeResponse:
-    """Return the node that serves a service."""
-    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
-    return ServiceNodeResponse(node=found[0].node if found else "")
-
-
-def providers_of(graph: Graph, request: ServiceProvidersRequest) -> ServiceProvidersResponse:
-    """Return the nodes that serve services of a type."""
-    return ServiceProvidersResponse(providers=unique(info.node for info in _served(graph, request.service)))
+def _time(graph: Graph, _request: Message) -> _Answer:
+    now = Time.from_seconds(graph.clock.now())
+    return {"time": TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec)}
 
 
 def _served(graph: Graph, ros_type: str) -> Iterator[EndpointInfo]:
@@ -145,18 +127,130 @@ def _served(graph: Graph, ros_type: str) -> Iterator[EndpointInfo]:
             yield from graph.get_services_of_type(known.ros_type)
 
 
-def _visible(graph: Graph) -> dict[str, str]:
-    services = graph.get_service_names_and_types().items()
-    return {name: ros_type for name, ros_type in services if not is_hidden(name)}
+def _users(graph: Graph, kind: EntityKind, topic: str) -> tuple[str, ...]:
+    return _unique(info.node for info in graph.get_endpoints(kind=kind, name=_absolute(topic)))
 
 
-SERVICES: Mapping[str, tuple[type[Message], type[Message], Callable[[Graph, Any], Message]]] = {
-    "services": (ServicesRequest, ServicesResponse, list_services),
-    "services_for_type": (ServicesForTypeRequest, ServicesForTypeResponse, services_for_type),
-    "service_type": (ServiceTypeRequest, ServiceTypeResponse, type_of_service),
-    "service_request_details": (ServiceRequestDetailsRequest, ServiceRequestDetailsResponse, request_details),
-    "service_response_details": (ServiceResponseDetailsRequest, ServiceResponseDetailsResponse, response_details),
-    "service_node": (ServiceNodeRequest, ServiceNodeResponse, node_of_service),
-    "service_providers": (ServiceProvidersRequest, ServiceProvidersResponse, providers_of),
-}
-"""Request, response and function of each service, by its name below ``/rosapi``."""
+def _visible(names_and_types: Mapping[str, str]) -> dict[str, str]:
+    return {name: ros_type for name, ros_type in names_and_types.items() if not is_hidden(name)}
+
+
+def _absolute(name: str) -> str:
+    """Return *name* with the leading slash that some clients leave out."""
+    return name if name.startswith("/") else f"/{name}"
+
+
+def _unique(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(sorted(set(names)))
+
+
+_Names: TypeAlias = tuple[str, ...]
+_Types: TypeAlias = tuple[TypeDef, ...]
+_DONE: Final = {"successful": bool, "reason": str}
+
+SERVICES: Final = (
+    RosApiService("topics", "Topics", {}, {"topics": _Names, "types": _Names}, _topics),
+    RosApiService("topics_for_type", "TopicsForType", {"type": str}, {"topics": _Names}, _topics_of_type),
+    RosApiService("topic_type", "TopicType", {"topic": str}, {"type": str}, _type_of_topic),
+    RosApiService(
+        "topics_and_raw_types",
+        "TopicsAndRawTypes",
+        {},
+        {"topics": _Names, "types": _Names, "typedefs_full_text": _Names},
+        _topics_with_texts,
+    ),
+    RosApiService(
+        "message_details",
+        "MessageDetails",
+        {"type": str},
+        {"typedefs": _Types},
+        lambda graph, request: {"typedefs": typedefs_of(find_message_type(graph, request.type))},
+    ),
+    RosApiService(
+        "publishers",
+        "Publishers",
+        {"topic": str},
+        {"publishers": _Names},
+        lambda graph, request: {"publishers": _users(graph, EntityKind.PUBLISHER, request.topic)},
+    ),
+    RosApiService(
+        "subscribers",
+        "Subscribers",
+        {"topic": str},
+        {"subscribers": _Names},
+        lambda graph, request: {"subscribers": _users(graph, EntityKind.SUBSCRIPTION, request.topic)},
+    ),
+    RosApiService(
+        "services",
+        "Services",
+        {},
+        {"services": _Names},
+        lambda graph, _: {"services": tuple(_visible(graph.get_service_names_and_types()))},
+    ),
+    RosApiService(
+        "services_for_type",
+        "ServicesForType",
+        {"type": str},
+        {"services": _Names},
+        lambda graph, request: {
+            "services": _unique(info.name for info in _served(graph, request.type) if not is_hidden(info.name))
+        },
+    ),
+    RosApiService("service_type", "ServiceType", {"service": str}, {"type": str}, _type_of_service),
+    RosApiService(
+        "service_request_details",
+        "ServiceRequestDetails",
+        {"type": str},
+        {"typedefs": _Types},
+        lambda graph, request: {"typedefs": typedefs_of(find_service_type(graph, request.type).Request)},
+    ),
+    RosApiService(
+        "service_response_details",
+        "ServiceResponseDetails",
+        {"type": str},
+        {"typedefs": _Types},
+        lambda graph, request: {"typedefs": typedefs_of(find_service_type(graph, request.type).Response)},
+    ),
+    RosApiService("service_node", "ServiceNode", {"service": str}, {"node": str}, _node_of_service),
+    RosApiService(
+        "service_providers",
+        "ServiceProviders",
+        {"service": str},
+        {"providers": _Names},
+        lambda graph, request: {"providers": _unique(info.node for info in _served(graph, request.service))},
+    ),
+    RosApiService(
+        "nodes",
+        "Nodes",
+        {},
+        {"nodes": _Names},
+        lambda graph, _: {"nodes": tuple(name for name in graph.get_node_names() if not is_hidden(name))},
+    ),
+    RosApiService(
+        "node_details",
+        "NodeDetails",
+        {"node": str},
+        {"subscribing": _Names, "publishing": _Names, "services": _Names},
+        _node_details,
+    ),
+    RosApiService("action_servers", "GetActionServers", {}, {"action_servers": _Names}, _action_servers),
+    RosApiService("get_time", "GetTime", {}, {"time": TimeOfBothKinds}, _time),
+    RosApiService(
+        "get_ros_version",
+        "GetROSVersion",
+        {},
+        {"version": UInt8, "distro": str},
+        lambda *_: {"version": 2, "distro": "homebot"},
+    ),
+    RosApiService(
+        "get_param",
+        "GetParam",
+        {"name": str, "default_value": (str, "")},
+        {"value": str, **_DONE},
+        parameters.get_parameter,
+    ),
+    RosApiService("set_param", "SetParam", {"name": str, "value": str}, _DONE, parameters.set_parameter),
+    RosApiService("delete_param", "DeleteParam", {"name": str}, _DONE, parameters.delete_parameter),
+    RosApiService("has_param", "HasParam", {"name": str}, {"exists": bool}, parameters.has_parameter),
+    RosApiService("get_param_names", "GetParamNames", {}, {"names": _Names}, parameters.list_parameters),
+)

@@ -1,23 +1,11 @@
-"""Lists of names, and message types as rosapi's ``TypeDef``: plain lists that a client without the types can read."""
+"""Message types as the ``TypeDef`` of rosapi: plain lists that a client without the types can read."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.message import Int32, Message
 
-__all__ = ["TypeDef", "absolute", "typedefs_of", "unique"]
-
-
-def absolute(name: str) -> str:
-    """Return *name* with the leading slash that some clients leave out."""
-    return name if name.startswith("/") else f"/{name}"
-
-
-def unique(names: Iterable[str]) -> tuple[str, ...]:
-    """Return *names* sorted, each once."""
-    return tuple(sorted(set(names)))
+__all__ = ["TypeDef", "typedefs_of"]
 
 
 _EXAMPLES = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
