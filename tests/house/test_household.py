@@ -21,16 +21,16 @@ class Watch:
         self.now = 0.0
         self.seen: list[tuple[float, str]] = []
 
-    def passed(self, name: str, left: str, entered: str) -> None:
+    def on_door_passed(self, name: str, left: str, entered: str) -> None:
         self.seen.append((self.now, f"{name} {left}-{entered}"))
 
-    def lay_down(self, name: str, room: str) -> None:
+    def on_sleep(self, name: str, room: str) -> None:
         self.seen.append((self.now, f"{name} sleeps in {room}"))
 
-    def stirred(self, room: str) -> None:
+    def on_motion(self, room: str) -> None:
         self.seen.append((self.now, room))
 
-    def sat_still(self, room: str) -> None:
+    def on_still(self, room: str) -> None:
         self.seen.append((self.now, f"still in {room}"))
 
 

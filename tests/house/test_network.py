@@ -36,10 +36,10 @@ class ToldLamp(SimulatedLamp):
         self.awaited = awaited
         self.told = anyio.Event()
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if command == self.awaited:
             self.told.set()
-        return super()._take(command)
+        return super()._obey(command)
 
 
 def lamps_of_every_family(awaited: str) -> dict[str, ToldLamp]:

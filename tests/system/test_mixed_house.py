@@ -26,10 +26,10 @@ class ToldLamp(SimulatedLamp):
 
     dark: anyio.Event = field(default_factory=anyio.Event)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if command == "off":
             self.dark.set()
-        return super()._take(command)
+        return super()._obey(command)
 
 
 async def test_the_light_service_switches_lamps_of_every_family(mosquitto_url: str) -> None:

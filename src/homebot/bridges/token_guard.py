@@ -1,6 +1,6 @@
 """A delay for clients that guess tokens. No I/O.
 
-The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
+The right token and wrong ones wait alike, otherwise a guesser could hang up early. An address may be
 wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
 at a time; so an address tries four tokens a second at most, and its honest client comes in after a second.
 
@@ -29,7 +29,7 @@ _MOST_WAITING = 4
 _MOST_ADDRESSES = 1000
 _MOST_PROVEN = 1000
 _LONG = 16
-"""Characters of a token from which on nobody guesses it, however often."""
+"""Characters of a token that is too long to be guessed."""
 
 
 @dataclass(slots=True)
@@ -80,7 +80,7 @@ class TokenGuard:
         return float(min(_LONGEST_DELAY, _FIRST_DELAY * 2**wrong))
 
     def end(self, address: str, now: float, *, waited: bool, was_wrong: bool) -> None:
-        """Note how the attempt ended; one that was given up is not wrong."""
+        """Record the end of an attempt; one that was given up is not wrong."""
         key = network_of(address)
         attempts = self._of(address, now)
         if attempts is not None and waited:

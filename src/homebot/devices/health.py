@@ -10,17 +10,16 @@ __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure
 
 
 class Quarantine(Message):
-    """A source that broke the rules so often that its messages are read a little at a time.
+    """A source with so many rule violations that its messages are read at a limited rate.
 
     Attributes:
-        gateway: Which gateway reads it.
-        offender: Where that came (MQTT: the topic, or ``PREFIX/#`` for all topics of a prefix on which no device stands
-            announced).
-        why: The last rule that was broken, in words.
-        offences: How often one was, since all was quiet.
-        since: From when on.
-        until: Until when, if nothing more comes.
-        is_over: Whether everything is read again.
+        gateway: The gateway that reads it.
+        offender: The source (MQTT: the topic, or ``PREFIX/#`` for all topics of a prefix without an announced device).
+        why: The last violated rule, as text.
+        offences: Number of violations since the last calm.
+        since: The begin.
+        until: The end, unless there are further violations.
+        is_over: Whether it ended.
     """
 
     key_field: ClassVar[str | None] = "offender"

@@ -145,9 +145,9 @@ class _BlockHolder:
         """Begin to hold, and wait until the outcome of the command is known."""
         self._is_beginning = True
         try:
-            self._take(await self._begin.call(self._request, timeout=_LONGEST))
+            self._record_answer(await self._begin.call(self._request, timeout=_LONGEST))
         except ServiceError as exc:
-            self._take_failure(exc)
+            self._record_failure(exc)
         finally:
             self._is_beginning = False
         self._may_begin = not isinstance(self.hold.outcome, Refused | Gone)
@@ -162,12 +162,12 @@ class _BlockHolder:
                 answer = await self._renew.call(self._key, timeout=self._request.ttl)
             except ServiceError as exc:
                 if not self._is_beginning:
-                    self._take_failure(exc)
+                    self._record_failure(exc)
                 continue
             if self._is_beginning:
                 continue
             if answer.held:
-                self._take(answer)
+                self._record_answer(answer)
             else:
                 await self.begin()
 
@@ -179,10 +179,10 @@ class _BlockHolder:
         for client in (self._begin, self._renew, self._release):
             client.close()
 
-    def _take(self, answer: LeaseResponse) -> None:
+    def _record_answer(self, answer: LeaseResponse) -> None:
         self.hold.is_held, self.hold.outcome = answer.held, outcome_of(answer.result)
 
-    def _take_failure(self, error: ServiceError) -> None:
+    def _record_failure(self, error: ServiceError) -> None:
         self.hold.is_held, self.hold.outcome = False, NoAnswer(0.0, str(error))
 
 

@@ -189,7 +189,7 @@ class BluetoothLight(_RadioDevice):
         """Return the light's, and the information on the device."""
         return {
             LIGHT_SERVICE: (
-                GattValue(LIGHT_COMMAND, read=self._value, write=self._take),
+                GattValue(LIGHT_COMMAND, read=self._value, write=self._write),
                 GattValue(LIGHT_STATE, read=self._value, notifies=True),
             ),
             _INFORMATION: (
@@ -208,7 +208,7 @@ class BluetoothLight(_RadioDevice):
     def _value(self) -> bytes:
         return bytes([self.state.is_on, round(self.state.brightness * 255)])
 
-    def _take(self, data: bytes) -> None:
+    def _write(self, data: bytes) -> None:
         if len(data) != len(self._value()):
             return
         is_on, level = data

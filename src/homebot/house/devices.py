@@ -63,7 +63,7 @@ class SimulatedLamp(SimulatedDevice):
             return number(command.removesuffix(" K"), *KELVIN) is not None
         return command in {"on", "off"} or number(command, 0.0, 1.0) is not None
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if command in {"on", "off"}:
             self.is_on = command == "on"
             return (command,)
@@ -141,7 +141,7 @@ class WindowMotor(SimulatedDevice):
         """Return whether it knows *command*."""
         return command in {"open", "close", "stop"} or number(command, 0.0, 1.0) is not None
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         position = self.position
         if command == "stop":
             self._rest(position)
@@ -219,7 +219,7 @@ class SimulatedDoorLock(SimulatedDevice):
         """Return the commands that it knows."""
         return ("lock", "unlock")
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if command not in {"lock", "unlock"}:
             return ()
         self._wants_locked = command == "lock"
@@ -308,7 +308,7 @@ class SimulatedThermostat(SimulatedDevice):
         """Return whether it knows *command*."""
         return number(command, LEAST, MOST) is not None
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         target = number(command, LEAST, MOST)
         if target is None:
             return ()

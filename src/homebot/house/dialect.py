@@ -1,7 +1,7 @@
 """Families of devices: pure functions between a device of :mod:`homebot.house` and MQTT, one class for each family.
 
-A command or report is a text such as ``on`` or ``21.5``; what goes over the wire is the dialect's own. A device behind
-a bridge publishes everything itself here; only what the bridge publishes of itself and of all its devices comes from
+A command or report is a text such as ``on`` or ``21.5``; the dialect defines the messages on the wire. A device behind
+a bridge publishes everything itself here; only the messages of the bridge about itself and all its devices come from
 one client more.
 """
 

@@ -43,8 +43,7 @@ async def announce_service(
 ) -> None:
     """Announce *service* on the interface with the IPv4 *address* until cancelled, without a goodbye.
 
-    A device whose power fails says nothing, and that is how simulated devices end; others forget it when its records
-    expire.
+    Simulated devices end like devices that lose power: they say nothing, and their records expire.
     """
     info = ServiceInfo(
         service.service_type,

@@ -18,7 +18,7 @@ class Event(NamedTuple):
 
     Attributes:
         at: Seconds since the first midnight.
-        who: The device or person.
+        who: The name of the device or person.
         verb: A device ``says`` a report, is ``told`` a command, hands ``switch`` it, or its ``power`` goes ``off`` or
             ``on``; a person ``enters`` a room or ``sleeps`` there.
         what: The report, command, state or room.

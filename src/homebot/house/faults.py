@@ -1,7 +1,7 @@
 """Faults of devices: wrappers of any device, which are devices themselves, so faults combine.
 
-A fault gets a command before the device does and its reports before the world does. ``device`` is what it
-wraps, and :func:`unwrap` the device at the bottom, whose state is what really is.
+A fault gets a command before the device does and its reports before the world does. ``device`` is the
+wrapped device, and :func:`unwrap` returns the one at the bottom, which has the real state.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import math
 import random
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from homebot.house.simulated_device import SimulatedDevice
 
@@ -38,21 +39,24 @@ OPPOSITES = {"on": "off", "open": "closed", "motion": "clear", "locked": "unlock
 OPPOSITES |= {opposite: word for word, opposite in OPPOSITES.items()}
 
 
+@dataclass(eq=False)
 class DeviceFault(SimulatedDevice):
     """A device with something wrong.
 
     Attributes:
         device: The wrapped device.
         rng: Its random numbers.
-        lost: How many held-back things overflowed.
+        lost: Number of held commands and reports that overflowed.
     """
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random) -> None:
-        super().__init__(device.device_id, service_type=device.service_type)
-        self.device = device
-        self.now = device.now
-        self.rng = rng
-        self.lost = 0
+    device_id: str = field(init=False)
+    service_type: str = field(default="", init=False)
+    device: SimulatedDevice
+    rng: random.Random
+    lost: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self.device_id, self.service_type, self.now = self.device.device_id, self.device.service_type, self.device.now
         self._held: deque[tuple[float, str]] = deque()
 
     @property
@@ -81,7 +85,7 @@ class DeviceFault(SimulatedDevice):
         return self.device.restore()
 
     def advance(self, now: float) -> tuple[str, ...]:
-        """Let time pass for both."""
+        """Advance the fault and the device."""
         reports = super().advance(now)
         self.device.advance(now)  # to the same time; its due reports are already out
         return reports
@@ -91,11 +95,11 @@ class DeviceFault(SimulatedDevice):
         return self.device.heartbeat()
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Let hands reach the device: most faults are of its radio."""
+        """Operate the device by hand: most faults are of its radio."""
         return (*self.advance(now), *self._deliver_all(self.device.operate_manually(command, now)))
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Let the device feel the world."""
+        """Apply an input of the world to the device."""
         return (*self.advance(now), *self._deliver_all(self.device.apply_input(value, now)))
 
     def next_event(self) -> float | None:
@@ -104,7 +108,7 @@ class DeviceFault(SimulatedDevice):
         inner = self.device.next_event()
         return inner if own is None else own if inner is None else min(own, inner)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         return self._pass(command)
 
     def _on_timer(self) -> tuple[str, ...]:
@@ -114,7 +118,7 @@ class DeviceFault(SimulatedDevice):
         return reports
 
     def _pass(self, command: str) -> tuple[str, ...]:
-        """Let the device obey."""
+        """Pass the command to the device."""
         return self._deliver_all(self.device.handle_command(command, self.now))
 
     def _deliver_all(self, reports: Iterable[str]) -> tuple[str, ...]:
@@ -128,40 +132,38 @@ class DeviceFault(SimulatedDevice):
         """Return the reports that come of one that was held back."""
         return (held,)
 
-    def _hold(self, at: float, what: str) -> None:
-        """Hold *what* until *at*, which is never before an earlier entry."""
+    def _hold(self, at: float, held: str) -> None:
+        """Hold *held* until *at*, which is never before an earlier entry."""
         if len(self._held) == HELD:
             self._held.popleft()
             self.lost += 1
-        self._held.append((at, what))
+        self._held.append((at, held))
 
 
+@dataclass(eq=False)
 class Lossy(DeviceFault):
     """Loses a share (0 to 1) of its commands and of its reports."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, share: float = 0.2) -> None:
-        super().__init__(device, rng)
-        self.share = share
+    share: float = field(default=0.2, kw_only=True)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else self._pass(command)
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else (report,)
 
     def heartbeat(self) -> tuple[str, ...] | None:
-        """Return its state as it is, not as the world heard it last."""
+        """Return its state as it is, not as last reported."""
         return (self.state(),)
 
 
+@dataclass(eq=False)
 class Slow(DeviceFault):
     """Begins to obey only after a delay of seconds, each time up to half as long again."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, delay: float = 5.0) -> None:
-        super().__init__(device, rng)
-        self.delay = delay
+    delay: float = field(default=5.0, kw_only=True)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         at = self.now + self.delay * self.rng.uniform(1.0, 1.5)
         self._hold(max(at, self._held[-1][0]) if self._held else at, command)  # in the order they came
         return ()
@@ -170,20 +172,23 @@ class Slow(DeviceFault):
         return self._pass(held)
 
 
+@dataclass(eq=False)
 class Deaf(DeviceFault):
     """Receives no command; still reports its state."""
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         del command
         return ()
 
 
+@dataclass(eq=False)
 class Liar(DeviceFault):
     """Reports commands as done and does nothing, from a time on (seconds since the first midnight)."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0) -> None:
-        super().__init__(device, rng)
-        self.since = since
+    since: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self._lie: str | None = None
 
     def state(self) -> str:
@@ -195,38 +200,38 @@ class Liar(DeviceFault):
         self._lie = None
         return super().operate_manually(command, now)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if self.now < self.since:
             return self._pass(command)
         self._lie = DONE.get(command, command)
         return (self._lie,)
 
 
+@dataclass(eq=False)
 class EchoingBridge(DeviceFault):
     """Reports commands at once and passes them on; the device's own reports follow."""
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         return (DONE.get(command, command), *self._pass(command))
 
 
+@dataclass(eq=False)
 class Stuck(DeviceFault):
     """Keeps its state: tries for some seconds and answers with the old state; sensors feel no change."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, after: float = 2.0) -> None:
-        super().__init__(device, rng)
-        self.after = after
+    after: float = field(default=2.0, kw_only=True)
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Feel nothing."""
+        """Ignore the input."""
         del value
         return self.advance(now)
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Resist."""
+        """Ignore the hand."""
         del command
         return self.advance(now)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         del command
         if not self._held:  # a command meanwhile gets the same answer
             self._hold(self.now + self.after, "")
@@ -237,14 +242,13 @@ class Stuck(DeviceFault):
         return (self.device.state(),)
 
 
+@dataclass(eq=False)
 class Reverter(DeviceFault):
     """Obeys, and goes back to how it was after some seconds; a later command calls that off."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, after: float = 60.0) -> None:
-        super().__init__(device, rng)
-        self.after = after
+    after: float = field(default=60.0, kw_only=True)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         before = self.device.restore()
         reports = self._pass(command)
         if reports and before:
@@ -256,13 +260,12 @@ class Reverter(DeviceFault):
         return self._pass(held)
 
 
+@dataclass(eq=False)
 class Chatterbox(DeviceFault):
     """Floods: repeats every report so many times, so many seconds apart."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, times: int = 50, every: float = 0.1) -> None:
-        super().__init__(device, rng)
-        self.times = times
-        self.every = every
+    times: int = field(default=50, kw_only=True)
+    every: float = field(default=0.1, kw_only=True)
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         begins = max(self.now, self._held[-1][0]) if self._held else self.now
@@ -271,13 +274,15 @@ class Chatterbox(DeviceFault):
         return (report,)
 
 
+@dataclass(eq=False)
 class Flapper(DeviceFault):
     """Now and then, on average every so many seconds, reports the opposite and takes it back 0.2 s later."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, every: float = 3600.0) -> None:
-        super().__init__(device, rng)
-        self.every = every
-        self._hold(self.now + rng.expovariate(1 / every), "flap")
+    every: float = field(default=3600.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._hold(self.now + self.rng.expovariate(1 / self.every), "flap")
 
     def _release(self, held: str) -> tuple[str, ...]:
         word = self.device.state()
@@ -288,24 +293,22 @@ class Flapper(DeviceFault):
         return (word,)
 
 
+@dataclass(eq=False)
 class Late(DeviceFault):
     """Delays every report by some seconds; a heartbeat repeats the last one."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, delay: float = 30.0) -> None:
-        super().__init__(device, rng)
-        self.delay = delay
+    delay: float = field(default=30.0, kw_only=True)
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         self._hold(self.now + self.delay, report)
         return ()
 
 
+@dataclass(eq=False)
 class Silent(DeviceFault):
     """Says nothing from a time on (seconds since the first midnight), not even at a heartbeat; it keeps its link."""
 
-    def __init__(self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0) -> None:
-        super().__init__(device, rng)
-        self.since = since
+    since: float = field(default=0.0, kw_only=True)
 
     def heartbeat(self) -> tuple[str, ...] | None:
         """Return nothing once it is silent."""
@@ -315,16 +318,17 @@ class Silent(DeviceFault):
         return () if self.now >= self.since else (report,)
 
 
+@dataclass(eq=False)
 class Unplugged(DeviceFault):
     """Has no power from one time until another (seconds since the first midnight): it does and reports nothing."""
 
-    def __init__(
-        self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0, until: float = float("inf")
-    ) -> None:
-        super().__init__(device, rng)
-        self.since = since
-        self.until = until
-        self._changes = [at for at in (since, until) if device.now < at < math.inf] if since < until else []
+    since: float = field(default=0.0, kw_only=True)
+    until: float = field(default=math.inf, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        times = (self.since, self.until) if self.since < self.until else ()
+        self._changes = [at for at in times if self.device.now < at < math.inf]
         self._missed: float | None = None
 
     @property
@@ -342,7 +346,7 @@ class Unplugged(DeviceFault):
         return reports + (super().operate_manually(command, now) if self.has_power else ())
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Feel nothing without power; a lasting state is felt when power returns."""
+        """Ignore the input without power; a lasting one is applied when power returns."""
         reports = self.advance(now)
         if not self.has_power:
             self._missed = value
@@ -355,7 +359,7 @@ class Unplugged(DeviceFault):
         own = self._changes[0] if self._changes else None
         return inner if own is None else own if inner is None else min(own, inner)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         return self._pass(command) if self.has_power else ()
 
     def _on_timer(self) -> tuple[str, ...]:

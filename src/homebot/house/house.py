@@ -53,7 +53,7 @@ class SimulatedHouse:
     """Carries a world over a broker.
 
     The world's first day is the day, in UTC, on which the house is made: the world's time is the clock's since
-    that day's midnight. What happened in the morning before is not published, but devices begin as it left them.
+    that day's midnight. Events of the morning before are not published, but devices begin as it left them.
     A world that has lived some days goes on with the next.
 
     Args:
@@ -109,7 +109,7 @@ class SimulatedHouse:
         self._dialects = dialects
         self._lines = LogLimit(clock)
         self._midnight = _first_midnight(clock.now(), world.now)
-        self._stirred = anyio.Event()
+        self._changed = anyio.Event()
         self._is_served = False
         infos = {name: self._device_info(placed) for name, placed in world.devices.items()}
         self._network = network or HouseNetwork(world.families())
@@ -132,7 +132,7 @@ class SimulatedHouse:
         return cls(host.url, home, world, clock, make_client=make_client, random=random, network=network)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Let the house live until cancelled."""
+        """Run the house until cancelled."""
         self.world.run_until(self._now())
         for name, connected in self._devices.items():
             device = self.world.device(name)
@@ -157,26 +157,26 @@ class SimulatedHouse:
             UsageError: There is no such device.
         """
         self._show(self.world.command(device_id, command, self._within_reach(), command_id))
-        self._stirred.set()
+        self._changed.set()
 
     def press(self, device_id: str, command: str) -> None:
-        """Let hands work a device, as *command* would.
+        """Operate a device by hand, as *command* would.
 
         Raises:
             UsageError: There is no such device.
         """
         self._show(self.world.press(device_id, command, self._within_reach()))
-        self._stirred.set()
+        self._changed.set()
 
     async def _move(self) -> None:
         while True:
             self.catch_up()
-            self._stirred = anyio.Event()
+            self._changed = anyio.Event()
             wait = self.world.next_event() - self._now()
             if wait > TICK:
-                alarm = asyncio.get_running_loop().call_later(wait, self._stirred.set)
+                alarm = asyncio.get_running_loop().call_later(wait, self._changed.set)
                 try:
-                    await self._stirred.wait()
+                    await self._changed.wait()
                 finally:
                     alarm.cancel()
             else:

@@ -84,19 +84,19 @@ class Person(NamedTuple):
 class MovementObserver(Protocol):
     """A port for people's movements."""
 
-    def passed(self, name: str, left: str, entered: str) -> None:
+    def on_door_passed(self, name: str, left: str, entered: str) -> None:
         """Take note that a person went through the door between two rooms, and is in *entered* now."""
         ...
 
-    def lay_down(self, name: str, room: str) -> None:
+    def on_sleep(self, name: str, room: str) -> None:
         """Take note that a person sleeps now."""
         ...
 
-    def stirred(self, room: str) -> None:
+    def on_motion(self, room: str) -> None:
         """Take note that a person set out, arrived, passed or moved in *room*; called after the above."""
         ...
 
-    def sat_still(self, room: str) -> None:
+    def on_still(self, room: str) -> None:
         """Take note that a person in *room* moves no longer, and is awake."""
         ...
 
@@ -117,7 +117,7 @@ class _Body:
 
 
 class Household:
-    """People who walk from room to room as their habits have it.
+    """People that walk from room to room by their habits.
 
     Args:
         people: The people.
@@ -181,27 +181,27 @@ class Household:
             return  # they changed their mind on the way
         if way[0] != body.room:
             left, body.room = body.room, way[0]
-            self._observer.passed(body.person.name, left, body.room)
-            self._observer.stirred(left)
+            self._observer.on_door_passed(body.person.name, left, body.room)
+            self._observer.on_motion(left)
         if len(way) == 1:
             body.asleep, body.still = visit.asleep, visit.still
             if body.asleep:
-                self._observer.lay_down(body.person.name, body.room)
+                self._observer.on_sleep(body.person.name, body.room)
             elif body.still:
                 self._queue.set(object(), self._clock() + MOVES, partial(self._sit, body, walk))
         else:
             seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
             self._queue.set(object(), self._clock() + seconds, partial(self._walk, body, walk, visit, way[1:]))
-        self._observer.stirred(body.room)
+        self._observer.on_motion(body.room)
 
     def _sit(self, body: _Body, walk: int) -> None:
         if walk == body.walk and body.moves:
             body.moves = False
             self._queue.set(object(), self._clock() + body.still, partial(self._move, body, walk))
-            self._observer.sat_still(body.room)
+            self._observer.on_still(body.room)
 
     def _move(self, body: _Body, walk: int) -> None:
         if walk == body.walk and not body.moves:
             body.moves = True
             self._queue.set(object(), self._clock() + MOVES, partial(self._sit, body, walk))
-            self._observer.stirred(body.room)
+            self._observer.on_motion(body.room)

@@ -1,7 +1,7 @@
 """One device of a simulated house on the wire: an MQTT client of its own, which does not know homebot.
 
-Its messages wait in a queue of its own, so that a slow broker stops neither the world nor other devices. What cannot
-be published while there is no link is not kept: the last state is published at the next link, as small devices do.
+Its messages wait in a queue of its own, so that a slow broker stops neither the world nor other devices. Without a link
+messages are dropped and the last state is published at the next link, as small devices do.
 """
 
 from __future__ import annotations
@@ -92,12 +92,12 @@ class MqttDevice(ConnectedDevice):
 
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
         """Begin in *state*, which is published at the first link; before :meth:`live`."""
-        self._keep(state)
+        self._store(state)
         self._has_power = has_power
 
     def publish(self, state: DeviceState) -> None:
         """Publish *state*, and again at each heartbeat and new link until another; never waits."""
-        self._keep(state)
+        self._store(state)
         if self._is_online:
             self._enqueue(self._last)
         else:
@@ -134,7 +134,7 @@ class MqttDevice(ConnectedDevice):
     def _is_online(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _keep(self, state: DeviceState) -> None:
+    def _store(self, state: DeviceState) -> None:
         self._state = state
         self._last = self._dialect.state_messages(self._device, state)
         self._again = tuple(message._replace(qos=0) for message in self._last)

@@ -1,8 +1,7 @@
 """Networks of a simulated house beside its broker: this computer's loopback interface, and a virtual radio.
 
 A device of a house speaks MQTT in a dialect, or belongs to a *served family*: it is a server or a radio by itself,
-and a gateway of its protocol finds it. The house says which gateways its devices need; what runs it adds those that
-are not there.
+and a gateway of its protocol finds it. The house says which gateways its devices need; the runtime adds missing ones.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ class ServedFamily:
     Attributes:
         kinds: The kinds of devices, as houses are described, that there are in it.
         device: Module and class of a device.
-        options: The arguments of that class beside its name and what gets its commands.
+        options: The arguments of that class beside its name and its receiver of commands.
         gateway: The gateway that finds them, by the name of its plug-in.
         extra: The extra that installs its libraries.
         libraries: Their top-level modules.

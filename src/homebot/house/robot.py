@@ -88,7 +88,7 @@ class Robot(SimulatedDevice):
         """Return whether it knows *command*; a room that no doors lead to it does not."""
         return command == "stop" or (command.startswith("go ") and bool(self._way_to(command.removeprefix("go "))))
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         if command == "stop":
             self._at_rest, self._ahead = self.pose(), ()
             return (self.state(),)

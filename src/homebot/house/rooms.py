@@ -41,7 +41,7 @@ def weather(now: float, first_day: int) -> float:
 
 
 OUTSIDE = "outside"
-"""The room of people who are out: like any other, but light and warmth are the weather's."""
+"""The room of absent people: like any other, but light and warmth are the weather's."""
 
 
 class Room(NamedTuple):

@@ -1,4 +1,4 @@
-"""Sensors: they take no command and report what the world does to them."""
+"""Sensors: they take no command and report inputs from the world."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class SimulatedContactSensor(SimulatedDevice):
     """A contact on a door or window: senses 1 for open and 0 for closed.
 
     Attributes:
-        is_open: What it sensed last.
+        is_open: The last sensed value.
     """
 
     kind: ClassVar[str] = "contact"
@@ -30,7 +30,7 @@ class SimulatedContactSensor(SimulatedDevice):
         return "open" if self.is_open else "closed"
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Report what changed."""
+        """Report a change."""
         self.advance(now)
         if (value > 0) == self.is_open:
             return ()
@@ -38,7 +38,7 @@ class SimulatedContactSensor(SimulatedDevice):
         return (self.state(),)
 
     def commands(self) -> tuple[str, ...]:
-        """Return what hands can do to it; the world does it, since the door or window stays so."""
+        """Return the manual commands; the world carries them out, because the door or window stays so."""
         return ("open", "close")
 
 
@@ -46,7 +46,7 @@ class SimulatedContactSensor(SimulatedDevice):
 class MotionSensor(SimulatedDevice):
     """A motion sensor: senses how many people move before it; reports ``motion`` at once and ``clear`` after a while.
 
-    ``motion`` by hand is somebody who walks past.
+    ``motion`` by hand is a person walking past.
 
     Attributes:
         hold: Seconds without motion after which it is ``clear``.
@@ -76,14 +76,14 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Let somebody walk past for ``motion``."""
+        """Simulate a person walking past for ``motion``."""
         reports = self.advance(now)
         if command == "motion" and (not self._sees_motion or self._clear_at is not None):
             reports += self.apply_input(1.0, now) + self.apply_input(0.0, now)
         return reports
 
     def commands(self) -> tuple[str, ...]:
-        """Return what hands can do to it."""
+        """Return the manual commands."""
         return ("motion",)
 
     def next_event(self) -> float | None:
@@ -97,7 +97,7 @@ class MotionSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class _MeasuringSensor(SimulatedDevice):
-    """A sensor of a number; a number by hand is what it measures until ``measure`` by hand."""
+    """A sensor of a number; a number by hand replaces its measurements until ``measure`` by hand."""
 
     def __post_init__(self) -> None:
         self._measured = 0.0
@@ -110,18 +110,18 @@ class _MeasuringSensor(SimulatedDevice):
         return self._report(value if self._by_hand is None else self._by_hand)
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Measure the number *command*, or with ``measure`` what the world shows."""
+        """Measure the number *command*, or the world again with ``measure``."""
         self.advance(now)
         if self.knows(command):
             self._by_hand = to_number(command)
         return self._report(self._measured if self._by_hand is None else self._by_hand)
 
     def commands(self) -> tuple[str, ...]:
-        """Return what hands can do to it."""
+        """Return the manual commands."""
         return ("a number", _MEASURE)
 
     def knows(self, command: str) -> bool:
-        """Return whether hands can do *command* to it."""
+        """Return whether *command* is a manual command."""
         return command == _MEASURE or to_number(command) is not None
 
     def _report(self, value: float) -> tuple[str, ...]:
@@ -161,7 +161,7 @@ class PowerMeter(_MeasuringSensor):
     Attributes:
         total: The last report, in watts.
         step: The change in watts that is worth a report.
-        of: The name of the device whose power it measures; empty for the whole house.
+        of: The name of the measured device; empty for the whole house.
     """
 
     kind: ClassVar[str] = "power_meter"

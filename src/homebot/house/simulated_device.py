@@ -39,7 +39,7 @@ class SimulatedDevice(ABC):
         """Return the state that it reports."""
 
     def handle_command(self, command: str, now: float) -> tuple[str, ...]:
-        """Take *command* at *now*.
+        """Execute *command* at *now*.
 
         Args:
             command: A text such as ``on``, or a number as text; unknown ones are ignored.
@@ -48,10 +48,10 @@ class SimulatedDevice(ABC):
         Returns:
             Its immediate reports, after those due before; later ones come from :meth:`advance`.
         """
-        return (*self.advance(now), *self._take(command))
+        return (*self.advance(now), *self._obey(command))
 
     def advance(self, now: float) -> tuple[str, ...]:
-        """Let time pass until *now* and return the reports due on the way, oldest first."""
+        """Advance to *now* and return the reports due on the way, oldest first."""
         reports: list[str] = []
         while (at := self.next_event()) is not None and at <= now:
             self.now = max(self.now, at)
@@ -64,7 +64,7 @@ class SimulatedDevice(ABC):
         return None
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Let the world act on it with *value*, whose meaning is the device's own; return its reports.
+        """Apply an input of the world; the device defines the meaning of *value*. Return its reports.
 
         Most devices feel nothing.
         """
@@ -95,13 +95,13 @@ class SimulatedDevice(ABC):
         """Return the command that would bring it back to how it is now; empty when there is none."""
         return ""
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         """Obey at :attr:`now`; return the reports at once."""
         del command
         return ()
 
     def _on_timer(self) -> tuple[str, ...]:
-        """Do what :meth:`next_event` announced; must move that on."""
+        """Carry out the event that :meth:`next_event` announced, which must advance."""
         return ()
 
 

@@ -47,7 +47,7 @@ class SimulatedTag(SimulatedDevice):
         """Return the commands that it knows."""
         return ("tap",)
 
-    def _take(self, command: str) -> tuple[str, ...]:
+    def _obey(self, command: str) -> tuple[str, ...]:
         return self._tap() if command == "tap" else ()
 
     def _on_timer(self) -> tuple[str, ...]:

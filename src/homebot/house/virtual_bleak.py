@@ -90,7 +90,7 @@ class VirtualScanner(BaseBleakScanner):
         """Begin to scan."""
         hub = self.radio.hub()
         self.seen_devices = {}
-        hub.on("advertisement", self._hear)
+        hub.on("advertisement", self._on_advertisement)
         self.radio.scanners.add(self)
         await hub.start_scanning(active=self._is_active, filter_duplicates=False)
 
@@ -98,13 +98,13 @@ class VirtualScanner(BaseBleakScanner):
         """End the scan."""
         self.radio.scanners.discard(self)
         hub = self.radio.hub()
-        hub.remove_listener("advertisement", self._hear)
+        hub.remove_listener("advertisement", self._on_advertisement)
         await hub.stop_scanning()
 
-    def _hear(self, heard: BumbleAdvertisement) -> None:
-        self.hear(heard.address, heard.data.ad_structures)
+    def _on_advertisement(self, heard: BumbleAdvertisement) -> None:
+        self.report(heard.address, heard.data.ad_structures)
 
-    def hear(self, sender: Address, fields: Sequence[tuple[int, bytes]]) -> None:
+    def report(self, sender: Address, fields: Sequence[tuple[int, bytes]]) -> None:
         """Report an advertisement to bleak."""
         if not self.radio.is_plugged:
             return
@@ -220,11 +220,11 @@ class VirtualClient(BaseBleakClient):
         """Subscribe to a characteristic."""
         self._check()
 
-        def hear(value: bytes) -> None:
+        def on_value(value: bytes) -> None:
             callback(bytearray(value))
 
-        self._subscribed[characteristic.handle] = hear
-        await _answer(characteristic.obj.subscribe(hear, prefer_notify="notify" in characteristic.properties))
+        self._subscribed[characteristic.handle] = on_value
+        await _answer(characteristic.obj.subscribe(on_value, prefer_notify="notify" in characteristic.properties))
 
     async def stop_notify(self, characteristic: BleakGATTCharacteristic) -> None:
         """End that."""

@@ -2,7 +2,7 @@
 
 It and :mod:`homebot.house.virtual_bleak`, the backend of bleak, are the files that import bumble. Devices advertise and
 serve GATT as on a radio, but nothing is lost and distance does not count. The virtual controller reports a constant
--50 dBm, so that BlueZ, and filters, would see what no radio shows: each signal gets a strength of its own here,
+-50 dBm, so that BlueZ, and filters, would see an impossible signal: each gets a strength of its own here,
 around that of its device.
 """
 
@@ -187,7 +187,7 @@ class VirtualRadio:
     def transmit(self, address: str, fields: Sequence[tuple[int, bytes]]) -> None:
         """Have one advertisement heard from an address, which need not be that of a device; no controller is asked."""
         for scanner in tuple(self.scanners):
-            scanner.hear(Address(address), fields)
+            scanner.report(Address(address), fields)
 
     async def unplug(self) -> None:
         """Take the adapter away: connections end, and nothing is heard any more."""

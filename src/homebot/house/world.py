@@ -49,9 +49,9 @@ class _Drive(NamedTuple):
 
 @dataclass(eq=False)
 class _PlacedDevice:
-    """A device, what is under its faults, and the door it is on.
+    """A device, the real device under its faults, and the state of its door.
 
-    The door is open until ``open_until`` because somebody went through, or because hands ``left_open`` it.
+    The door is open until ``open_until`` after a person went through, and while it was ``left_open`` by hand.
     """
 
     placed: Placed
@@ -198,7 +198,7 @@ class World:
         return self._household.awake_in(room)
 
     def is_open(self, device_id: str) -> bool:
-        """Return whether the door or window that a contact is on is open, whatever the contact reports.
+        """Return whether the door or window of a contact is open, also if the contact reports something else.
 
         Raises:
             UsageError: There is no such device.
@@ -221,9 +221,9 @@ class World:
         lamps = [t.real for t in entries if isinstance(t.real, SimulatedLamp) and t.placed.device.watts() > 0]
         return sun + sum(lamp.lux() for lamp in lamps)
 
-    def passed(self, name: str, left: str, entered: str) -> None:
+    def on_door_passed(self, name: str, left: str, entered: str) -> None:
         """Open the door that a person went through: its contact reports, its lock works. For the household alone."""
-        self._note(name, "enters", entered)
+        self._record(name, "enters", entered)
         for entry in self._at_door(left, entered):
             if isinstance(entry.real, SimulatedContactSensor):
                 self._open(entry)
@@ -232,11 +232,11 @@ class World:
                 entry.open_until = self.now + DOOR_LOCKS
                 self._queue.set(object(), entry.open_until, partial(self._close, entry))
 
-    def lay_down(self, name: str, room: str) -> None:
+    def on_sleep(self, name: str, room: str) -> None:
         """Log that a person sleeps. For the household alone."""
-        self._note(name, "sleeps", room)
+        self._record(name, "sleeps", room)
 
-    def stirred(self, room: str) -> None:
+    def on_motion(self, room: str) -> None:
         """Show motion in *room* to its sensors, and work its lamps by hand. For the household alone."""
         self._show_motion(room)
         awake = self._household.awake_in(room)
@@ -247,7 +247,7 @@ class World:
             if wish and isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
                 self._switch(entry, wish)
 
-    def sat_still(self, room: str) -> None:
+    def on_still(self, room: str) -> None:
         """Report the end of movement to the sensors of *room*. For the household alone."""
         self._show_motion(room)
 
@@ -302,12 +302,12 @@ class World:
 
     def _command(self, entry: _PlacedDevice, command: str, command_id: str = "") -> None:
         command = command[:LONGEST_COMMAND]
-        self._note(entry.placed.device.device_id, "told", command, command_id)
+        self._record(entry.placed.device.device_id, "told", command, command_id)
         self._act(entry, lambda device: device.handle_command(command, self.now))
 
     def _switch(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
-        self._note(entry.placed.device.device_id, "switch", command)
+        self._record(entry.placed.device.device_id, "switch", command)
         if isinstance(entry.real, SimulatedContactSensor) and command in {"open", "close"}:
             entry.left_open, entry.open_until = command == "open", self.now
             self._feel(entry, float(entry.left_open))
@@ -322,9 +322,9 @@ class World:
         drew, had_power, before = device.watts(), device.has_power, _drive(entry.real)
         reports = act(device)
         if device.has_power != had_power:
-            self._note(device.device_id, "power", "on" if device.has_power else "off")
+            self._record(device.device_id, "power", "on" if device.has_power else "off")
         for report in reports if device.has_power else ():
-            self._note(device.device_id, "says", report)
+            self._record(device.device_id, "says", report)
         self._plan_step(entry)
         if isinstance(entry.real, SimulatedLamp | CoverMotor):
             self._show_light(entry.placed.room)
@@ -339,9 +339,9 @@ class World:
         if at is None:
             self._queue.discard(device.device_id)
         elif at != self._queue.time_of(device.device_id):  # else its turn among those at the same time stays
-            self._queue.set(device.device_id, at, partial(self._act, entry, self._let_pass))
+            self._queue.set(device.device_id, at, partial(self._act, entry, self._advance))
 
-    def _let_pass(self, device: SimulatedDevice) -> tuple[str, ...]:
+    def _advance(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
 
     def _show_drive(self, left: str, entered: str) -> None:
@@ -381,12 +381,12 @@ class World:
             is_dark = self.lux(room) < DARK
             if is_dark and self._was_dark.get(room) is False:
                 self._household.stir(room)  # a person sitting there gets up for the switch
-                self.stirred(room)
+                self.on_motion(room)
             self._was_dark[room] = is_dark
         self._queue.set(object(), self.now + SAMPLE, self._sample)
 
-    def _note(self, who: str, verb: Verb, what: str, command_id: str = "") -> None:
-        self.event_log.add(Event(self.now, who, verb, what, command_id))
+    def _record(self, subject: str, verb: Verb, fact: str, command_id: str = "") -> None:
+        self.event_log.add(Event(self.now, subject, verb, fact, command_id))
 
 
 def _drive(device: SimulatedDevice) -> _Drive:

@@ -1,7 +1,7 @@
 """The plan of a house: rooms on floors in one home, and the doors between rooms. Pure.
 
 Areas are nested in three levels: the home, its floors, and the rooms on them. A name belongs to one level alone,
-whatever its case and accents, so no area can contain itself.
+ignoring case and accents, so no area can contain itself.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class Topic:
     def packing(self) -> Packing:
         return PLAIN
 
-    def take(self) -> JsonObject | None:
+    def next_frame(self) -> JsonObject | None:
         if not self.left:
             return None
         self.left -= 1

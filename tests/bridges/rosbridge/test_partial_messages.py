@@ -8,7 +8,6 @@ from typing import Annotated
 import pytest
 from pydantic import Field
 
-from homebot.bridges.rosbridge.partial_messages import completed
 from homebot.bridges.rosbridge.types import partial_message_from_client
 from homebot.errors import TypeMismatchError
 from homebot.messages import message as fields
@@ -58,13 +57,6 @@ def test_messages_inside_are_completed_too() -> None:
     assert missing == ("linear.y", "path.x", "path.y")
     assert message.model_dump()["linear"] == {"x": 2.0, "y": 0.0}
     assert message.model_dump()["path"] == ({"x": 0.0, "y": 1.0}, {"x": 3.0, "y": 0.0})
-
-
-def test_what_is_there_stays_as_it_is() -> None:
-    values: dict[str, object] = {"linear": 5, "path": [5], "covariance": None, "more": 1}
-    whole, missing = completed(Twist, values)
-    assert {name: whole[name] for name in values} == values
-    assert missing == ("raw", "is_fast", "frame")
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.bridges.thing_directory.conftest import OpenHouse, ServedHouse
 
-from homebot.bridges.thing_directory.cross_origin import sharing_headers
+from homebot.bridges.thing_directory.documents import sharing_headers
 
 PAGE = "http://localhost:3000"
 

@@ -156,16 +156,16 @@ class ClientAccess:
     def _problem(self, right: Right) -> str:
         wanted = "act: harmless" if right is Right.ACT else right.value
         if self.page:
-            who = f"a web page from {self.page[:_LONGEST_ORIGIN]}"
+            client = f"a web page from {self.page[:_LONGEST_ORIGIN]}"
             advice = f'add "{self.page[:_LONGEST_ORIGIN]}" to allowed_origins, in the table [door] of homebot.toml'
         elif self.name == LOCAL_CLIENT:
-            who = "a client without a token"
+            client = "a client without a token"
             scope = json.dumps(list(dict.fromkeys(("read", wanted))))
             advice = f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = {scope}"
         else:
-            who = f"the token {self.name}"
+            client = f"the token {self.name}"
             advice = f'add "{wanted}" to its scope, in the table [door.tokens.{self.name}] of homebot.toml'
-        return f"the right {right.value} is missing; {who} has: {self.rights.text}. To give it, {advice}"
+        return f"the right {right.value} is missing; {client} has: {self.rights.text}. To give it, {advice}"
 
 
 @lru_cache(maxsize=256)

@@ -18,6 +18,7 @@ from typing import TypeAlias, final
 from homebot.graph.mailbox import Queue, keyed_queue
 from homebot.graph.subscription import Expiring
 from homebot.messages.message import Message
+from homebot.support.byte_account import ByteAccount
 
 __all__ = ["Backlog", "DoorBacklog", "FeedQueue"]
 
@@ -35,16 +36,21 @@ class DoorBacklog:
         limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
 
     Attributes:
-        waiting: Bytes that wait. A message that waits for several clients counts for each.
         lost: Messages dropped since the start.
     """
 
     def __init__(self, limit: int) -> None:
-        self.waiting = 0
         self.lost = 0
-        self._limit = limit
         self._clients: dict[Backlog, None] = {}
+        self._account = ByteAccount(
+            limit, lambda: self._clients, lambda one: one.waiting, lambda one: one.drop_oldest()
+        )
         self._last: tuple[weakref.ref[Message] | None, int] = (None, 0)
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait. A message that waits for several clients counts for each."""
+        return self._account.used
 
     def client_came(self, backlog: Backlog) -> None:
         """Add the queue of a client."""
@@ -54,11 +60,9 @@ class DoorBacklog:
         """Forget a client."""
         self._clients.pop(backlog, None)
 
-    def drop_what_is_too_much(self) -> None:
-        """Drop the oldest messages of the client with the most, though never its only one."""
-        while self.waiting > self._limit:
-            if not max(self._clients, key=lambda one: one.waiting).drop_oldest():
-                return
+    def add(self, size: int) -> None:
+        """Count *size* more bytes, or fewer; of too many, the client with the most loses its oldest messages."""
+        self._account.add(size)
 
     def weigh(self, message: Message) -> int:
         """Return the bytes of *message*; the same once more, for the next client, costs nothing."""
@@ -89,13 +93,12 @@ class Backlog:
         """Record *waiting* in *queue* and drop the excess."""
         self._order[waiting] = queue
         self.waiting += waiting.weight
-        self.everybody.waiting += waiting.weight
         while self.waiting > self._limit:
             if len(queue) > 1:
                 queue.drop_oldest()
             elif not self.drop_oldest():
                 break
-        self.everybody.drop_what_is_too_much()
+        self.everybody.add(waiting.weight)
 
     def drop_oldest(self) -> bool:
         """Drop the oldest message of all, unless it is the only one; return whether that was so."""
@@ -105,13 +108,13 @@ class Backlog:
         return True
 
     def remove(self, waiting: _Waiting) -> None:
-        """Note that *waiting* waits no longer."""
+        """Remove *waiting* from the backlog."""
         if self._order.pop(waiting, None) is not None:
             self.waiting -= waiting.weight
-            self.everybody.waiting -= waiting.weight
+            self.everybody.add(-waiting.weight)
 
     def close(self) -> None:
-        """Let go of everything; the client has left."""
+        """Release everything; the client has left."""
         for queue in set(self._order.values()):
             queue.close()
         self.everybody.client_left(self)
@@ -154,7 +157,7 @@ class FeedQueue:
         self._on_arrival: Callable[[], None] | None = on_arrival
         self._queue: Queue[_Waiting] = deque()
         if key is not None:
-            self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._note_loss)
+            self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._record_loss)
 
     def append(self, item: Item) -> None:
         """Add *item* at the end; the excess is dropped and counted. Ignored after :meth:`close`."""
@@ -176,14 +179,14 @@ class FeedQueue:
 
     def drop_oldest(self) -> None:
         """Drop the oldest message and count it."""
-        self._note_loss(self._queue.popleft())
+        self._record_loss(self._queue.popleft())
 
     def has_room_for(self, _item: object) -> bool:
         """Return True: publishers never wait for a client of the door."""
         return True
 
     def close(self) -> None:
-        """Let go of everything, and take nothing more."""
+        """Release everything and refuse new messages."""
         self._on_arrival = None
         while self._queue:
             self._backlog.remove(self._queue.popleft())
@@ -192,7 +195,7 @@ class FeedQueue:
     def __len__(self) -> int:
         return len(self._queue)
 
-    def _note_loss(self, waiting: _Waiting) -> None:
+    def _record_loss(self, waiting: _Waiting) -> None:
         self._backlog.remove(waiting)
         self._backlog.everybody.lost += 1
         self.lost += 1

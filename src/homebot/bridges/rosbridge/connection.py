@@ -1,8 +1,8 @@
 """A WebSocket connection of the door that reads only as fast as the door answers.
 
-A flood of frames reaches the session, which knows the limits; pings and what is no frame at all the library answers by
-itself, so here is where they are slowed down. What a client does not read it is not read for either: else its pings
-would pile up as answers.
+A flood of frames reaches the session, which knows the limits; the library answers pings
+and invalid frames by itself, so they are slowed down here. A client that does not read is not read from either:
+otherwise the answers to its pings would pile up.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ class DoorConnection(ServerConnection):
             oldest.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Take *data*, now or when it is our turn; until then nothing more is read."""
+        """Handle *data* now or at the next turn; until then nothing more is read."""
         if self._turns.has_time():
             super().data_received(data)
             return
         self._hold("turn")
-        self._turns.defer(lambda: self._take(data))
+        self._turns.defer(lambda: self._receive(data))
 
     def pause_writing(self) -> None:
         """Stop reading from a client that does not read its answers."""
@@ -78,10 +78,10 @@ class DoorConnection(ServerConnection):
         super().connection_lost(exc)
 
     def has_arrived(self) -> None:
-        """Note that the connection has a session now."""
+        """Record that the connection has a session."""
         self._arriving.pop(self, None)
 
-    def _take(self, data: bytes) -> None:
+    def _receive(self, data: bytes) -> None:
         if not self._is_lost:
             super().data_received(data)
             self._release("turn")

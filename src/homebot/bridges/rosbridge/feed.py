@@ -48,7 +48,7 @@ class Feed:
         self._reported_losses = 0
         self._rest: asyncio.TimerHandle | None = None
         self._qos = _fitting_qos(node.graph, node.resolve_name(topic), depth)
-        self._queue = FeedQueue(depth, key_of(message_type), backlog, self._note_arrival)
+        self._queue = FeedQueue(depth, key_of(message_type), backlog, self._on_arrival)
         lost = backlog.everybody.lost
         self._subscription = node.create_subscription(message_type, topic, qos_profile=self._qos, queue=self._queue)
         self._queue.lost, backlog.everybody.lost = 0, lost  # to ask for less history than is kept is no loss
@@ -75,7 +75,7 @@ class Feed:
             while (kept := late.take()) is not None:
                 self._queue.append(kept)
 
-    def take(self) -> Frame | bytes | None:
+    def next_frame(self) -> Frame | bytes | None:
         """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
         message = self._subscription.take()
         if message is None or not self.requests:
@@ -107,7 +107,7 @@ class Feed:
             return binary_frames.publish_cbor_raw(self._topic, message, now, lost)
         return binary_frames.publish_cbor(self._topic, message, lost)
 
-    def _note_arrival(self) -> None:
+    def _on_arrival(self) -> None:
         if self._rest is None:
             self._outbox.ready(self)
 

@@ -34,7 +34,7 @@ class FrameAssembler:
         op = parse_frame(frame)
         if not isinstance(op, Fragment):
             return op
-        whole = self._take(op)
+        whole = self._collect(op)
         if whole is None:
             return None
         op = parse_frame(whole)
@@ -42,7 +42,7 @@ class FrameAssembler:
             raise FrameError("a fragment cannot be made of fragments", op.op, op.id)
         return op
 
-    def _take(self, fragment: Fragment) -> str | None:
+    def _collect(self, fragment: Fragment) -> str | None:
         collected = self._open.pop(fragment.id, None) or _Collected(fragment.total)
         if fragment.total != collected.total or fragment.num >= fragment.total:
             raise FrameError(f"number {fragment.num} of {fragment.total} does not fit", fragment.op, fragment.id)

@@ -29,7 +29,7 @@ class MessageSource(Protocol):
         """The form in which the client wants those that are text."""
         ...
 
-    def take(self) -> Frame | bytes | None:
+    def next_frame(self) -> Frame | bytes | None:
         """Return the next frame, in CBOR where it is bytes; None where there is none (any more)."""
         ...
 
@@ -76,7 +76,7 @@ class Outbox:
         self._wake()
 
     def ready(self, source: MessageSource) -> None:
-        """Note that *source* has something to send."""
+        """Register that *source* has a frame to send."""
         if source not in self._sources:
             self._sources[source] = None
             self._wake()
@@ -106,7 +106,7 @@ class Outbox:
                 await self._send_message(source)
 
     async def _send_message(self, source: MessageSource) -> None:
-        frame = source.take()
+        frame = source.next_frame()
         if isinstance(frame, bytes):
             await self._send(frame)
         elif frame is not None:

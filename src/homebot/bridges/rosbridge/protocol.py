@@ -341,7 +341,7 @@ def _load(text: str) -> object:
 
 
 def _check_size(text: str) -> None:
-    """Count the separators of values before parsing, whose time depends on their number."""
+    """Count the separators of values before parsing: the time of parsing depends on their number."""
     if _separators(text) >= MAX_VALUES and _separators(_STRING.sub("", text)) >= MAX_VALUES:
         raise FrameError(f"holds more than {MAX_VALUES:,} values; send bytes as base64 text")
 

@@ -1,4 +1,4 @@
-"""The services that a client provides to everybody on the graph."""
+"""The services that a client provides on the graph."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ __all__ = ["ProvidedServices"]
 class ProvidedServices:
     """The services that one connection of a client provides, under the names that the client uses.
 
-    A service that an older connection of the same client provides passes to the newer one: who comes back after its
-    network failed is there before its old connection is known to be dead, and offers its services once only.
+    A service that an older connection of the same client provides passes to the newer one: a client that
+    reconnects after a network failure offers its services before its old connection is known to be dead.
 
     Args:
         node: The node that serves in the client's stead.

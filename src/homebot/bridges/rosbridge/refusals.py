@@ -39,7 +39,7 @@ _DEEDS: Final = {
 
 @final
 class Refusals:
-    """Notes each refusal for want of a right. Of one client 20 in ten seconds are logged and published.
+    """Record of each refusal for want of a right. Of one client 20 in ten seconds are logged and published.
 
     Args:
         node: The node of the door.
@@ -51,8 +51,8 @@ class Refusals:
         self._error_log = error_log
         self._publisher: Publisher[AccessRefused] | None = None
 
-    def note(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
-        """Note that *op* of the client at *address* was refused with *error*."""
+    def record(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
+        """Log and publish that *op* of the client at *address* was refused with *error*."""
         held_back = self._error_log.log(
             f"rights of {access.issuer}",
             "door.right_missing",

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 __all__ = ["Door"]
 
 SERVICE_TYPE = "_rosbridge._tcp"
-"""By DNS-SD; ROS's own server announces nothing, and this is what apps look for that find robots by it."""
+"""Service type by DNS-SD that apps look for to find robots; the server of ROS announces nothing."""
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
 _OPEN_TIMEOUT: Final = 10.0  # seconds that a client has for its handshake, on however slow a computer
@@ -148,7 +148,7 @@ class Door:
         with anyio.move_on_after(_STOP_TIMEOUT):
             await server.wait_closed()
             return
-        # A client that takes no more bytes cannot be sent a close frame either, nor one whose request has not come.
+        # A client that takes no more bytes, or has sent no request, cannot be sent a close frame.
         for connection in (*self._sessions, *self._arriving):
             connection.transport.abort()
         await server.wait_closed()
@@ -264,7 +264,7 @@ class Door:
 
 
 class _LibraryLog(logging.Handler):
-    """Brings the lines of the WebSocket library into our log, limited."""
+    """Handler that writes the lines of the WebSocket library to the limited log."""
 
     def __init__(self, error_log: ClientErrorLog) -> None:
         super().__init__()

@@ -164,7 +164,7 @@ class ClientSession:
             self.refused += 1
             self._shared.counters.requests_refused += 1
             self._shared.counters.rights_missing += 1
-            self._shared.refusals.note(self._access, self._client, op, exc)
+            self._shared.refusals.record(self._access, self._client, op, exc)
             self._answer(op.op, op.id, op.name, str(exc))
         except HomebotError as exc:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))

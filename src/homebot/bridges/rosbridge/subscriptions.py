@@ -63,8 +63,8 @@ class Subscriptions:
     def subscribe(self, op: SubscribeOperation) -> tuple[Literal["warning", "error"], str] | None:
         """Begin to send a topic; where its type is not known yet, return how bad that is and why.
 
-        It is an error that the type is unknown, and a warning that it was not given; either way messages come once
-        somebody uses the topic.
+        An unknown type is an error and a missing one a warning; in both cases messages come as soon as the topic
+        is used.
 
         Raises:
             InvalidNameError: The name is illegal.

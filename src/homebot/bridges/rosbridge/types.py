@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import chain
-from typing import Any
+from typing import Any, Final
 
 from homebot import devices
 from homebot.errors import PeerError, TypeMismatchError
@@ -179,9 +179,7 @@ def partial_message_from_client(
     Raises:
         TypeMismatchError: A field is unknown, of another type, or cannot be zero; the message names it and its value.
     """
-    from homebot.bridges.rosbridge.partial_messages import completed  # noqa: PLC0415 - most clients leave out nothing
-
-    whole, missing = completed(message_type, _in_ros2(message_type, value))
+    whole, missing = _completed(message_type, _in_ros2(message_type, value))
     return message_from_json(message_type, whole), missing
 
 
@@ -200,3 +198,38 @@ def _element(field: FieldDefinition, value: object) -> object:
     if isinstance(value, list):
         return [_element(field, item) for item in value]
     return _in_ros2(field.message, value) if isinstance(value, dict) else value
+
+
+_ZEROS: Final[Mapping[str, object]] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
+
+
+def _completed(message_type: type[Message], values: Mapping[str, object]) -> tuple[dict[str, object], tuple[str, ...]]:
+    """Return *values* with the fields that are missing, and their names, with dots where they are of messages inside.
+
+    A field with a default in *message_type* is not missing. A text that has to be one of an enumeration stays missing.
+    """
+    whole, names = dict(values), []
+    for field in fields_of(message_type):
+        if field.name in whole:
+            whole[field.name], inner = _completed_field(field, whole[field.name])
+            names += [f"{field.name}.{name}" for name in inner]
+        elif message_type.model_fields[field.name].is_required() and field.choices is None:
+            whole[field.name] = _zero(field)
+            names.append(field.name)
+    return whole, tuple(names)
+
+
+def _completed_field(field: FieldDefinition, value: object) -> tuple[object, tuple[str, ...]]:
+    if field.message is None:
+        return value, ()
+    if isinstance(value, Mapping):
+        return _completed(field.message, value)
+    if not isinstance(value, list):
+        return value, ()
+    parts = [_completed(field.message, one) if isinstance(one, Mapping) else (one, ()) for one in value]
+    return [one for one, _ in parts], tuple(dict.fromkeys(name for _, inner in parts for name in inner))
+
+
+def _zero(field: FieldDefinition) -> object:
+    zero = _ZEROS.get(field.ros_type, 0) if field.message is None else _completed(field.message, {})[0]
+    return [zero] * (field.size or 0) if field.is_array else zero

@@ -14,14 +14,16 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
-from homebot.bridges.thing_directory.cross_origin import PREFLIGHT, is_preflight, sharing_headers
 from homebot.bridges.thing_directory.documents import (
     BEARER,
     CHANGE_NAMES,
     NO_SECURITY,
+    PREFLIGHT,
     DirectoryAnswer,
     RequestError,
     directory_description,
+    is_preflight,
+    sharing_headers,
 )
 from homebot.bridges.thing_directory.event_feed import EventFeed, EventRequest
 from homebot.bridges.thing_directory.http_server import BoundedServer, HttpExchange

@@ -47,8 +47,7 @@ class CatalogChange:
         number: Its place among the changes; the first is 1.
         name: Name of the event.
         id: The thing's.
-        detail: In JSON the whole description of a thing that is new, and what is different in one that is not (RFC
-            7396); empty for one that is gone.
+        detail: The JSON of a new thing, or a merge patch (RFC 7396) of a known one; empty for a removed one.
     """
 
     number: int
@@ -86,7 +85,7 @@ class ThingCatalog:
         return [self._listed[one] for one in ids[offset : offset + limit]]
 
     def put(self, thing_id: str, fields: Mapping[str, object], now: str) -> None:
-        """List a description, in place of an older one of the same thing; one that says the same changes nothing.
+        """List a description, replacing an older one of the same thing; an equal one changes nothing.
 
         Args:
             thing_id: The thing's id.
@@ -103,15 +102,17 @@ class ThingCatalog:
         self._listed[thing_id] = ListedDescription(thing_id, text, blake2b(text.encode(), digest_size=8).hexdigest())
         if before is None:
             insort(self._ids, thing_id)
-            self._note("thing_created", thing_id, text)
+            self._record("thing_created", thing_id, text)
         else:
-            self._note("thing_updated", thing_id, compact_json(merge_patch(json.loads(before.text), json.loads(text))))
+            self._record(
+                "thing_updated", thing_id, compact_json(merge_patch(json.loads(before.text), json.loads(text)))
+            )
 
     def remove(self, thing_id: str) -> None:
-        """Take a description from the list; none is fine."""
+        """Remove a description from the list; none is fine."""
         if self._listed.pop(thing_id, None) is not None:
             del self._ids[bisect_left(self._ids, thing_id)]
-            self._note("thing_deleted", thing_id, "")
+            self._record("thing_deleted", thing_id, "")
 
     def changes_after(self, number: int) -> list[CatalogChange] | None:
         """Return the changes after that number, oldest first; None where some of them are kept no longer."""
@@ -120,7 +121,7 @@ class ThingCatalog:
             return None
         return [self._changes[place] for place in range(len(self._changes) - missing, len(self._changes))]
 
-    def _note(self, name: ChangeName, thing_id: str, detail: str) -> None:
+    def _record(self, name: ChangeName, thing_id: str, detail: str) -> None:
         self._last += 1
         self._changes.append(CatalogChange(self._last, name, thing_id, detail))
         self._change_bytes += len(detail)

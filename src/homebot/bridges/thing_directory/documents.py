@@ -1,12 +1,12 @@
 """Documents about the directory itself, and about requests that it refuses. Pure.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API) and 7.3.2.2
-(Events API); RFC 9457 (problem details).
+(Events API); RFC 9457 (problem details); WHATWG Fetch Living Standard, section 3.3 (HTTP CORS protocol).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from typing import Final
@@ -21,13 +21,16 @@ __all__ = [
     "MAX_PAGE",
     "NO_SECURITY",
     "PAGE",
+    "PREFLIGHT",
     "PROBLEM_TYPE",
     "TD_TYPE",
     "DirectoryAnswer",
     "RequestError",
     "at_base",
     "directory_description",
+    "is_preflight",
     "page_of",
+    "sharing_headers",
 ]
 
 TD_TYPE: Final = "application/td+json"
@@ -71,6 +74,36 @@ class DirectoryAnswer:
     content_type: str = ""
     status: int = 200
     headers: Mapping[str, str] = field(default_factory=dict)
+
+
+PREFLIGHT: Final = DirectoryAnswer(
+    status=HTTPStatus.NO_CONTENT,
+    headers={
+        "Access-Control-Allow-Methods": "GET, HEAD, PUT",
+        "Access-Control-Allow-Headers": "Authorization, Content-Type, If-None-Match, Last-Event-ID",
+        "Access-Control-Max-Age": "600",
+    },
+)
+"""The answer to a browser's preflight request, which comes without a token."""
+
+
+def sharing_headers(origins: Sequence[str]) -> Mapping[str, str]:
+    """Return the header fields that let the page of *origins* read the answer; it must have been admitted before.
+
+    Nothing is shared with anything else: a program that is no page sends no origin.
+    """
+    if len(origins) != 1 or not (origins[0].isascii() and origins[0].isprintable()):
+        return {}
+    return {
+        "Access-Control-Allow-Origin": origins[0],
+        "Access-Control-Expose-Headers": "Allow, ETag, Link, Retry-After",
+        "Vary": "Origin",
+    }
+
+
+def is_preflight(method: str, asked_methods: Sequence[str]) -> bool:
+    """Return whether a request is a preflight: *asked_methods* is its ``Access-Control-Request-Method``."""
+    return method == "OPTIONS" and bool(asked_methods)
 
 
 class RequestError(Exception):

@@ -221,7 +221,7 @@ class BoundedServer:
     async def _serve(self, request: web.BaseRequest) -> web.StreamResponse:
         self.counters.requests += 1
         if self._connections is not None:
-            self._connections.note_request(request.protocol)
+            self._connections.on_request(request.protocol)
         if request.version.major != 1:
             self.counters.turned_away += 1
             if request.transport is not None:
@@ -277,8 +277,8 @@ class _Connections(web.Server):
         self._silent.pop(handler, None)
         super().connection_lost(handler, exc)
 
-    def note_request(self, handler: web.RequestHandler) -> None:
-        """Note that a request came; from now on the library itself limits silence."""
+    def on_request(self, handler: web.RequestHandler) -> None:
+        """Handle the first request; from now on the library itself limits silence."""
         self._silent.pop(handler, None)
 
     async def sweep(self) -> None:

@@ -122,7 +122,7 @@ class ListedDevices:
         """Follow the devices of the house until cancelled."""
         number = 0
         async for change in Follow(self._node):
-            self._take(change)
+            self._on_device(change)
             number += 1
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
@@ -132,7 +132,7 @@ class ListedDevices:
         """Return the properties of a thing by name; None where there is no such thing."""
         return self._properties.get(listed_id)
 
-    def _take(self, change: DeviceChange) -> None:
+    def _on_device(self, change: DeviceChange) -> None:
         device = change.device
         listed_id = thing_id(device.id, self._owner)
         if change.kind == "removed" or not _is_own(device):

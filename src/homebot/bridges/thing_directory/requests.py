@@ -213,8 +213,8 @@ def _number(value: float) -> float:
 
 def _check_method(request: DirectoryRequest, allowed: frozenset[str]) -> None:
     if request.method not in allowed:
-        what = "this directory is read only" if len(request.path) <= 2 else "the property cannot be used that way"
-        raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, what, Allow=", ".join(sorted(allowed)))
+        problem = "this directory is read only" if len(request.path) <= 2 else "the property cannot be used that way"
+        raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, problem, Allow=", ".join(sorted(allowed)))
 
 
 def _matches(request: DirectoryRequest, etag: str) -> bool:

@@ -157,7 +157,7 @@ class TextDecoder:
                 self._measured = self._measured or ("" if capability.settable else name)
 
     def _values(self, name: str, value: PlainValue) -> Decoded:
-        return {name: value, **{other: what for other, what in _implied(name, value) if other in self._names}}
+        return {name: value, **{other: implied for other, implied in _implied(name, value) if other in self._names}}
 
     def _any_text(self, text: bytes) -> Decoded:
         if not 0 < len(text) <= _LONGEST:
