@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from tests.source_trees import SOURCE
 
-MOST_LINES = 1550
-OWN_LIMITS = {"homebot.gateways.mqtt": 2550}
+MOST_LINES = 1450
+OWN_LIMITS = {"homebot.gateways.mqtt": 2450}
 """Decision 28 has the reason."""
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"

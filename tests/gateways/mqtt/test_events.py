@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import anyio
 import pytest
 
-from homebot.devices import Devices, RawMessage
+from homebot.devices import Devices
 from homebot.devices.gateway_messages import Report
 from homebot.devices.handles import FollowHandles, Handle
 from homebot.discovery import Directory, DirectorySettings
@@ -96,16 +96,6 @@ HOMIE = {
         "b": {"name": "B", "properties": {"action": {"datatype": "enum", "format": "single,double", "retained": False}}}
     },
 }
-THING = {
-    "@context": "https://www.w3.org/2022/wot/td/v1.1",
-    "id": "urn:remote",
-    "title": "Remote",
-    "security": "nosec_sc",
-    "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-    "events": {
-        "pressed": {"data": {"type": "string"}, "forms": [{"href": "mqtt://b", "mqv:filter": "remote/pressed"}]}
-    },
-}
 
 
 def gen2_event(event: str) -> Payload:
@@ -159,11 +149,6 @@ REMOTES = {
         "stat/remote/RESULT",
         ({"Button1": {"Action": "SINGLE"}}, {"Button1": {"Action": "SINGLE"}}, {"Button1": {"Action": "DOUBLE"}}),
     ),
-    "shelly gen1": Remote(
-        (("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1", "mac": "AABBCC1CD6EB"}),),
-        "shellies/shellybutton1-1CD6EB/input_event/0",
-        ({"event": "S", "event_cnt": 1}, {"event": "S", "event_cnt": 2}, {"event": "SS", "event_cnt": 3}),
-    ),
     "shelly gen2": Remote(
         ((f"{GEN2}/online", "true"),),
         f"{GEN2}/events/rpc",
@@ -175,11 +160,6 @@ REMOTES = {
         (("homie/5/remote/$description", HOMIE), ("homie/5/remote/$state", "ready")),
         "homie/5/remote/b/action",
         ("single", "single", "double"),
-    ),
-    "thing": Remote(
-        (("homebot/things/remote/td", THING),),
-        "remote/pressed",
-        ('"single"', '"single"', '"double"'),
     ),
 }
 EACH = pytest.mark.parametrize("remote", REMOTES.values(), ids=REMOTES)
@@ -277,23 +257,6 @@ async def test_each_press_is_told_once(remote: Remote) -> None:
 
 
 @EACH
-async def test_each_press_is_a_word_told_once(remote: Remote) -> None:
-    async with home() as house:
-        await house.announce(remote)
-        heard: list[str] = []
-
-        async def on_word(message: RawMessage) -> None:
-            heard.append(message.text())
-
-        for device in await house.devices.find():
-            await house.devices.listen(device, on_word)
-        await anyio.sleep(1)
-        heard.clear()
-        await house.press(remote)
-        assert [one for one in heard if one in remote.told] == list(remote.told)
-
-
-@EACH
 async def test_a_press_that_the_broker_kept_is_none(remote: Remote) -> None:
     """Whether it comes before its announcement or after it, and whoever comes late to hear it."""
 
@@ -347,19 +310,6 @@ async def test_a_directory_that_is_restarted_hears_no_press_again() -> None:
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
             kept = node.create_subscription(Report, "/gateway/mqtt/readings", qos_profile=latched)
             assert kept.take() is None
-
-
-async def test_many_presses_at_once_are_all_told() -> None:
-    remote = REMOTES["homeassistant event"]
-    async with home() as house:
-        await house.announce(remote)
-        follow = house.devices.follow(Handle)
-        assert await read(follow) == []
-        for _ in range(90):
-            await house.wire.publish(remote.topic, b'{"event_type":"single"}')
-        assert await read(follow) == ["single"] * 90
-        assert follow.events_lost == 0
-        follow.close()
 
 
 async def test_the_press_that_makes_a_device_known_is_told_once() -> None:

@@ -98,7 +98,7 @@ class DeviceRunner(PublishedDevice, ABC):
         self._random = random
         self._is_listed = False
         self._work = anyio.CancelScope()
-        self._attempt = anyio.CancelScope()
+        self._attempt, self._pause = anyio.CancelScope(), anyio.CancelScope()
 
     @abstractmethod
     async def work(self) -> None:
@@ -111,15 +111,15 @@ class DeviceRunner(PublishedDevice, ABC):
 
     @abstractmethod
     def list_unheard(self) -> None:
-        """Publish the device as it is known from elsewhere; called where it has not answered yet."""
+        """Publish the device as it is known from elsewhere; called if it has not answered yet."""
 
     def on_answer(self) -> None:
-        """Note that the device answers, and is published."""
+        """Record that the device answers, and is published."""
         self._is_listed = True
         self.problem, self.needs_help = "", False
 
     def on_end(self) -> None:
-        """Note that the connection ended; publishes that."""
+        """Publish that the connection ended."""
         self._list()
         self.report_reachable(reachable=None if self.sleeps else False)
 
@@ -136,12 +136,17 @@ class DeviceRunner(PublishedDevice, ABC):
                         retries.succeed()
                         continue
                     pause = retries.fail(failed)
-                    with anyio.CancelScope() as self._attempt:
+                    with anyio.CancelScope() as self._pause:
                         await anyio.sleep(min(pause, SLEEPER_WITHIN) if self.sleeps and not self.needs_help else pause)
 
     def restart(self) -> None:
         """Connect anew, at once."""
         self._attempt.cancel()
+        self._pause.cancel()
+
+    def wake(self) -> None:
+        """Try again at once if the next attempt is awaited: the device gave a sign of life."""
+        self._pause.cancel()
 
     def stop(self) -> None:
         """End :meth:`run`; nothing is published after that."""
@@ -149,7 +154,7 @@ class DeviceRunner(PublishedDevice, ABC):
 
     @property
     def is_stopped(self) -> bool:
-        """True once it was told to stop."""
+        """True after :meth:`stop`."""
         return self._work.cancel_called
 
     async def _try(self) -> Backoff | None:

@@ -83,9 +83,9 @@ class DirectoryServer:
         site.add_resource(
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
         )
-        site.add_resource(["rd"], _RegisterResource(self))
-        site.add_resource([".well-known", "rd"], _SimpleRegisterResource(self))
-        site.add_resource(["rd"], _Registrations(self))
+        site.add_resource(["rd"], _Registration(lambda request: self.answer(request, "")))
+        site.add_resource([".well-known", "rd"], _Unlisted(self.answer_simple))
+        site.add_resource(["rd"], _Registrations(self._answer_at_path))
         site.add_resource(["rd-lookup", "ep"], self._lookups[0])
         site.add_resource(["rd-lookup", "res"], self._lookups[1])
         try:
@@ -112,6 +112,9 @@ class DirectoryServer:
     def answer(self, request: aiocoap.Message, path: str) -> aiocoap.Message:
         """Register, renew or remove; *path* is that of the registration, empty for a new one."""
         return self._guarded(request, lambda host: self._answer(request, path, host))
+
+    def _answer_at_path(self, request: aiocoap.Message) -> aiocoap.Message:
+        return self.answer(request, f"/rd/{'/'.join(request.opt.uri_path)}")
 
     def answer_simple(self, request: aiocoap.Message) -> aiocoap.Message:
         """Register a device that sends no links: they are asked for where it is; RFC 9176, section 5.1."""
@@ -157,7 +160,7 @@ class DirectoryServer:
         if request.code != Code.POST:
             return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
         if request.payload or "base" in query:
-            raise WireError("who registers simply sends no links and no base")
+            raise WireError("a simple registration has no links and no base")
         self.registry.check({"base": base, **query})
         if self._tasks is None or host in self._asked or len(self._asked) >= MAX_ASKED:
             return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
@@ -182,46 +185,29 @@ class DirectoryServer:
             one.updated_state()
 
 
-class _RegisterResource(resource.Resource):  # type: ignore[misc]  # the library has no types
+class _Registration(resource.Resource):  # type: ignore[misc]  # the library has no types
     """The resource to register at."""
 
     rt = "core.rd"
     ct = str(LINK_FORMAT)
 
-    def __init__(self, server: DirectoryServer) -> None:
+    def __init__(self, answer: Callable[[aiocoap.Message], aiocoap.Message]) -> None:
         super().__init__()
-        self._server = server
+        self._answer = answer
 
     async def render(self, request: aiocoap.Message) -> aiocoap.Message:
-        return self._server.answer(request, "")
+        return self._answer(request)
 
 
-class _SimpleRegisterResource(resource.Resource):  # type: ignore[misc]  # likewise
-    """The well-known resource to register at without a body. It is not listed."""
-
-    def __init__(self, server: DirectoryServer) -> None:
-        super().__init__()
-        self._server = server
+class _Unlisted(_Registration):
+    """A resource that is not listed."""
 
     def get_link_description(self) -> None:
         return None
 
-    async def render(self, request: aiocoap.Message) -> aiocoap.Message:
-        return self._server.answer_simple(request)
 
-
-class _Registrations(resource.Resource, resource.PathCapable):  # type: ignore[misc]  # likewise
-    """The resources below it: one for each registration. They are not listed."""
-
-    def __init__(self, server: DirectoryServer) -> None:
-        super().__init__()
-        self._server = server
-
-    def get_link_description(self) -> None:
-        return None
-
-    async def render(self, request: aiocoap.Message) -> aiocoap.Message:
-        return self._server.answer(request, f"/rd/{'/'.join(request.opt.uri_path)}")
+class _Registrations(_Unlisted, resource.PathCapable):  # type: ignore[misc]  # likewise
+    """The resources below it, one for each registration."""
 
 
 class _Lookup(resource.ObservableResource):  # type: ignore[misc]  # likewise

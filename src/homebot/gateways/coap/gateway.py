@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, ClassVar
@@ -17,7 +15,7 @@ from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoi
 from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
-from homebot.gateways.announced.device_runner import MAX_PROBLEMS
+from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
@@ -57,11 +55,15 @@ class CoapGateway(Gateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self.devices = PublishedDevices(
-            self, self._perform, settings, max_devices=settings.max_devices, find_problems=self._problems
+            self,
+            self._perform,
+            settings,
+            max_devices=settings.max_devices,
+            find_problems=lambda: problems_of(self._sessions.values()),
         )
         self._random = self.context.random or Random()  # noqa: S311 - for pauses
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
-        self._sessions: dict[str, tuple[EndpointSession, anyio.CancelScope]] = {}
+        self._sessions: dict[str, EndpointSession] = {}
         self._keys_at: dict[str, set[str]] = {}
         self._ways: dict[str, str] = {}
         self._tried: set[str] = set()
@@ -164,14 +166,10 @@ class CoapGateway(Gateway):
             report=partial(self._report, uri),
         )
 
-    def _problems(self) -> Iterator[str]:
-        known = (session for session, _ in self._sessions.values())
-        return islice((f"{one.endpoint.key}: {one.problem}" for one in known if one.problem), MAX_PROBLEMS)
-
     def _on_registered_list(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
         """Take the whole list of a directory: endpoints missing in it are no longer registered there."""
         listed = {one.key for one in endpoints}
-        known = [session.endpoint for session, _ in self._sessions.values()]
+        known = [session.endpoint for session in self._sessions.values()]
         for one in known:
             if one.source == directory and one.key not in listed:
                 self._gone(one, f"its registration at {directory} ended")
@@ -238,13 +236,12 @@ class CoapGateway(Gateway):
     def _found(self, endpoint: CoapEndpoint) -> None:
         """Begin to work with an endpoint, or note that it gave a sign of life."""
         known = self._sessions.get(endpoint.key)
-        if known is not None and (known[0].endpoint == endpoint or known[0].endpoint.source != endpoint.source):
+        if known is not None and (known.endpoint == endpoint or known.endpoint.source != endpoint.source):
             if not endpoint.is_registered:  # a directory also lists silent ones
-                known[0].seen()
+                known.wake()
             return
         if known is not None:  # it moved, or says other things of itself
-            known[1].cancel()
-            self._forget(endpoint.key)
+            self._forget(known)
         elif not self._may_begin(endpoint):
             return
         self._begin(endpoint)
@@ -254,7 +251,7 @@ class CoapGateway(Gateway):
 
         Each address is once. The configuration comes first, then a registered name, then an address that answered.
         """
-        same = [self._sessions[key][0].endpoint for key in self._keys_at.get(authority_of(endpoint.base), ())]
+        same = [self._sessions[key].endpoint for key in self._keys_at.get(authority_of(endpoint.base), ())]
         if any(one.is_static for one in same) or (same and not endpoint.is_registered):
             return False
         for one in same:
@@ -267,16 +264,14 @@ class CoapGateway(Gateway):
         self.devices.engine.quarantine.log_limited(_TOO_MANY, problem, source="")
         return False
 
-    def _forget(self, key: str) -> EndpointSession | None:
-        """Forget a session, which goes on until it is cancelled."""
-        known = self._sessions.pop(key, None)
-        if known is None:
-            return None
-        authority = authority_of(known[0].endpoint.base)
-        self._keys_at[authority].discard(key)
-        if not self._keys_at[authority]:
-            del self._keys_at[authority]
-        return known[0]
+    def _forget(self, session: EndpointSession) -> None:
+        key, authority = session.endpoint.key, authority_of(session.endpoint.base)
+        if self._sessions.get(key) is session:
+            session.stop()
+            del self._sessions[key]
+            self._keys_at[authority].discard(key)
+            if not self._keys_at[authority]:
+                del self._keys_at[authority]
 
     def _begin(self, endpoint: CoapEndpoint) -> None:
         assert self._client is not None  # noqa: S101 - found while it serves
@@ -291,28 +286,24 @@ class CoapGateway(Gateway):
             random=self._random,
             describing=self._describing,
         )
-        scope = anyio.CancelScope()
-        self._sessions[endpoint.key] = session, scope
+        self._sessions[endpoint.key] = session
         self._keys_at.setdefault(authority_of(endpoint.base), set()).add(endpoint.key)
-        self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session, scope))
+        self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
 
-    async def _run(self, session: EndpointSession, scope: anyio.CancelScope) -> None:
-        with scope:
-            await session.run()
-            self._forget(session.endpoint.key)
+    async def _run(self, session: EndpointSession) -> None:
+        await session.run()
+        self._forget(session)
 
     def _gone(self, endpoint: CoapEndpoint, why: str) -> None:
         known = self._sessions.get(endpoint.key)
-        if known is None or known[0].endpoint.source != endpoint.source:
+        if known is None or known.endpoint.source != endpoint.source:
             return
-        session, scope = known
-        self._forget(endpoint.key)
-        scope.cancel()
-        for one in session.keys:
+        self._forget(known)
+        for one in known.keys:
             self.devices.remove(one, why)
 
     async def _perform(self, command: Command) -> None:
-        for session, _ in self._sessions.values():
+        for session in self._sessions.values():
             if command.key in session.keys:
                 await session.perform(command)
                 return

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 import anyio
@@ -19,12 +19,12 @@ from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
-from homebot.gateways.announced.device_runner import PublishedDevice
+from homebot.gateways.announced.device_runner import DeviceRunner, PublishedDevice
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
-from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
+from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
 from homebot.wot.coap.resource_types import thing_of_links
@@ -36,9 +36,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EndpointSession", "with_own_forms"]
 
-STEADY_AFTER: Final = 60.0
-"""Seconds after which a connection that ends counts as a first failure."""
-
 MAX_THINGS = 16
 """Descriptions of one endpoint that are read."""
 
@@ -48,15 +45,12 @@ _NOT_FOUND = 0x84
 _MISSES = 3
 
 
-class EndpointSession:
-    """The work on one endpoint, until it is cancelled.
+class EndpointSession(DeviceRunner):
+    """Describes the devices of one endpoint and runs them; ends if it only answered a multicast question once.
 
     Args:
         poll_every: Seconds between two readings of resources that cannot be observed.
         describing: Limits the endpoints that are described at the same time.
-
-    Attributes:
-        problem: The rule that it broke, or its refusal; empty while it is used, or does not answer.
     """
 
     def __init__(
@@ -71,48 +65,48 @@ class EndpointSession:
         random: Random,
         describing: anyio.CapacityLimiter,
     ) -> None:
+        super().__init__(endpoint.key, endpoint.key, devices, clock, log, random, DEVICE_BACKOFF)
         self.endpoint = endpoint
         self._client = client
-        self._devices = devices
-        self._clock = clock
-        self._log = log
         self._poll_every = poll_every
-        self._random = random
         self._describing = describing
-        self.problem = ""
         self._things: dict[str, ThingDevice] = {}
-        self._seen = anyio.Event()
 
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys of its devices, as far as they are known."""
         return tuple(self._things) or (self.endpoint.key,)
 
-    def seen(self) -> None:
-        """Record a sign of life: a waiting try begins now."""
-        self._seen.set()
+    async def work(self) -> None:
+        """Describe the devices and run them."""
+        try:
+            await self._run_devices()
+        except WireError as exc:
+            self._devices.reject(self.key, exc.frame, str(exc))
+            raise
 
-    async def run(self) -> None:
-        """Describe its devices and run them; return where nothing is there that could come back.
+    def list_unheard(self) -> None:
+        """Publish an endpoint that a directory or the settings list: it is advertised, though not reachable."""
+        if self._is_advertised and self.key not in self._devices.keys:
+            endpoint = self.endpoint
+            device = GatewayDevice(
+                self.key, endpoint.name or self.key, metadata=endpoint.facts, identifiers=endpoint.identifiers
+            )
+            why = f"it is listed, but {self.problem or 'has not answered yet'}"
+            self._devices.put(device, why[:200], confirmed=False)
 
-        That is one that only answered a multicast question, and then no other one.
-        """
-        retries = BackoffCounter(self._clock, self._random, STEADY_AFTER)
-        while True:
-            retries.begin()
-            try:
-                await self._run_once()
-            except (LinkError, PeerError) as exc:
-                self._log.info("coap.device_lost", endpoint=self.endpoint.key, reason=str(exc)[:200])
-                if isinstance(exc, WireError):
-                    self._devices.reject(self.endpoint.key, exc.frame, str(exc))
-                self.problem = str(exc) if isinstance(exc, PeerError) else ""
-                self._report_lost(exc)
-            if not self._things and not self.endpoint.is_registered and not self.endpoint.is_static:
-                return
-            self._seen = anyio.Event()
-            with anyio.move_on_after(retries.fail(DEVICE_BACKOFF)):
-                await self._seen.wait()
+    def on_end(self) -> None:
+        """Publish that its devices cannot be reached."""
+        if not self._things and not self._is_advertised:
+            self.stop()
+            return
+        super().on_end()
+        for key in self.keys:
+            self._devices.report_reachable(key, reachable=False)
+
+    @property
+    def _is_advertised(self) -> bool:
+        return self.endpoint.is_registered or self.endpoint.is_static
 
     async def perform(self, command: Command) -> None:
         """Carry out a command to one of its devices."""
@@ -121,15 +115,15 @@ class EndpointSession:
             raise UnableError(f"{command.key[:100]} has not described itself yet")
         await thing.perform(command)
 
-    async def _run_once(self) -> None:
+    async def _run_devices(self) -> None:
         async with self._describing:
             self._client = self._client.guarded_by(await self._guard())
             described = await self._describe()
-        self.problem = ""
         before = set(self._things)
         self._things = {device.key: self._thing(device, thing) for device, thing in described}
         for key in before - set(self._things):
             self._devices.remove(key, "its endpoint no longer describes it")
+        self.on_answer()
         with ungrouped():
             async with anyio.create_task_group() as tasks:
                 for thing in self._things.values():
@@ -144,24 +138,9 @@ class EndpointSession:
         return await guard_for(unquote(urlsplit(self.endpoint.base).hostname or ""))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = PublishedDevice(self._devices, device.key, self._clock, self._log)
+        host = PublishedDevice(self._devices, device.key, self.clock, self.log)
         port = CoapPort(self._client, partial(self._devices.admits, device.key))
         return ThingDevice(thing, device, port, host, self._poll_every)
-
-    def _report_lost(self, error: Exception) -> None:
-        key = self.endpoint.key
-        if (
-            not self._things
-            and (self.endpoint.is_registered or self.endpoint.is_static)
-            and key not in self._devices.keys
-        ):
-            # Advertised, though not reachable: a directory or the settings list it.
-            name = self.endpoint.name or key
-            device = GatewayDevice(key, name, metadata=self.endpoint.facts, identifiers=self.endpoint.identifiers)
-            self._devices.put(device, f"it is listed, but {error}"[:200], confirmed=False)
-        if isinstance(error, LinkError):
-            for one in self.keys:
-                self._devices.report_reachable(one, reachable=False)
 
     async def _check(self, device: GatewayDevice) -> None:
         """Look now and then whether a device is still there that has nothing to be read."""

@@ -95,7 +95,7 @@ class DriverRunner(DeviceRunner):
         self._publish(None, "its driver has not described it")
 
     def on_end(self) -> None:
-        """Note that there is no connection."""
+        """Publish that there is no connection."""
         self._driver = None
         self._is_connecting = False
         self._connected.set()  # no caller is to wait for it any more
