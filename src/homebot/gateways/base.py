@@ -51,6 +51,7 @@ devices, goes on trying, answers commands with ``unreachable``, and never ends b
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from random import Random
 from typing import ClassVar, Final, Literal, TypeAlias
 
 import anyio
@@ -104,6 +105,7 @@ class Gateway(ABC):
         Settings: The model of its table.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
+        random: The source of random numbers, for pauses.
         acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
         observes_because: The reason why it only observes, as text.
     """
@@ -127,6 +129,7 @@ class Gateway(ABC):
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
+        self.random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
         self._state: GatewayState | None = None
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
         self._state_lines = LogLimit(node.graph.clock, burst=5)

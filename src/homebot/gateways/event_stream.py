@@ -42,7 +42,7 @@ class EventStreamParser:
         self._ended_with_return = False
 
     def feed(self, chunk: bytes) -> tuple[ServerEvent, ...]:
-        """Take the next bytes, and return the events that they complete.
+        """Add the next bytes, and return the events that they complete.
 
         Raises:
             WireError: An event is too long; the stream cannot be read on.

@@ -44,7 +44,7 @@ def parse_url(url: str, *schemes: str) -> URL:
         begins = clean_text(found.scheme, 20) or "no scheme"
         raise WireError(f"what should be an address of HTTP begins with {begins}")
     if found.user is not None or found.password is not None:
-        raise WireError(f"the address of {shown_url(found)} contains a user or password; nobody may send one")
+        raise WireError(f"the address of {shown_url(found)} contains a user or password; remove them")
     return found
 
 

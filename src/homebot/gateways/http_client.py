@@ -138,22 +138,18 @@ class HttpClient:
         """Return the answer to GET; at most three redirects within the host are followed. See also :meth:`request`."""
         return await self.request("GET", url, accept=accept, etag=etag, time_limit=time_limit, max_bytes=max_bytes)
 
-    async def get_json(self, url: str, *, time_limit: float | None = None, max_bytes: int | None = None) -> object:
+    async def get_json(self, url: str) -> object:
         """Return the answer to GET, parsed as JSON; see :meth:`request`."""
-        return (await self.get(url, accept="application/json", time_limit=time_limit, max_bytes=max_bytes)).json()
+        return (await self.get(url, accept="application/json")).json()
 
-    async def send_json(
-        self, method: str, url: str, value: object, *, time_limit: float | None = None
-    ) -> object | None:
+    async def send_json(self, method: str, url: str, value: object) -> object | None:
         """Send *value* as JSON, by PUT or POST, and return the answer, parsed as JSON.
 
         Returns:
             The value; None if the answer has no body.
         """
         body = compact_json(value).encode()
-        answer = await self.request(
-            method, url, body=body, content_type="application/json", accept="application/json", time_limit=time_limit
-        )
+        answer = await self.request(method, url, body=body, content_type="application/json", accept="application/json")
         return answer.json() if answer.body else None
 
     async def request(
@@ -301,7 +297,7 @@ def _fields(response: aiohttp.ClientResponse) -> dict[str, str]:
 
 async def _body(where: URL, response: aiohttp.ClientResponse, max_bytes: int) -> bytes:
     if response.headers.get("Content-Encoding", "identity").strip().lower() not in {"identity", ""}:
-        raise WireError(f"{shown_url(where)} answers with compressed bytes, which nobody asked for")
+        raise WireError(f"{shown_url(where)} answers with compressed bytes, which were not requested")
     if response.content_length is not None and response.content_length > max_bytes:
         raise _too_long(where, max_bytes)
     data = bytearray()

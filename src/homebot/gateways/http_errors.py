@@ -50,7 +50,7 @@ def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iter
 
 
 def check_status(what: str, status: int, *, has_login: bool = False) -> None:
-    """Let a *status* from 200 to 299 pass.
+    """Raise an error unless *status* is from 200 to 299.
 
     Args:
         has_login: Whether the request carried credentials.

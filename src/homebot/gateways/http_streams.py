@@ -68,7 +68,7 @@ class WebSocket:
     async def receive_all(
         self, take: Callable[[bytes], Awaitable[None]], reject: Callable[[bytes, str], None]
     ) -> NoReturn:
-        """Give each message to *take*, as bytes, until the connection is lost.
+        """Pass each message to *take*, as bytes, until the connection is lost.
 
         Args:
             reject: Told of each invalid message, and why.

@@ -74,13 +74,13 @@ class MemoryGateway(Gateway):
         self._unavailable = ""
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be there until cancelled."""
+        """Publish the state, and wait until cancelled."""
         self.publish_state("unavailable" if self._unavailable else "active", self._unavailable)
         task_status.started()
         await anyio.sleep_forever()
 
     async def receive(self, key: str, payload: bytes) -> None:
-        """Take a raw message of a device: the values of its part by capability, as a JSON object."""
+        """Handle a raw message of a device: the values of its part by capability, as a JSON object."""
         if not self.devices.admits(key):
             return
         try:
@@ -92,17 +92,17 @@ class MemoryGateway(Gateway):
         await self.devices.report(key, values)
 
     def command_exposed(self, command: Command) -> None:
-        """Let another system tell an exposed device something; its id is the command's key."""
+        """Command an exposed device as another system; its id is the command's key."""
         if self._exposed is not None:
             self._exposed.command(command)
 
     def set_available(self) -> None:
-        """Let the devices be reached again."""
+        """Make the devices reachable again."""
         self._unavailable = ""
         self.publish_state("active")
 
     def set_unavailable(self, reason: str) -> None:
-        """Let no device be reached, for a *reason* in words; all are kept."""
+        """Make all devices unreachable, for a *reason* as text; they stay registered."""
         self._unavailable = reason
         self.publish_state("unavailable", reason)
 

@@ -72,7 +72,7 @@ class PendingCalls(Generic[Answer]):
         raise LinkError(f"the connection to {self._peer} was lost")
 
     async def resolve(self, call_id: str, answer: Answer) -> bool:
-        """Give a call its answer; return whether one of that id waits for it."""
+        """Complete a call with its answer; return False if no call of that id waits."""
         call = self._pending.get(call_id)
         if call is None or call.answer is not None:
             return False
@@ -85,7 +85,7 @@ class PendingCalls(Generic[Answer]):
         return True
 
     def end(self) -> None:
-        """Note that the link is lost: calls that wait fail, and so do later ones."""
+        """Fail waiting and later calls: the link is lost."""
         self._is_lost = True
         for call in self._pending.values():
             call.answered.set()

@@ -54,11 +54,11 @@ class ExposedDevices:
         node.create_subscription(ExposedState, names.offer_reports, self._report, _QOS)
 
     def command(self, command: Command) -> None:
-        """Hand on the command of another system to an exposed device; its id is the command's key."""
+        """Forward the command of another system to an exposed device; its id is the command's key."""
         self._commands.publish(command)
 
     def show_all(self) -> None:
-        """Publish all of it anew, as on a new link; events are over and not repeated."""
+        """Publish all devices and states again, as on a new link; events are not repeated."""
         for offer in self._offers.values():
             self._show(offer)
             self._publish_all(offer)

@@ -215,7 +215,7 @@ class PublishedDevices:
         return change.stored
 
     async def _checked(self, command: Command) -> None:
-        """Carry *command* out where it fits the part."""
+        """Carry out *command* if it fits the part."""
         part = self.engine.find_part(command.key, command.part).described.part
         try:
             check_command(part, command.capability, command.value.plain())

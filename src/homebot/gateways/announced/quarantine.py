@@ -159,7 +159,6 @@ class PeerQuarantine(Generic[MessageT]):
         return tuple(self._message(budget) for budget in self.budgets.quarantined())
 
     def _defer(self, payer: str) -> None:
-        """Log that messages charged to *payer* have to wait."""
         budget = self.budgets.defer(payer, self._reporter.now)
         if budget is None:
             return

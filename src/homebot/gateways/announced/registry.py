@@ -120,11 +120,11 @@ class DeviceRegistry:
         return self.by_key.get(key)
 
     def all(self) -> tuple[StoredAnnouncement, ...]:
-        """Return all that stand, in the order of their coming."""
+        """Return all registered announcements, oldest first."""
         return tuple(self.by_key.values())
 
     def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
-        """Let *described* stand, in place of an earlier one of the same key.
+        """Register *described*, replacing an earlier one of the same key.
 
         Args:
             length: Of the message that it alone was made of; 0 if that is unknown.
@@ -216,7 +216,7 @@ class Excess:
         self._most_each = most_each
 
     def check(self, name: str, size: int, before: int) -> None:
-        """Let one of *size* stand in place of one of the size *before*; one that is not longer always may.
+        """Check that one of *size* may replace one of the size *before*; a shorter one always may.
 
         Raises:
             WireError: It is too long by itself, or one too many of the long ones.
@@ -243,7 +243,7 @@ class MemoryAccount:
         self._devices: dict[tuple[str, ...], int] = {}
 
     def check(self, described: DeviceAnnounced, before: DeviceAnnounced | None) -> None:
-        """Let *described* stand in place of *before*; one that takes no more than that always may.
+        """Check that *described* may replace *before*; one that takes no more memory always may.
 
         Raises:
             WireError: There is no more room for it.

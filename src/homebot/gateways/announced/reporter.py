@@ -45,7 +45,7 @@ class DeviceReporter:
         self.refresh_time()
 
     def refresh_time(self) -> None:
-        """Let time have passed."""
+        """Read the clocks."""
         self._seconds = max(0.0, min(self._clock.now(), _LAST - self._stale_after))
         self.now = self._clock.monotonic()
         self.stamp = _stamp_of(self._seconds)

@@ -42,7 +42,7 @@ class Scheduler:
         self._queue.discard(name)
 
     async def run(self) -> None:
-        """Make the calls that are due, until cancelled."""
+        """Run the callbacks that are due, until cancelled."""
         while True:
             self._earlier = anyio.Event()
             next_at = self._queue.next()

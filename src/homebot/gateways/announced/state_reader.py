@@ -75,7 +75,7 @@ class StateReader:
         wait_if_full: bool = True,
         longest: int = MAX_STATE_BYTES,
     ) -> None:
-        """Take a message as one in which parts tell their state, and that tells whether devices can be reached.
+        """Read a message as the state of parts, and as the availability of devices.
 
         Args:
             address: Where it came.

@@ -15,7 +15,7 @@ __all__ = ["can_report", "check_command"]
 
 
 def check_command(part: Part, capability: str, value: PlainValue) -> None:
-    """Check that *part* can be told that *capability* shall be *value*.
+    """Check that *capability* of *part* can be set to *value*.
 
     Raises:
         RefusedError: It cannot; the message names the accepted values.

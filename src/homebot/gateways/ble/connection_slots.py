@@ -12,8 +12,6 @@ __all__ = ["ConnectionSlots"]
 
 @dataclass(frozen=True, slots=True)
 class _Waiter:
-    """A device in the queue."""
-
     is_in_range: Callable[[], bool]
     granted: anyio.Event = field(default_factory=anyio.Event)
 
@@ -63,7 +61,7 @@ class ConnectionSlots:
             raise
 
     def opened(self, key: str) -> None:
-        """Let the next device be connected: this one is."""
+        """Allow the next connection: this device is connected."""
         if self._opening == key:
             self._opening = ""
         self.notify()
@@ -103,6 +101,5 @@ class ConnectionSlots:
             self._waiting.pop(key).granted.set()
 
     def _next(self) -> str | None:
-        """Return the next device to connect to; None if no waiting device can be connected to."""
         urgent = next((key for key in self._waiting if key in self._urgent), None) if self._urgent else None
         return urgent or next((key for key, waiter in self._waiting.items() if waiter.is_in_range()), None)

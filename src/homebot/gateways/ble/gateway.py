@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
 import anyio
@@ -72,7 +71,6 @@ class BleGateway(Gateway):
         clock = node.graph.clock
         self._settings = settings
         self._clock = clock
-        self._random = self.context.random or Random()  # noqa: S311 - spreads retries
         self._profiles = {one.service: one for one in settings.all_profiles().values()}
         self._parsers = _find_parsers(settings)
         self._known: dict[str, KnownDevice] = {}
@@ -104,7 +102,7 @@ class BleGateway(Gateway):
             self._connections = Connections(
                 radio,
                 self.node,
-                self._random,
+                self.random,
                 self.devices,
                 tasks,
                 self._settings.max_connections,
@@ -119,7 +117,7 @@ class BleGateway(Gateway):
         self._restart.set()
 
     async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
-        retries = BackoffCounter(self._clock, self._random)
+        retries = BackoffCounter(self._clock, self.random)
         while True:
             now = self._clock.monotonic()
             try:
@@ -139,7 +137,6 @@ class BleGateway(Gateway):
             await anyio.sleep(retries.fail(LINK_BACKOFF))
 
     async def _until_done(self, radio: BleRadio) -> None:
-        """Return when the scan should be restarted."""
         self._restart = anyio.Event()
         began = self._clock.monotonic()
         while radio.heard < MAX_SCANNED:

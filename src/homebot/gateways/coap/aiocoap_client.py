@@ -44,8 +44,6 @@ _TRIES = 5
 """Sendings of a request that the network refuses: it tells the next sender, whomever that sends to."""
 
 _ROUNDS = 5
-"""Rounds of the event loop."""
-
 _ZONE = re.compile(r"(\[[^\]%]*)%25")
 """The zone of a link-local address as RFC 6874 spells it; aiocoap takes it without the escape."""
 
@@ -59,7 +57,6 @@ class CoapAnswer:
     """A successful response.
 
     Attributes:
-        payload: Its body, all blocks together.
         content_format: The number of its content format; None if it names none.
     """
 
@@ -73,7 +70,6 @@ class GroupAnswer:
 
     Attributes:
         host: The address that it came from, with its scope where it is link-local.
-        payload: Its first block.
         is_whole: Whether that is all of it.
     """
 
@@ -268,8 +264,6 @@ class CoapClient:
 
 
 class _GroupAnswers(asyncio.DatagramProtocol):
-    """The receiver of the answers to one multicast question."""
-
     def __init__(self, token: bytes, take: Callable[[GroupAnswer], None]) -> None:
         self._token = token
         self._take = take

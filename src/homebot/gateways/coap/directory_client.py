@@ -119,7 +119,7 @@ class DirectoryClient:
             return  # it is read often enough
 
     def _read_list(self, payload: bytes) -> None:
-        """Take a list; one that cannot be read changes nothing."""
+        """Report the endpoints in a list; an invalid list changes nothing."""
         links = parse_links(payload)
         self._report("")
         endpoints: dict[str, CoapEndpoint] = {}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
 import anyio
@@ -61,7 +60,6 @@ class CoapGateway(Gateway):
             max_devices=settings.max_devices,
             find_problems=lambda: problems_of(self._sessions.values()),
         )
-        self._random = self.context.random or Random()  # noqa: S311 - for pauses
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
         self._keys_at: dict[str, set[str]] = {}
@@ -91,7 +89,7 @@ class CoapGateway(Gateway):
         """Find devices, and work with them, until cancelled."""
         from homebot.gateways.coap.aiocoap_client import CoapClient  # noqa: PLC0415 - a library of an extra
 
-        retries = BackoffCounter(self.node.graph.clock, self._random)
+        retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
             try:
                 async with CoapClient.open(self._settings.timeout, self._settings.credentials) as client:
@@ -135,7 +133,7 @@ class CoapGateway(Gateway):
         return [*settings.resource_directory, *own, *asked]
 
     def _report(self, way: str, problem: str) -> None:
-        """Note how one way to find devices is: empty for well."""
+        """Record the problem of one way to find devices; empty for none."""
         self._tried.add(way)
         if problem and self._ways.get(way) != problem:
             self.node.log.warning("coap.way_lost", way=way, reason=problem[:200])
@@ -145,7 +143,7 @@ class CoapGateway(Gateway):
         self._report_ways()
 
     def _report_ways(self) -> None:
-        """Publish the state: unavailable where no way to find devices is left, and no device has a fixed address."""
+        """Publish the state: unavailable if no way to find devices is left, and no device has a fixed address."""
         problems = tuple(one for one in self._ways.values() if one)
         self.devices.problems = problems
         if not self._all_tried.is_set() and self._ways:
@@ -160,14 +158,14 @@ class CoapGateway(Gateway):
             uri,
             client,
             self.node.graph.clock,
-            self._random,
+            self.random,
             on_listed=partial(self._on_registered_list, uri),
             reject=partial(self.devices.reject, uri),
             report=partial(self._report, uri),
         )
 
     def _on_registered_list(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
-        """Take the whole list of a directory: endpoints missing in it are no longer registered there."""
+        """Update the endpoints of a directory from its whole list; missing ones are no longer registered there."""
         listed = {one.key for one in endpoints}
         known = [session.endpoint for session in self._sessions.values()]
         for one in known:
@@ -177,7 +175,7 @@ class CoapGateway(Gateway):
             self._found(one)
 
     async def _serve_directory(self) -> None:
-        """Be a resource directory; where its address is taken, try again now and then."""
+        """Serve a resource directory; if its address is in use, try again after a pause."""
         from homebot.gateways.coap.directory_server import DirectoryServer  # noqa: PLC0415 - a library of an extra
 
         server = DirectoryServer(
@@ -187,7 +185,7 @@ class CoapGateway(Gateway):
             admits=self.devices.admits,
             reject=self.devices.reject,
         )
-        retries = BackoffCounter(self.node.graph.clock, self._random)
+        retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
             try:
                 async with server.open(*split_address(self._settings.serve_directory)):
@@ -213,7 +211,7 @@ class CoapGateway(Gateway):
             await anyio.sleep(self._settings.ask_every)
 
     def _answered(self, answer: GroupAnswer) -> None:
-        """Take an answer to a multicast question; whether it is whole does not matter, its sender is asked again."""
+        """Handle an answer to a multicast question; it may be incomplete, as its sender is asked again."""
         source = answer.host.partition("%")[0]
         if not self.devices.admits(source):
             return
@@ -234,7 +232,7 @@ class CoapGateway(Gateway):
         return sum(key.startswith(host) for key in self._sessions)
 
     def _found(self, endpoint: CoapEndpoint) -> None:
-        """Begin to work with an endpoint, or note that it gave a sign of life."""
+        """Start the session of an endpoint, or wake the one that it has."""
         known = self._sessions.get(endpoint.key)
         if known is not None and (known.endpoint == endpoint or known.endpoint.source != endpoint.source):
             if not endpoint.is_registered:  # a directory also lists silent ones
@@ -283,7 +281,7 @@ class CoapGateway(Gateway):
             self.node.graph.clock,
             self.node.log,
             poll_every=self._settings.poll_every,
-            random=self._random,
+            random=self.random,
             describing=self._describing,
         )
         self._sessions[endpoint.key] = session

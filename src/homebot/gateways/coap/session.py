@@ -143,7 +143,7 @@ class EndpointSession(DeviceRunner):
         return ThingDevice(thing, device, port, host, self._poll_every)
 
     async def _check(self, device: GatewayDevice) -> None:
-        """Look now and then whether a device is still there that has nothing to be read."""
+        """Check periodically that a device without readable values is still there."""
         misses = 0
         self._devices.report_reachable(device.key, reachable=True)
         while True:

@@ -56,7 +56,7 @@ class DriverRunner(DeviceRunner):
         self._is_connecting = True
 
     def change(self, service: FoundService) -> None:
-        """Take the current records of the service; restart the driver if host, port or TXT record changed."""
+        """Update the records of the service; restart the driver if host, port or TXT record changed."""
         before, self._service = self._service, service
         if _place(before) != _place(service):
             self.restart()

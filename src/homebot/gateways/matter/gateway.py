@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from random import Random
 from typing import ClassVar, Final
 
 import anyio
@@ -62,7 +61,6 @@ class MatterGateway(Gateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self._clock = node.graph.clock
-        self._random = self.context.random or Random()  # noqa: S311 - spreads retries
         self._nodes: dict[int, MatterNode] = {}
         self._described: dict[int, tuple[NodeDevice, ...]] = {}
         self._node_of: dict[str, int] = {}
@@ -70,7 +68,7 @@ class MatterGateway(Gateway):
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
         self._reason = "not connected yet"
-        self._retries = BackoffCounter(self._clock, self._random, STEADY_AFTER)
+        self._retries = BackoffCounter(self._clock, self.random, STEADY_AFTER)
         self._tried = anyio.Event()
         self.devices = PublishedDevices(self, self._perform, settings)
         CommissioningServices(self, node)

@@ -137,7 +137,7 @@ class MatterServerLink:
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 
     async def _handle_next(self) -> bool:
-        """Take the next frame; return whether it was the list of nodes."""
+        """Handle the next frame; return whether it was the list of nodes."""
         for _ in range(MOST_INVALID):
             payload = _as_bytes(await self._socket.receive())
             try:
@@ -170,7 +170,7 @@ async def _parsed(payload: bytes) -> ServerFrame:
 
 @contextmanager
 def _limit(seconds: float, problem: str) -> Iterator[None]:
-    """Raise ``LinkError`` where the block takes longer."""
+    """Raise ``LinkError`` if the block takes longer."""
     try:
         with anyio.fail_after(seconds):
             yield

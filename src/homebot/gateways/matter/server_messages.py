@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import as_fields, clean_text, compact_json, shown, text_of
+from homebot.conventions.payload import as_fields, clean_text, compact_json, shown
 from homebot.errors import LinkError, RefusedError, WireError
 
 __all__ = [
@@ -50,7 +50,6 @@ class ServerInfo:
 
     schema_version: int
     oldest_schema_version: int
-    sdk_version: str
     has_bluetooth: bool = False
 
     def check(self) -> None:
@@ -111,11 +110,9 @@ def read_frame(fields: object) -> ServerFrame:
         return _answer(fields)
     if "schema_version" in fields:
         oldest = fields.get("min_supported_schema_version", 0)
-        sdk = fields.get("sdk_version")
         return ServerInfo(
             _whole("schema_version", fields["schema_version"]),
             _whole("min_supported_schema_version", oldest),
-            text_of(sdk, 40),
             fields.get("bluetooth_enabled") is True,
         )
     raise WireError("a message is neither an event, nor an answer, nor the server's greeting")

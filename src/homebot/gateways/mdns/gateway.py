@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
 import anyio
@@ -72,8 +71,7 @@ class MdnsGateway(Gateway):
         settings = settings or MdnsGatewaySettings()
         super().__init__(node, settings, context)
         self._settings = settings
-        self._random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
-        self._retries = BackoffCounter(node.graph.clock, self._random)
+        self._retries = BackoffCounter(node.graph.clock, self.random)
         self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
         self._drivers = InstalledDrivers()
         self._listed: dict[str, _Listed] = {}
@@ -208,7 +206,7 @@ class MdnsGateway(Gateway):
         if driver is None or self._tasks is None:
             return
         publish, clock, log = partial(self._publish, listed), self.node.graph.clock, self.node.log
-        listed.runner = DriverRunner(driver, listed.service, self.devices, publish, clock, log, self._random)
+        listed.runner = DriverRunner(driver, listed.service, self.devices, publish, clock, log, self.random)
         self._tasks.start_soon(run_as, self.node.full_name, listed.runner.run)
 
     def _stop(self, listed: _Listed | None) -> None:

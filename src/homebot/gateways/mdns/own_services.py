@@ -81,7 +81,7 @@ class OwnServices:
             await self._changed.wait()
 
     def on_other_service(self, service: FoundService) -> None:
-        """Note a service of another program: it may be a homebot with the same id."""
+        """Check a service of another program: it may be a homebot with the same id."""
         is_homebot = service.service_type == full_type(HOMEBOT)
         if is_homebot and self._id and service.properties.get("id") == self._id:
             self._same_id_as = service.name
@@ -122,7 +122,7 @@ class OwnServices:
             self._node.log.warning(ANNOUNCE_FAILED, message=str(exc), service_type=service_type)
 
     async def _save_name(self, got: str) -> None:
-        """Keep the name that was got in place of a taken one, for the next start and for the other services."""
+        """Save the name that replaced one in use, for the next start and for the other services."""
         if got == self._name:
             return
         message = f"another program on the network is called {self._name}; this homebot is {got} there"

@@ -56,8 +56,6 @@ _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 
 @dataclass(frozen=True, slots=True)
 class _Announced:
-    """A service of homebot as it is announced."""
-
     service: OwnService
     info: ServiceInfo
 

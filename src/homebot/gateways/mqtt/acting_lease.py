@@ -40,8 +40,6 @@ _LONGEST = 1000
 
 
 class _LeaseMessage(BaseModel):
-    """The message on the lease's topic."""
-
     model_config = ConfigDict(frozen=True, extra="ignore", defer_build=True)
 
     says: Literal["ask", "act"]

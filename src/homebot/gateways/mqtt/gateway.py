@@ -230,7 +230,7 @@ class MqttGateway(Gateway):
                 await described.handle_message(message, route)
 
     async def _handle_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
-        """Take a long message, which only comes where devices are announced; return how much work it was."""
+        """Handle a long message, which can only be an announcement; return how much work it was."""
         work = 0
         if route is not None and route.conventions:
             work = _ANNOUNCED * (1 + len(message.payload) // 1024) * len(route.conventions)

@@ -91,7 +91,7 @@ class Offers:
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
-        """Let the newest state of each topic wait, so that a slow link costs no memory; of events each one."""
+        """Queue the newest state of each topic, so that a slow link costs no memory, and each event."""
         for publication in publications:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 from collections import deque
 from functools import partial
-from random import Random
 from typing import ClassVar, Final
 
 import anyio
@@ -85,7 +84,6 @@ class NfcGateway(Gateway):
         settings = settings or NfcGatewaySettings()
         super().__init__(node, settings, context)
         self._settings = settings
-        self._random = self.context.random or Random()  # noqa: S311 - spreads attempts, protects nothing
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=2 * settings.max_tags)
         self.finder = DeviceFinder(node)
         self.at_reader: dict[str, TagSeen] = {}
@@ -136,7 +134,7 @@ class NfcGateway(Gateway):
 
     async def _follow(self, number: int, reader: TagReader) -> None:
         """Run one reader; when it fails, run it again after a pause."""
-        retries = BackoffCounter(self.node.graph.clock, self._random, STEADY_AFTER)
+        retries = BackoffCounter(self.node.graph.clock, self.random, STEADY_AFTER)
         while True:
             retries.begin()
             desk = ReaderDesk(partial(self._on_report, number))
@@ -152,7 +150,7 @@ class NfcGateway(Gateway):
             await anyio.sleep(retries.fail(READER_BACKOFF))
 
     def _on_report(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
-        """Take a report of a reader; called in the loop."""
+        """Queue a report of a reader; called in the loop."""
         if isinstance(news, ReadersFound):
             self.readers[number] = news.readers
             self._problems.pop(number, None)

@@ -82,8 +82,6 @@ class NfcpyReader(TagReader):
 
 
 class _NfcpyTag:
-    """A tag that nfcpy found."""
-
     def __init__(self, tag: nfc.tag.Tag) -> None:
         self._tag = tag
         self.uid: str = tag.identifier.hex()

@@ -77,8 +77,6 @@ class PcscReader(TagReader):
 
 
 class _Session:
-    """A connection to the service."""
-
     def __init__(self, library: ModuleType, context: object, desk: ReaderDesk, wanted: list[str]) -> None:
         self._scard = library
         self._context = context
@@ -129,7 +127,6 @@ class _Session:
         return not self._wanted or any(one in name.casefold() for one in self._wanted)
 
     def _update_slot(self, name: str, state: int) -> None:
-        """Handle the state of one reader."""
         if name == _ANY_CHANGE:
             self._any_change = state & ~self._scard.SCARD_STATE_CHANGED
             return

@@ -150,11 +150,11 @@ class ReaderDesk:
         return self._stopped.wait(seconds)
 
     def make_room(self) -> None:
-        """Let the reader continue, as one of its reports was handled."""
+        """Allow the reader one more report, as one was handled."""
         self._room.release()
 
     def place(self, order: WriteOrder) -> None:
-        """Give the reader an order; it has one at a time."""
+        """Place an order with the reader; it has one at a time."""
         with self._lock:
             self._order = order
 

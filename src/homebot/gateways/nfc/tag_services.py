@@ -63,13 +63,13 @@ class TagServices:
         self._desks.remove(desk)
 
     def show(self, seen: TagSeen) -> None:
-        """Give a tag to the calls that wait for one."""
+        """Pass a tag to the calls that wait for one."""
         self._shown = seen
         self._next.set()
         self._next = anyio.Event()
 
     def forget(self, uid: str) -> None:
-        """Give a tag to no further call."""
+        """Drop a tag that was taken away, for further calls."""
         if self._shown is not None and self._shown.uid == uid:
             self._shown = None
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from random import Random
 from typing import TYPE_CHECKING, ClassVar
 
 import anyio
@@ -39,8 +38,7 @@ class ThingDirectoryGateway(Gateway):
     def __init__(self, node: Node, settings: ThingDirectorySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         self._settings = settings
-        self._random = self.context.random or Random()  # noqa: S311 - for pauses
-        self._retries = BackoffCounter(node.graph.clock, self._random)
+        self._retries = BackoffCounter(node.graph.clock, self.random)
         self._session: DirectorySession | None = None
         self.devices = PublishedDevices(
             self, self._perform, settings, max_devices=settings.max_devices, find_problems=self._problems
@@ -65,7 +63,7 @@ class ThingDirectoryGateway(Gateway):
 
         clock, log = self.node.graph.clock, self.node.log
         async with anyio.create_task_group() as tasks:
-            session = DirectorySession(self._settings, self.devices, tasks, has_listed, clock, log, self._random)
+            session = DirectorySession(self._settings, self.devices, tasks, has_listed, clock, log, self.random)
             self._session = session
             while True:
                 backoff, problem = DEVICE_BACKOFF, ""

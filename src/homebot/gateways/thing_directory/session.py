@@ -125,7 +125,7 @@ class DirectorySession:
         await followed.perform(command)
 
     async def _listen(self, reader: DirectoryReader) -> None:
-        """Follow the events of the directory; return where it has none."""
+        """Follow the events of the directory; return if it has none."""
         is_open = False
         try:
             with ungrouped():

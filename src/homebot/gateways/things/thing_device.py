@@ -166,7 +166,7 @@ class ThingDevice:
         return sources
 
     def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
-        """Return one source of all properties for several, where the thing has one."""
+        """Return one source of all properties in place of several, if the thing has one."""
         forms = self._port.binding.read_all_forms(self._thing.forms)
         if len(sources) < 2 or not forms:
             return list(sources)
@@ -227,7 +227,6 @@ class ThingDevice:
             self._asks_now.set()
 
     async def _report_payload(self, source: _ThingSource, payload: ThingPayload) -> None:
-        """Report the values in a payload."""
         if not self._is_reached:
             self._is_reached = True
             self._host.report_reachable(reachable=True)
@@ -261,7 +260,6 @@ class ThingDevice:
 
 
 def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
-    """Return the sources of the values, one for each address."""
     found: dict[tuple[str, str, str], _ThingSource] = {}
     for form, part, one in read:
         found.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append((part, one))

@@ -44,8 +44,6 @@ _NOT_THERE = frozenset({404, 405, 410})
 
 @dataclass(frozen=True, slots=True)
 class _ReadDescription:
-    """A description with its source."""
-
     url: str
     data: bytes
 

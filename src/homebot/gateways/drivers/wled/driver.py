@@ -114,8 +114,6 @@ class WledDriver(Driver):
             await self._update(as_fields(await self._ask("/json/si")))
 
     async def _probe(self) -> Fields:
-        """Find the address that answers, and return the first document."""
-
         async def ask(address: str) -> Fields:
             self._origin = http_origin(address, self.service.port)
             return as_fields(await self._ask("/json/si"))
@@ -162,7 +160,6 @@ class WledDriver(Driver):
 
 
 async def _patiently(request: Callable[[], Awaitable[object]]) -> object:
-    """Return the answer to *request*, which is sent up to three times."""
     for _ in range(_TRIES - 1):
         try:
             return await request()
