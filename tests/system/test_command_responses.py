@@ -175,7 +175,7 @@ async def test_a_switch_without_a_state_that_is_away_did_not_get_the_command(bro
         await home.responder.connection.unsubscribe("switch/set")
         outcome = await home.switch.command("on_off", value=True)
         assert isinstance(outcome, NoAnswer)
-        assert outcome.reason.endswith("nobody subscribes to switch/set")
+        assert outcome.reason.endswith("no client subscribes to switch/set")
 
 
 async def test_a_switch_that_reports_may_hear_of_commands_without_subscribing(broker: AnyBroker) -> None:

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
-from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 import anyio
 import pytest
+from tests.gateways.mqtt.known_house import KnownHouse, Payload, known_house
 
-from homebot.devices import Devices
 from homebot.devices.gateway_messages import Report
 from homebot.devices.handles import FollowHandles, Handle
-from homebot.discovery import Directory, DirectorySettings
-from homebot.gateways import GatewayContext
-from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.options import MqttOptions
 
 pytestmark = pytest.mark.virtual_time
-
-Payload = str | Mapping[str, object] | Sequence[object]
 
 MAC = "a8032abe54dc"
 DEVICE = {"identifiers": ["remote1"], "name": "Remote"}
@@ -165,70 +155,28 @@ REMOTES = {
 EACH = pytest.mark.parametrize("remote", REMOTES.values(), ids=REMOTES)
 
 
-@dataclass
-class Home:
-    """A gateway, a directory, and an app."""
-
-    graph: Graph
-    wire: MqttConnection
-    devices: Devices
-    directory: Directory
-
-    async def say(self, topic: str, payload: Payload, *, retain: bool = False) -> None:
-        text = payload if isinstance(payload, str) else json.dumps(payload)
-        await self.wire.publish(topic, text.encode(), qos=1, retain=retain)
-        await anyio.sleep(0.01)
-
-    async def announce(self, remote: Remote) -> None:
-        if remote.is_asked:
-            await self.wire.subscribe(MqttSubscription(f"{GEN2}/rpc"))
-        for topic, payload in remote.announced:
-            await self.say(topic, payload, retain=True)
-        if remote.is_asked:
-            with anyio.move_on_after(2):
-                while True:
-                    for message in await self.wire.receive():
-                        frame = json.loads(message.payload)
-                        result = GEN2_ANSWERS.get(frame["method"], {})
-                        answer = {"id": frame["id"], "src": GEN2, "dst": frame["src"], "result": result}
-                        await self.say(f"{frame['src']}/rpc", answer)
-        await anyio.sleep(1)
-
-    async def press(self, remote: Remote) -> None:
-        for payload in remote.presses:
-            await self.say(remote.topic, payload)
-            await anyio.sleep(5)
-            if remote.between is not None:
-                await self.say(remote.topic, remote.between)
+async def announce(house: KnownHouse, remote: Remote) -> None:
+    if remote.is_asked:
+        await house.wire.subscribe(MqttSubscription(f"{GEN2}/rpc"))
+    for topic, payload in remote.announced:
+        await house.say(topic, payload, retain=True)
+    if remote.is_asked:
+        with anyio.move_on_after(2):
+            while True:
+                for message in await house.wire.receive():
+                    frame = json.loads(message.payload)
+                    result = GEN2_ANSWERS.get(frame["method"], {})
+                    answer = {"id": frame["id"], "src": GEN2, "dst": frame["src"], "result": result}
+                    await house.say(f"{frame['src']}/rpc", answer)
+    await anyio.sleep(1)
 
 
-Before = Callable[[MqttConnection], Awaitable[None]]
-
-
-@asynccontextmanager
-async def home(before: Before | None = None, **discovery: object) -> AsyncIterator[Home]:
-    graph = Graph()
-    async with (
-        MemoryBroker() as broker,
-        Node(graph, "mqtt", namespace="/gateway") as gateway_node,
-        Node(graph, "discovery") as directory_node,
-        Node(graph, "app") as app,
-        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
-        anyio.create_task_group() as tasks,
-    ):
-        await wire.wait_connected()
-        if before is not None:
-            await before(wire)
-        gateway = MqttGateway(
-            gateway_node,
-            MqttGatewaySettings(url=broker.url, root="home425"),
-            GatewayContext.of(HostedBroker.in_memory(broker)),
-        )
-        directory = Directory(directory_node, DirectorySettings.model_validate(discovery))
-        await tasks.start(directory.serve)
-        await tasks.start(gateway.serve)
-        yield Home(graph, wire, Devices(app), directory)
-        tasks.cancel_scope.cancel()
+async def press(house: KnownHouse, remote: Remote) -> None:
+    for payload in remote.presses:
+        await house.say(remote.topic, payload)
+        await anyio.sleep(5)
+        if remote.between is not None:
+            await house.say(remote.topic, remote.between)
 
 
 async def read(follow: FollowHandles[Handle]) -> list[str]:
@@ -244,11 +192,11 @@ async def read(follow: FollowHandles[Handle]) -> list[str]:
 @EACH
 async def test_each_press_is_told_once(remote: Remote) -> None:
     """Also one that equals the one before, and to an app that is slow; none is a state."""
-    async with home() as house:
-        await house.announce(remote)
+    async with known_house(root="home425") as house:
+        await announce(house, remote)
         follow = house.devices.follow(Handle)
         assert await read(follow) == []
-        await house.press(remote)
+        await press(house, remote)
         assert await read(follow) == list(remote.told)
         (device,) = [one for one in house.directory.index.devices() if one.events]
         assert not {state.capability for state in device.states} & {"press", "scan"}
@@ -264,10 +212,10 @@ async def test_a_press_that_the_broker_kept_is_none(remote: Remote) -> None:
         text = remote.presses[0] if isinstance(remote.presses[0], str) else json.dumps(remote.presses[0])
         await wire.publish(remote.topic, text.encode(), qos=1, retain=True)
 
-    async with home(before) as house:
+    async with known_house(before, root="home425") as house:
         follow = house.devices.follow(Handle)
         reading: list[str] = []
-        await house.announce(remote)
+        await announce(house, remote)
         reading += await read(follow)
         await anyio.sleep(30)
         assert reading + await read(follow) == []
@@ -285,7 +233,7 @@ async def test_a_press_of_one_part_that_two_conventions_announce_is_told_once() 
         "object_id": "remote_action",
         "device": {"identifiers": ["zigbee2mqtt_0x00158d0001abcdef"], "name": "remote"},
     }
-    async with home() as house:
+    async with known_house(root="home425") as house:
         await house.say("homeassistant/event/0x00158d0001abcdef/action/config", twin, retain=True)
         await house.say("zigbee2mqtt/bridge/devices", [Z2M_REMOTE], retain=True)
         await anyio.sleep(1)
@@ -302,9 +250,9 @@ async def test_a_press_of_one_part_that_two_conventions_announce_is_told_once() 
 async def test_a_directory_that_is_restarted_hears_no_press_again() -> None:
     """What a gateway keeps for late joiners is what lasts."""
     remote = REMOTES["homeassistant event"]
-    async with home() as house:
-        await house.announce(remote)
-        await house.press(remote)
+    async with known_house(root="home425") as house:
+        await announce(house, remote)
+        await press(house, remote)
         await house.say("remote/other", "x")
         async with Node(house.graph, "late") as node:
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -315,7 +263,7 @@ async def test_a_directory_that_is_restarted_hears_no_press_again() -> None:
 async def test_the_press_that_makes_a_device_known_is_told_once() -> None:
     """The thesis's way: a device is there once it speaks; here one that spoke before it was announced."""
     remote = REMOTES["homie"]
-    async with home() as house:
+    async with known_house(root="home425") as house:
         follow = house.devices.follow(Handle)
         reader: list[str] = await read(follow)
         await house.say(remote.announced[0][0], remote.announced[0][1], retain=True)

@@ -15,21 +15,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.gateways.mqtt.conftest import SimpleConvention
+from tests.gateways.mqtt.known_house import known_house
 from tests.turns import Turns, longest_turn
 
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, Publication
 from homebot.conventions.long_json import parse_list
 from homebot.conventions.payload import parse_json
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import WireError
-from homebot.gateways import GatewayContext
-from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.graph import Graph, Node
-from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.options import MqttOptions
 
 TOPIC = "zigbee2mqtt/bridge/devices"
 FIXTURE = Path(__file__).parent / "fixtures" / "zigbee2mqtt.jsonl"
@@ -116,28 +109,14 @@ async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
 
 async def take_large_bridge(turns: Turns) -> None:
     count = 200
-    graph = Graph()
-    async with (
-        MemoryBroker() as broker,
-        Node(graph, "mqtt", namespace="/gateway") as gateway_node,
-        Node(graph, "discovery") as directory_node,
-        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
-        anyio.create_task_group() as tasks,
-    ):
-        await wire.wait_connected()
-        gateway = MqttGateway(
-            gateway_node, MqttGatewaySettings(url=broker.url), GatewayContext.of(HostedBroker.in_memory(broker))
-        )
-        directory = Directory(directory_node, DirectorySettings())
-        await tasks.start(directory.serve)
-        await tasks.start(gateway.serve)
-        await wire.publish(TOPIC, house_of(count), qos=1, retain=True)  # the gateway may still be on its way
+    async with known_house() as house:
+        directory = house.directory
+        await house.wire.publish(TOPIC, house_of(count), qos=1, retain=True)  # the gateway may still be on its way
         while not len(directory.index):
             await anyio.lowlevel.checkpoint()
         while len(directory.index) < count:
             await anyio.lowlevel.checkpoint()
             turns.take()
-        tasks.cancel_scope.cancel()
 
 
 class Endless(SimpleConvention):

@@ -8,17 +8,10 @@ from typing import Any, TypeAlias
 
 import anyio
 import pytest
+from tests.gateways.mqtt.known_house import known_house
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.devices import Device
-from homebot.discovery import Directory, DirectorySettings
-from homebot.gateways import GatewayContext
-from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.graph import Graph, Node
-from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.options import MqttOptions
 from homebot.plugins import load_plugin
 
 Row: TypeAlias = dict[str, Any]
@@ -52,20 +45,8 @@ def announced(products: list[Row]) -> list[tuple[str, str]]:
 async def test_a_house_of_real_products_is_known(convention: str) -> None:
     """Each is there, and what it says comes to be known; nobody is judged to break rules."""
     products = rows(convention, 2)
-    graph = Graph()
-    async with (
-        MemoryBroker() as broker,
-        Node(graph, "mqtt", namespace="/gateway") as gateway_node,
-        Node(graph, "discovery") as directory_node,
-        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
-        anyio.create_task_group() as tasks,
-    ):
-        await wire.wait_connected()
-        settings = MqttGatewaySettings(url=broker.url, conventions=(CONVENTIONS[convention],))
-        gateway = MqttGateway(gateway_node, settings, GatewayContext.of(HostedBroker.in_memory(broker)))
-        directory = Directory(directory_node, DirectorySettings())
-        await tasks.start(directory.serve)
-        await tasks.start(gateway.serve)
+    async with known_house(conventions=(CONVENTIONS[convention],)) as house:
+        wire, directory = house.wire, house.directory
         for topic, payload in announced(products):
             await wire.publish(topic, payload.encode(), qos=1, retain=not topic.startswith("homebot/"))
         await anyio.sleep(300)  # questions are asked one after the other
@@ -76,7 +57,6 @@ async def test_a_house_of_real_products_is_known(convention: str) -> None:
                 await wire.publish(topic, payload.encode(), qos=1)
         await anyio.sleep(30)
         told = directory.index.devices()
-        tasks.cancel_scope.cancel()
     assert {device.id for device in known} == {device.id for device in told}
     missing = [row["model"] for row in products if not is_known(row, told, identity(convention, row))]
     assert not missing

@@ -109,7 +109,7 @@ class CommandPublisher:
             )
             is_unheard = is_unheard and published.reason == ReasonCode.NO_MATCHING_SUBSCRIBERS and not one.retain
         if is_unheard and not reports():
-            raise LinkError(f"nobody subscribes to {publications[0].topic[:100]}")
+            raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
     def _written(self, announced_part: AnnouncedPart, command: Command) -> tuple[Publication, ...]:
         name, value, codec = command.capability, command.value.plain(), announced_part.described.codec
