@@ -65,13 +65,7 @@ class MqttGateway(Gateway):
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
 
-    def __init__(
-        self,
-        node: Node,
-        settings: MqttGatewaySettings,
-        context: GatewayContext | None = None,
-    ) -> None:
-        """Make the gateway; nothing is connected before :meth:`serve`."""
+    def __init__(self, node: Node, settings: MqttGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         random, hosted = self.context.random, self.context.service(HostedBroker)
         make_client = (hosted and hosted.make_client) or client_maker(settings.client or "aiomqtt")
