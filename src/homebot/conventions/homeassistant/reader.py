@@ -26,7 +26,7 @@ from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
 
-__all__ = ["HomeAssistantReader"]
+__all__ = ["HomeAssistantReader", "builder_of"]
 
 
 class HomeAssistantReader:
@@ -64,7 +64,7 @@ class HomeAssistantReader:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = _builder_of(component.platform)(config)
+                part = builder_of(component.platform)(config)
                 if where.component == DEVICE:
                     part = replace(part, availability=read_availability(config))
             except WireError as error:
@@ -89,7 +89,7 @@ _Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
 
 
 @lru_cache(maxsize=len(BUILDERS))
-def _builder_of(component: str) -> _Builder:
+def builder_of(component: str) -> _Builder:
     """Import the builder of *component*, with the first config of that component."""
     module, name = BUILDERS[component]
     return cast("_Builder", getattr(import_module(f"{__package__}.{module}"), name))

@@ -1,0 +1,114 @@
+"""Components of configs: their parts, states, commands and refusals.
+
+``components.jsonl`` has a config per line:
+
+- ``part``: its description; ``r`` marks a readable capability, ``w`` a settable one, ``e`` an echo;
+- ``refused``: the reason why the config is refused, as Home Assistant refuses it;
+- ``tests``: by name, steps on a new part: ``read`` a payload on a topic, which ``is`` these values, or ``write`` a
+  value, perhaps with a ``code`` or a ``transition``, which ``publishes`` messages or is ``refused``.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homebot.conventions.description import DescribedPart, Publication, TakesCode
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.reader import builder_of
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+LINES = [json.loads(line) for line in Path(__file__).with_name("components.jsonl").read_text().splitlines()]
+
+
+def name(line: Mapping[str, Any]) -> str:
+    return f"{line['component']}-{LINES.index(dict(line)) + 1}"
+
+
+def build(line: Mapping[str, Any]) -> DescribedPart:
+    config = DiscoveryConfig(line["component"], line.get("id", "node_1"), line["config"])
+    return builder_of(line["component"])(config)
+
+
+def shape(described: DescribedPart) -> dict[str, Any]:
+    """Return the description in the form of the table."""
+    part = described.part
+    capabilities = {}
+    for one in part.capabilities:
+        flags = "".join(
+            flag for flag, is_set in zip("rwe", (one.readable, one.settable, one.echoed), strict=True) if is_set
+        )
+        further = {key: value for key in ("unit", "bounds", "options") if (value := getattr(one, key))}
+        capabilities[one.name] = [flags, further] if further else [flags]
+    found = {"id": part.id, "name": part.name, "type": part.service_type, "tag": part.tag, "category": part.category}
+    topics = described.codec.topics()
+    found |= {"capabilities": capabilities, "reads": topics, "writes": part.writes}
+    found |= {"pictures": part.reads if part.reads != topics else (), "expiries": described.expiries}
+    return {key: value for key, value in found.items() if value or key not in OPTIONAL}
+
+
+OPTIONAL = {"tag", "category", "pictures", "expiries"}
+DESCRIBED = [line for line in LINES if "part" in line]
+STEPS = [
+    pytest.param(line, steps, id=f"{name(line)} {sentence}")
+    for line in DESCRIBED
+    for sentence, steps in line["tests"].items()
+    if steps
+]
+
+
+@pytest.mark.parametrize("line", DESCRIBED, ids=name)
+def test_a_config_is_described(line: Mapping[str, Any]) -> None:
+    assert json.loads(json.dumps(shape(build(line)))) == line["part"]
+
+
+@pytest.mark.parametrize("line", [line for line in LINES if "refused" in line], ids=name)
+def test_an_invalid_config_is_refused_with_the_reason(line: Mapping[str, Any]) -> None:
+    with pytest.raises(WireError) as refused:
+        build(line)
+    assert str(refused.value) == line["refused"]
+
+
+def write(part: DescribedPart, step: Mapping[str, Any]) -> tuple[Publication, ...]:
+    capability, value = step["write"]
+    wanted: PlainValue = tuple(value) if isinstance(value, list) else value
+    if "code" not in step:
+        return part.codec.write(capability, wanted, transition=step.get("transition", 0.0))
+    assert isinstance(part.codec, TakesCode)
+    return part.codec.write_with_code(capability, wanted, step["code"])
+
+
+@pytest.mark.parametrize(("line", "steps"), STEPS)
+def test_states_are_read_and_commands_are_written(line: Mapping[str, Any], steps: list[Mapping[str, Any]]) -> None:
+    part = build(line)
+    for step in steps:
+        if "read" in step:
+            topic, payload = step["read"]
+            found = part.codec.read(topic, payload.encode("latin-1"), retained=step.get("retained", False))
+            assert json.loads(json.dumps(dict(found))) == step["is"], step
+        elif "refused" in step:
+            with pytest.raises(RefusedError) as refused:
+                write(part, step)
+            assert str(refused.value) == step["refused"]
+            assert not step.get("code") or step["code"] not in str(refused.value)
+        else:
+            published = tuple(
+                Publication(topic, text.encode("latin-1"), *how) for topic, text, *how in step["publishes"]
+            )
+            assert write(part, step) == published, step
+
+
+def test_a_template_that_fails_with_a_code_does_not_show_it() -> None:
+    config = {"command_topic": "alarm/set", "state_topic": "alarm", "command_template": "{{ code + 1 }}"}
+    part = build({"component": "alarm_control_panel", "config": config})
+    with pytest.raises(RefusedError) as refused:
+        write(part, {"write": ["alarm", "disarmed"], "code": "73550173"})
+    assert "73550173" not in f"{refused.value} {refused.value.__cause__} {refused.value.__context__}"
+
+
+def test_the_code_of_an_alarm_is_in_no_description() -> None:
+    config = {"command_topic": "alarm/set", "state_topic": "alarm", "code": "1234"}
+    assert "1234" not in str(build({"component": "alarm_control_panel", "config": config}).part)
