@@ -1,4 +1,4 @@
-"""A number that a device measures, and how it becomes one in the vocabulary's unit. Pure.
+"""Measured quantities, and conversions to the vocabulary's units. Pure.
 
 Source of the conversions: Home Assistant core 2025.4, ``util/unit_conversion.py``.
 """
@@ -27,13 +27,7 @@ __all__ = [
 
 
 class Conversion(NamedTuple):
-    """A conversion of a number to another unit.
-
-    Attributes:
-        shift: Is taken from a number first.
-        times: Then it is multiplied by this,
-        over: and divided by this.
-    """
+    """A conversion of a number to another unit: minus *shift*, then by *times* and *over*."""
 
     shift: float = 0.0
     times: float = 1.0
@@ -52,10 +46,9 @@ class Quantity:
     """The quantity of a number.
 
     Attributes:
-        service_type: Of a part that measures only this.
-        capability: Under which name it is reported.
-        unit: Of the reported values: the device's own where that cannot be converted; else the vocabulary's, or empty.
-        conversion: How a device's numbers become those.
+        service_type: The type of a part that measures only this.
+        unit: The unit of reported values: the vocabulary's, empty, or the device's own if it cannot be converted.
+        conversion: Converts a device's numbers.
     """
 
     service_type: str
@@ -76,11 +69,9 @@ def quantity(capability: str, unit: str = "") -> Quantity:
 
 @lru_cache(maxsize=512)  # a house has the same few
 def conversion_of(capability: str, unit: str) -> Conversion | None:
-    """Return how numbers in *unit* become those of *capability*; None where that is not known.
+    """Return the conversion of numbers in *unit* to those of *capability*; None if it is unknown.
 
-    Args:
-        capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
-        unit: As a device spells it, cut to some length; in whatever case where that leaves no doubt, as in ``KWh``.
+    The unit is in the spelling of a device; its case does not matter if that is unambiguous, as in ``KWh``.
     """
     spelled = unit.strip().replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
     spelled = spelled.replace("\u00ba", "°")  # the ordinal indicator, which looks like it

@@ -1,7 +1,7 @@
 """Sensors, events and pictures: the components that are read and not commanded. Pure.
 
 A retained event happened before and is ignored: an old doorbell must not ring again. Of a picture only the topic is
-known; it is not carried. Software is never installed: its versions are reported.
+known; it is not carried.
 
 Source: Home Assistant core 2025.4, ``components/mqtt``: binary_sensor.py, camera.py, device_tracker.py,
 device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``components/sensor/__init__.py``.
@@ -9,12 +9,12 @@ device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``compon
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache, partial
 
-from homebot.conventions.description import AutoExpiry, Codec, DescribedPart, Publications
+from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.device_classes import condition_of, is_quantity, quantity_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
@@ -24,7 +24,7 @@ from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WireError
+from homebot.errors import WireError
 
 __all__ = [
     "build_binary_sensor",
@@ -63,7 +63,8 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
         return entity.build()
     entity = Entity(config, "x_sensor")
     options = config.options("options")
-    read = _MOMENT_READERS.get(device_class) or partial(_read_text, frozenset(options))
+    is_moment = device_class in ("date", "timestamp")
+    read = partial(_read_moment, device_class) if is_moment else partial(_read_text, frozenset(options))
     if entity.read_text_from(source, read):
         entity.add_capability("value", options=options)
         entity.expire("value")
@@ -85,30 +86,18 @@ def _read_text(options: frozenset[str], text: str) -> Readings:
     return {"value": clean_text(text, _LONGEST)}
 
 
-def _read_date(text: str) -> Readings:
-    moment = _moment(text)
-    return {"value": moment.date().isoformat()} if moment else _UNKNOWN
-
-
-def _read_timestamp(text: str) -> Readings:
-    """Read a timestamp; one without time zone is ambiguous and ignored."""
-    moment = _moment(text)
-    if moment is None:
+def _read_moment(device_class: str, text: str) -> Readings:
+    """Read a date or a timestamp; one without time zone is ambiguous and ignored."""
+    try:
+        moment = datetime.fromisoformat(text[:_LONGEST])
+    except ValueError:
         return _UNKNOWN
+    if device_class == "date":
+        return {"value": moment.date().isoformat()}
     try:
         return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NO_READINGS
     except OverflowError:
         return NO_READINGS
-
-
-def _moment(text: str) -> datetime | None:
-    try:
-        return datetime.fromisoformat(text[:_LONGEST])
-    except ValueError:
-        return None
-
-
-_MOMENT_READERS: Mapping[str, Callable[[str], Readings]] = {"date": _read_date, "timestamp": _read_timestamp}
 
 
 def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
@@ -226,7 +215,7 @@ def _build_picture(config: DiscoveryConfig, topic: str) -> DescribedPart:
 
 
 def build_update(config: DiscoveryConfig) -> DescribedPart:
-    """Describe the installed and the latest version of a device's software."""
+    """Describe the installed and the latest version of a device's software, which homebot does not install."""
     source = config.required_source("state_topic").without_payload()
     latest = config.source("latest_version_topic", "latest_version_template")
     entity = Entity(config, "x_update")
@@ -235,8 +224,7 @@ def build_update(config: DiscoveryConfig) -> DescribedPart:
         entity.add_capability("update_available", readable=latest is None)
     has_latest = entity.read_text_from(latest, _read_latest)
     entity.add_capability("latest_version", readable=has_latest or not source.problem)
-    described = entity.build()
-    return replace(described, codec=_ReadOnlyCodec(described.codec))
+    return entity.build()
 
 
 def _read_versions(text: str, *, is_all: bool) -> Readings:
@@ -270,21 +258,3 @@ def _is_newer(latest: str | None, installed: str | None) -> bool | None:
     if latest.isdecimal() and installed.isdecimal():
         return int(latest) > int(installed)
     return latest != installed
-
-
-@dataclass(frozen=True, slots=True)
-class _ReadOnlyCodec:
-    """A codec that reads as another one, and refuses all commands."""
-
-    reader: Codec
-
-    def topics(self) -> tuple[str, ...]:
-        return self.reader.topics()
-
-    def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
-        return self.reader.read(topic, payload, retained=retained)
-
-    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:  # noqa: ARG002 - the interface has them
-        raise RefusedError(
-            f"{shown(capability)} of an update", "homebot does not install software; do it on the device or its bridge"
-        )

@@ -118,6 +118,13 @@ class _Guess(NamedTuple):
     fits: Callable[[HomieProperty], bool] = lambda _: True
     is_main: bool = False
 
+    def matches(self, prop: HomieProperty, kind: str, tokens: frozenset[str], *, is_main: bool) -> bool:
+        """Return whether *prop* has this role; *is_main* means that it has the id of its node."""
+        if (self.kinds is not None and kind not in self.kinds) or prop.datatype not in self.datatypes:
+            return False
+        is_named = self.words is None or bool(tokens & self.words) or (self.is_main and is_main)
+        return is_named and self.fits(prop)
+
 
 _SETTABLE = (
     _Guess("color", ("light", ""), _COLOR),
@@ -155,13 +162,11 @@ def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
         return ""
     if prop.is_number and not kind:
         kind = "position" if "position" in tokens else "level" if tokens_in(node.id, node.type) & _LEVELS else ""
-    for guess in _SETTABLE if prop.is_settable else _REPORTED:
-        is_candidate = (guess.kinds is None or kind in guess.kinds) and prop.datatype in guess.datatypes
-        is_named = guess.words is None or bool(tokens & guess.words) or (guess.is_main and prop.id == node.id)
-        if is_candidate and is_named and guess.fits(prop) and not (beside and guess.role not in _ALSO_BESIDE):
-            is_cooling = guess.role == "heating_setpoint" and any(token.startswith("cool") for token in tokens)
-            return "cooling_setpoint" if is_cooling else guess.role
-    return ""
+    guesses = _SETTABLE if prop.is_settable else [one for one in _REPORTED if not beside or one.role in _ALSO_BESIDE]
+    role = next((guess.role for guess in guesses if guess.matches(prop, kind, tokens, is_main=prop.id == node.id)), "")
+    if role == "heating_setpoint" and any(token.startswith("cool") for token in tokens):
+        return "cooling_setpoint"
+    return role
 
 
 CONTROLS = frozenset(
