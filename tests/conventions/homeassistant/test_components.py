@@ -43,10 +43,12 @@ def shape(described: DescribedPart) -> dict[str, Any]:
         )
         further = {key: value for key in ("unit", "bounds", "options") if (value := getattr(one, key))}
         capabilities[one.name] = [flags, further] if further else [flags]
-    found = {"id": part.id, "name": part.name, "type": part.service_type, "tag": part.tag, "category": part.category}
     topics = described.codec.topics()
-    found |= {"capabilities": capabilities, "reads": topics, "writes": part.writes}
-    found |= {"pictures": part.reads if part.reads != topics else (), "expiries": described.expiries}
+    found: dict[str, object] = {
+        "id": part.id, "name": part.name, "type": part.service_type, "tag": part.tag, "category": part.category,
+        "capabilities": capabilities, "reads": topics, "writes": part.writes, "expiries": described.expiries,
+        "pictures": part.reads if part.reads != topics else (),
+    }
     return {key: value for key, value in found.items() if value or key not in OPTIONAL}
 
 

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TypeVar
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
-from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
+from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
@@ -28,6 +28,10 @@ ValueT = TypeVar("ValueT")
 
 _UNKNOWN: Mapping[str, str | None] = {"None": None}
 _WIDE = (-1e15, 1e15)
+_MAX_RAW = 255
+_MAX_ID = 255
+_FAR = 1e100
+"""Beyond all values of devices, and still finite after multiplication."""
 
 
 class Entity(PartBuilder[StateMessage]):
@@ -42,14 +46,13 @@ class Entity(PartBuilder[StateMessage]):
     parse_payload = StateMessage
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
-        has = config.values.keys()
         super().__init__(
             clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
             service_type,
-            name=config.clean_text("name") if "name" in has else "",
+            name=config.clean_text("name"),
             advertised=config.component,
-            tag=tag if tag is not None else config.clean_text("device_class") if "device_class" in has else "",
-            category=_category(config) if "entity_category" in has else "",
+            tag=config.clean_text("device_class") if tag is None else tag,
+            category=_category(config),
         )
         self._config = config
 
@@ -103,7 +106,6 @@ class Entity(PartBuilder[StateMessage]):
         command: CommandTopic | None,
         options: tuple[str, ...],
         meanings: Mapping[str, str | None] = _UNKNOWN,
-        on_command: Callable[[str], None] = lambda _option: None,
     ) -> None:
         """Add a capability with one of *options*; others are neither read nor commanded.
 
@@ -113,18 +115,11 @@ class Entity(PartBuilder[StateMessage]):
             command: The topic of its commands, or None.
             options: Its options.
             meanings: Meanings of further texts.
-            on_command: Called with each commanded option.
         """
         if not options:
             return
-
-        def write(option: str) -> Publications:
-            publications = command.publish(option) if command else ()
-            on_command(option)
-            return publications
-
         read = meaning_reader(name, _not_empty({**{option: option for option in options}, **meanings}))
-        writer = option_writer(name, options, write) if command else None
+        writer = option_writer(name, options, command.publish) if command else None
         self.add_value(name, source, read, command, writer, options=options)
 
     def add_flag(
@@ -210,8 +205,6 @@ def _echoed(capability: Capability) -> Capability:
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
-_MAX_RAW = 255
-_MAX_ID = 255
 
 
 def _category(config: DiscoveryConfig) -> Category:
@@ -234,9 +227,6 @@ def _read_text(source: ValueSource, read: Callable[[str], Readings], message: St
 def _read_raw(encoding: str, message: StateMessage) -> Readings:
     text = message.text(encoding)
     return NO_READINGS if text is None or names_secret(text) else {"raw": clean_text(text, _MAX_RAW)}
-
-
-_WIDE = (-1e15, 1e15)
 
 
 def _not_empty(meanings: Mapping[str, ValueT]) -> Mapping[str, ValueT]:
@@ -266,7 +256,3 @@ class Scale:
     def value(self, percent: float) -> float:
         """Return the exact value that stands for *percent*."""
         return percent * (self.full - self.zero) / 100 + self.zero
-
-
-_FAR = 1e100
-"""Beyond all values of devices, and still finite after multiplication."""

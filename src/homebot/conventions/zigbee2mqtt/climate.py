@@ -89,9 +89,8 @@ def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None
         _add_mode(part, mode, program)
     else:
         part.add_enum(mode, "thermostat_mode")
-    for capability, name in _ENUMS.items():
-        part.add_enum(climate.feature(name), capability)
-    part.add_enum(climate.feature("running_state"), "thermostat_action", _ACTIONS)
+    for capability, name, meanings in _ENUMS:
+        part.add_enum(climate.feature(name), capability, meanings)
     part.request(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE))
     return part.build()
 
@@ -111,13 +110,14 @@ _NUMBERS: Mapping[str, tuple[str, ...]] = {
     "heating_setpoint": ("occupied_heating_setpoint", "current_heating_setpoint"),
     "cooling_setpoint": ("occupied_cooling_setpoint",),
 }
-_ENUMS: Mapping[str, str] = {
-    "fan_mode": "fan_mode",
-    "swing_mode": "swing_mode",
-    "preset_mode": "preset",
-}
-_ACTIONS: Mapping[str, str] = {"idle": "idle", "heat": "heating", "cool": "cooling", "fan_only": "fan"}
+_ENUMS: tuple[tuple[str, str, Mapping[str, str] | None], ...] = (
+    ("fan_mode", "fan_mode", None),
+    ("swing_mode", "swing_mode", None),
+    ("preset_mode", "preset", None),
+    ("thermostat_action", "running_state", {"idle": "idle", "heat": "heating", "cool": "cooling", "fan_only": "fan"}),
+)
+"""Capability, feature, and the vocabulary's names of its values if they differ."""
 
 FEATURES_OF_CLIMATE = frozenset(
-    {"running_state", "system_mode", *_ENUMS.values(), *(name for names in _NUMBERS.values() for name in names)}
+    {"system_mode", *(name for _, name, _ in _ENUMS), *(name for names in _NUMBERS.values() for name in names)}
 )

@@ -151,14 +151,7 @@ class Zigbee2MqttPart(JsonPart):
         readable = feature.is_published
         if readable:
             self.read_feature(feature, capability, meaning)
-        self.add_capability(
-            capability,
-            readable=readable,
-            writer=writer,
-            unit=unit,
-            bounds=bounds,
-            options=options,
-        )
+        self.add_capability(capability, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
         if writer is not None:
             self.add_command_topics(self.topics.command)
 

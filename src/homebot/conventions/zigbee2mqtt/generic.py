@@ -169,28 +169,33 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
 
 def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
     is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
-    part = _part(
-        topics, expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config"
-    )
+    category: Category = "" if is_switch else expose.category or "config"
+    part = _part(topics, expose, "switch" if is_switch else "x_setting", category)
     match expose.type:
         case "binary":
             part.add_flag(expose, "on_off")
+            part.request(*([expose] if is_switch else []))
         case "numeric":
             part.add_number(expose, "number", unit=expose.unit)
-        case "enum" if len(actions := _actions(expose)) == 1:
-            push = "locate" if expose.name == "identify" else "push"
-            writer = push_writer(push, lambda: topics.publish({expose.key: actions[0]}))
-            part.add_capability(push, readable=False, writer=writer)
-            part.add_command_topics(topics.command)
         case "enum":
-            part.add_enum(expose, "option")
+            _add_options(part, expose)
         case "text":
             part.add_feature(expose, "text", _json_text, partial(_write_text, topics, expose))
         case _:
             return _sensor(topics, expose) if expose.is_published else None
-    if is_switch:
-        part.request(expose)
     return part
+
+
+def _add_options(part: Zigbee2MqttPart, expose: Expose) -> None:
+    """Add the options of an enum, or a push if there is only one."""
+    actions = _actions(expose)
+    if len(actions) != 1:
+        part.add_enum(expose, "option")
+        return
+    push = "locate" if expose.name == "identify" else "push"
+    writer = push_writer(push, lambda: part.topics.publish({expose.key: actions[0]}))
+    part.add_capability(push, readable=False, writer=writer)
+    part.add_command_topics(part.topics.command)
 
 
 def _actions(expose: Expose) -> list[Scalar]:

@@ -42,10 +42,13 @@ __all__ = ["build_parts"]
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device with unique ids. A device unknown to the bridge shows its raw messages."""
     topics = Zigbee2MqttTopics(device.topic, device.is_awake, device.takes_transition, device.bare_endpoints)
-    exposes = read_exposes(device.exposes)
-    return with_own_ids(_described(device, topics, exposes), _MOST_PARTS) or (_unknown(topics),)
+    builder = _PartsBuilder(device, topics, read_exposes(device.exposes))
+    return with_own_ids(builder.parts(), _MOST_PARTS) or (_unknown(topics),)
 
 
+_MOST_PARTS = 500
+_MOST_RAW = 20
+_MAX_RAW = 255
 _FEATURES: Mapping[str, frozenset[str]] = {
     "light": FEATURES_OF_LIGHT,
     "switch": frozenset({"state"}),
@@ -56,70 +59,122 @@ _FEATURES: Mapping[str, frozenset[str]] = {
 }
 """Features of the part itself; other features are parts of their own, mostly settings."""
 
-_MOST_PARTS = 500
+_SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
+_THERMOMETERS = ("temperature", "local_temperature")
+_KEY_LOCKS = ("child_lock", "keypad_lockout")
+_DOOR = "garage_door_contact"
+_TRIGGERS = frozenset({"trigger", "state"})
+_ALARMS = frozenset({"alarm", "siren_on"})
+_SOUNDS = frozenset({"alarm_duration", "alarm_ring", "melody", "ringtone", "volume"})
+_MOTORS = frozenset({"motor_state", "moving"})
 
 
-def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
-    auxiliary = _auxiliary(exposes)
-    around = tuple([expose.of_commands() for expose in auxiliary.values()])
-    for expose in map(_key_lock_as_setting, exposes):
-        for part in _parts_of(device, whole, expose, exposes, auxiliary):
-            yield _with_payloads(part, (expose.of_commands(), around)) if part.part.writes else part
-    if device.has_updates and exposes:
-        yield _update(whole)
+class _PartsBuilder:
+    """Builder of the parts of one device.
+
+    Auxiliary exposes complete a part, or become one by the exposes beside them, by role: the effect of a lamp, the
+    motor of a cover, the program of a thermostat, the alarm of a device with sounds (``siren``, as of Tuya), and opener
+    and contact (``door``) of a garage door.
+    """
+
+    def __init__(self, device: BridgeDevice, topics: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> None:
+        self._device = device
+        self._topics = topics
+        self._exposes = exposes
+        self._names = {expose.name for expose in exposes}
+        self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
+        self._auxiliary: dict[str, Expose] = {}
+        for expose in exposes:
+            role = self._role(expose)
+            if role == "opener" or (role and role not in self._auxiliary):
+                self._auxiliary[role] = expose
+        if self._door is not None and "opener" in self._auxiliary:
+            self._auxiliary["door"] = self._door
+
+    def parts(self) -> Iterable[DescribedPart]:
+        """Describe each expose as a part, or several."""
+        around = tuple([expose.of_commands() for expose in self._auxiliary.values()])
+        for expose in map(_key_lock_as_setting, self._exposes):
+            for part in self._parts_of(expose):
+                yield _with_payloads(part, (expose.of_commands(), around)) if part.part.writes else part
+        if self._device.has_updates and self._exposes:
+            yield _update(self._topics)
+
+    def _role(self, expose: Expose) -> str:
+        """Return the role of an auxiliary expose; empty for any other."""
+        is_main = not expose.endpoint
+        is_lit = any(one.type == "light" and not one.endpoint for one in self._exposes)
+        roles = {
+            "opener": expose.type == "binary" and self._door is not None and expose.name in _TRIGGERS,
+            "siren": expose.type == "binary" and expose.name in _ALARMS and not _SOUNDS.isdisjoint(self._names),
+            "effect": expose.type == "enum" and expose.name == "effect" and is_main and is_lit,
+        }
+        if expose.is_settable and (role := next((role for role, fits in roles.items() if fits), "")):
+            return role
+        if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
+            return f"motor{expose.suffix}"
+        return "program" if expose.type == "enum" and is_program(expose) else ""
+
+    def _parts_of(self, expose: Expose) -> Iterable[DescribedPart]:
+        topics = self._topics.of(expose)
+        if expose.type not in SPECIFIC_TYPES:
+            part = self._whole(topics, expose)
+            if part is None and expose is not self._auxiliary.get("effect"):
+                part = build_generic(topics, expose)
+            return (part,) if part else ()
+        found = [self._specific(topics, expose)]
+        has_thermometer = any(one.name in _THERMOMETERS and one.is_published for one in self._exposes)
+        if expose.type == "climate" and not has_thermometer:
+            found.append(build_thermometer(topics, expose))
+        others = [feature for feature in expose.features if feature.name not in _FEATURES[expose.type]]
+        return [part for part in (*found, *(build_generic(topics, other) for other in others)) if part]
+
+    def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
+        """Describe a generic expose that is a whole siren or opener; None for any other."""
+        if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
+            return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
+        if expose is self._auxiliary.get("opener"):
+            is_pulse = "run_time" not in self._names
+            part = _part_of(topics, expose, "closure")
+            return build_opener(part, expose, self._auxiliary["door"], is_pulse=is_pulse)
+        if expose is self._auxiliary.get("siren"):
+            part = _part_of(topics, expose, "siren")
+            part.add_flag(expose, "on_off")
+            part.request(expose)
+            return part.build()
+        return None
+
+    def _specific(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
+        if expose.type == "switch":
+            return _switch(topics, expose)
+        part = Zigbee2MqttPart(
+            topics,
+            expose.type + expose.suffix,
+            climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type],
+            name=clean_text(expose.endpoint),
+            advertised=expose.type,
+            category=expose.category,
+        )
+        match expose.type:
+            case "light":
+                return build_light(part, expose, None if expose.endpoint else self._auxiliary.get("effect"))
+            case "cover":
+                return build_cover(part, expose, self._auxiliary.get(f"motor{expose.suffix}"))
+            case "lock":
+                return build_lock(part, expose)
+            case "fan":
+                return build_fan(part, expose, self._device.model)
+            case _:
+                return build_climate(part, expose, self._auxiliary.get("program"))
 
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
+    part = described.part.with_checked(payloads=payload_digest(announced)).slimmed()
     return replace(described, part=part)
-
-
-def _parts_of(
-    device: BridgeDevice,
-    whole: Zigbee2MqttTopics,
-    expose: Expose,
-    exposes: tuple[Expose, ...],
-    auxiliary: Mapping[str, Expose],
-) -> Iterable[DescribedPart]:
-    topics = whole.of(expose)
-    if expose.type in SPECIFIC_TYPES:
-        yield _specific(device, topics, expose, auxiliary)
-        has_thermometer = any(other.name in _THERMOMETERS and other.is_published for other in exposes)
-        if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(topics, expose)):
-            yield thermometer
-        for feature in expose.features:
-            if feature.name not in _FEATURES[expose.type] and (part := build_generic(topics, feature)):
-                yield part
-    else:
-        part = _siren_or_opener(topics, expose, exposes, auxiliary)
-        if part is None and expose is not auxiliary.get("effect"):
-            part = build_generic(topics, expose)
-        if part is not None:
-            yield part
-
-
-def _siren_or_opener(
-    topics: Zigbee2MqttTopics, expose: Expose, exposes: tuple[Expose, ...], auxiliary: Mapping[str, Expose]
-) -> DescribedPart | None:
-    if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-        return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
-    if expose is auxiliary.get("opener"):
-        is_pulse = all(other.name != "run_time" for other in exposes)
-        return build_opener(_part_of(topics, expose, "closure"), expose, auxiliary["door"], is_pulse=is_pulse)
-    if expose is auxiliary.get("siren"):  # a binary, as for Tuya's sirens; their sounds are settings
-        part = _part_of(topics, expose, "siren")
-        part.add_flag(expose, "on_off")
-        part.request(expose)
-        return part.build()
-    return None
 
 
 def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:
     return Zigbee2MqttPart(topics, clean_text(expose.key), service_type, name=expose.title, advertised=expose.name)
-
-
-_THERMOMETERS = ("temperature", "local_temperature")
-_KEY_LOCKS = ("child_lock", "keypad_lockout")
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:
@@ -129,75 +184,6 @@ def _key_lock_as_setting(expose: Expose) -> Expose:
         return expose
     label = expose.label or state.key.replace("_", " ").capitalize()
     return replace(state, name=state.key, label=label, category=expose.category)
-
-
-_DOOR = "garage_door_contact"
-_TRIGGERS = frozenset({"trigger", "state"})
-_ALARMS = frozenset({"alarm", "siren_on"})
-_SOUNDS = frozenset({"alarm_duration", "alarm_ring", "melody", "ringtone", "volume"})
-_MOTORS = frozenset({"motor_state", "moving"})
-
-
-def _auxiliary(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
-    """Return the exposes that complete a part, or become one by the exposes beside them.
-
-    These are the effect of a lamp, the motor of a cover, the program of a thermostat, the alarm of a device with
-    sounds, and opener and contact of a garage door.
-    """
-    found: dict[str, Expose] = {}
-    door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
-    has_lamp = any(expose.type == "light" and not expose.endpoint for expose in exposes)
-    has_sounds = any(expose.name in _SOUNDS for expose in exposes)
-    for expose in exposes:
-        role = _auxiliary_role(expose, has_lamp=has_lamp, has_sounds=has_sounds, has_door=door is not None)
-        if role and (role == "opener" or role not in found):
-            found[role] = expose
-    return {**found, "door": door} if door is not None and "opener" in found else found
-
-
-def _auxiliary_role(expose: Expose, *, has_lamp: bool, has_sounds: bool, has_door: bool) -> str:
-    if expose.type == "binary" and expose.is_settable:
-        if has_door and expose.name in _TRIGGERS:
-            return "opener"
-        return "siren" if has_sounds and expose.name in _ALARMS else ""
-    if expose.type != "enum":
-        return ""
-    if expose.name in _MOTORS:
-        return f"motor{expose.suffix}" if expose.is_published else ""
-    if is_program(expose):
-        return "program"
-    is_effect = expose.name == "effect" and expose.is_settable and not expose.endpoint
-    return "effect" if is_effect and has_lamp else ""
-
-
-def _specific(
-    device: BridgeDevice, topics: Zigbee2MqttTopics, expose: Expose, auxiliary: Mapping[str, Expose]
-) -> DescribedPart:
-    if expose.type == "switch":
-        return _switch(topics, expose)
-    service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
-    part = Zigbee2MqttPart(
-        topics,
-        expose.type + expose.suffix,
-        service_type,
-        name=clean_text(expose.endpoint),
-        advertised=expose.type,
-        category=expose.category,
-    )
-    match expose.type:
-        case "light":
-            return build_light(part, expose, None if expose.endpoint else auxiliary.get("effect"))
-        case "cover":
-            return build_cover(part, expose, auxiliary.get(f"motor{expose.suffix}"))
-        case "lock":
-            return build_lock(part, expose)
-        case "fan":
-            return build_fan(part, expose, device.model)
-        case _:
-            return build_climate(part, expose, auxiliary.get("program"))
-
-
-_SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 
 
 def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
@@ -247,7 +233,3 @@ def _read_raw(message: JsonMessage) -> Readings:
     shown = [(key, value) for key, value in message.items() if not names_secret(key)]
     text = ", ".join(f"{key}={text_of(value)}" for key, value in shown[:_MOST_RAW])
     return {"raw": clean_text(text, _MAX_RAW)}
-
-
-_MOST_RAW = 20
-_MAX_RAW = 255
