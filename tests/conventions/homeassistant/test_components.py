@@ -45,8 +45,15 @@ def shape(described: DescribedPart) -> dict[str, Any]:
         capabilities[one.name] = [flags, further] if further else [flags]
     topics = described.codec.topics()
     found: dict[str, object] = {
-        "id": part.id, "name": part.name, "type": part.service_type, "tag": part.tag, "category": part.category,
-        "capabilities": capabilities, "reads": topics, "writes": part.writes, "expiries": described.expiries,
+        "id": part.id,
+        "name": part.name,
+        "type": part.service_type,
+        "tag": part.tag,
+        "category": part.category,
+        "capabilities": capabilities,
+        "reads": topics,
+        "writes": part.writes,
+        "expiries": described.expiries,
         "pictures": part.reads if part.reads != topics else (),
     }
     return {key: value for key, value in found.items() if value or key not in OPTIONAL}

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 
 from homebot.conventions.homeassistant.published_entity import (
     Available,
-    EntityTopics,
     PublishedEntity,
     Row,
     is_settable,
@@ -53,7 +52,7 @@ _HUMIDIFIER_ROWS = (
 )
 
 
-def publish_climate(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_climate(part: Part, available: Available, base: str) -> Entities:
     """Publish the targets, the measurements and the modes of a thermostat or an air conditioner.
 
     A target with another meaning in Home Assistant, by its modes, stays a number entity, and so does a mode with
@@ -66,7 +65,7 @@ def publish_climate(part: Part, available: Available, topics: EntityTopics) -> E
     if not modes and not targets:
         return ()
     shown = modes or tuple(_MODE_OF_TARGET[key, name] for name, key in targets.items())[:1]
-    entity = PublishedEntity(topics, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
+    entity = PublishedEntity(base, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
     if modes:
         entity.add(available.pop("thermostat_mode"), _MODE_ROW)
         if "off" in modes and is_settable(available, "on_off"):
@@ -80,12 +79,12 @@ def publish_climate(part: Part, available: Available, topics: EntityTopics) -> E
     return (entity,)
 
 
-def publish_water_heater(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_water_heater(part: Part, available: Available, base: str) -> Entities:
     """Publish the target, the temperature and the mode of a water heater."""
     if part.service_type != "water_heater" or not is_settable(available, "heating_setpoint"):
         return ()
     modes = _known_modes(available, "water_heater_mode", _HEATER_MODES)
-    entity = PublishedEntity(topics, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
+    entity = PublishedEntity(base, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
     _add_targets(entity, available, {"heating_setpoint": "temperature"})
     if modes:
         entity.add(available.pop("water_heater_mode"), _HEATER_MODE_ROW)
@@ -93,13 +92,13 @@ def publish_water_heater(part: Part, available: Available, topics: EntityTopics)
     return (entity,)
 
 
-def publish_humidifier(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_humidifier(part: Part, available: Available, base: str) -> Entities:
     """Publish the switch, the target and the mode of a humidifier."""
     is_whole = is_settable(available, "on_off") and is_settable(available, "humidity_setpoint")
     if part.service_type != "x_humidifier" or not is_whole:
         return ()
     kind = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
-    entity = PublishedEntity(topics, "humidifier", "", {"device_class": kind})
+    entity = PublishedEntity(base, "humidifier", "", {"device_class": kind})
     bounds = available["humidity_setpoint"].bounds
     if bounds and 0 <= bounds[0] < bounds[1] <= 100:
         entity.config |= {"min_humidity": bounds[0], "max_humidity": bounds[1]}

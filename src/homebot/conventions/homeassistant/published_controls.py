@@ -13,7 +13,6 @@ from collections.abc import Mapping
 
 from homebot.conventions.homeassistant.published_entity import (
     Available,
-    EntityTopics,
     PublishedEntity,
     Row,
     Values,
@@ -39,6 +38,9 @@ __all__ = [
 Entities = tuple[PublishedEntity, ...]
 
 _LOCK_STATES = ("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
+_LOCK_ROW = Row(
+    "lock", "state_topic", "command_topic", commands={"LOCK": "locked", "UNLOCK": "unlocked", "OPEN": "open"}
+)
 _MOVES = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
 _MOVE_KEYS = {"payload_open": "OPEN", "payload_close": "CLOSE", "payload_stop": "STOP"}
 _CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
@@ -82,35 +84,28 @@ _ALARM = {
 }
 
 
-def publish_lock(_part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_lock(_part: Part, available: Available, base: str) -> Entities:
     """Publish the bolt, and the latch if the options have ``open``."""
     if not is_settable(available, "lock"):
         return ()
-    lock = available.pop("lock")
-    entity = PublishedEntity(topics, "lock", "", {f"state_{state}": state for state in _LOCK_STATES})
-    payloads = {"LOCK": "locked", "UNLOCK": "unlocked"}
-    if "open" in lock.options:
-        payloads["OPEN"] = "open"
+    entity = PublishedEntity(base, "lock", "", {f"state_{state}": state for state in _LOCK_STATES})
+    if "open" in available["lock"].options:
         entity.config["payload_open"] = "OPEN"
-    if lock.readable:
-        entity.add_state("state_topic", "lock")
-    entity.add_command("command_topic", "lock", payload_reader("lock", payloads))
+    entity.add(available.pop("lock"), _LOCK_ROW)
     return (entity,)
 
 
-def publish_cover(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_cover(part: Part, available: Available, base: str) -> Entities:
     """Publish movement, position and tilt.
 
     A position or a tilt that is never reported is left out: Home Assistant sets none that it does not know.
     """
     movement = available.pop("movement") if is_settable(available, "movement") else None
-    entity = PublishedEntity(topics, "cover", "", _cover_class(part))
+    entity = PublishedEntity(base, "cover", "", _cover_class(part))
     if movement is not None:
         payloads = settable_payloads(movement, _MOVES)
         entity.config |= {key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items()}
-        if movement.readable:
-            entity.add_state("state_topic", "movement")
-        entity.add_command("command_topic", "movement", payload_reader("movement", payloads))
+        entity.add(movement, Row("movement", "state_topic", "command_topic", commands=_MOVES))
     position = available.get("position")
     if movement is not None or (position is not None and _COVER_ROWS[0].fits(position)):
         entity.add_rows(available, _COVER_ROWS)
@@ -123,13 +118,13 @@ def _cover_class(part: Part) -> dict[str, object]:
     return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
-def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_valve(_part: Part, available: Available, base: str) -> Entities:
     """Publish a valve. With a reported position, open and closed are positions."""
     if not is_settable(available, "valve"):
         return ()
     valve = available.pop("valve")
     payloads = settable_payloads(valve, _MOVES)
-    entity = PublishedEntity(topics, "valve")
+    entity = PublishedEntity(base, "valve")
     if "STOP" in payloads:
         entity.config["payload_stop"] = "STOP"
     position = available.get("position")
@@ -142,9 +137,7 @@ def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> En
     entity.config |= {
         key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items() if key != "payload_stop"
     }
-    if valve.readable:
-        entity.add_state("state_topic", "valve")
-    entity.add_command("command_topic", "valve", payload_reader("valve", payloads))
+    entity.add(valve, Row("valve", "state_topic", "command_topic", commands=_MOVES))
     return (entity,)
 
 
@@ -164,23 +157,23 @@ def _read_valve(text: str) -> Values:
     return {"position": percent} if percent is not None and 0 <= percent <= 100 else {}
 
 
-def publish_fan(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_fan(part: Part, available: Available, base: str) -> Entities:
     """Publish the switch, the speed, the programmes, the swing and the direction of a fan."""
     if part.service_type != "fan" or not is_settable(available, "on_off"):
         return ()
-    entity = PublishedEntity(topics, "fan")
+    entity = PublishedEntity(base, "fan")
     entity.add_rows(available, _FAN_ROWS)
     return (entity,)
 
 
-def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_vacuum(_part: Part, available: Available, base: str) -> Entities:
     """Publish the state, the power, the charge and the locator of a robot that cleans."""
     if not is_settable(available, "vacuum"):
         return ()
     vacuum = available.pop("vacuum")
     payloads = settable_payloads(vacuum, {payload: option for payload, (option, _) in _VACUUM.items()})
     features = [_VACUUM[payload][1] for payload in payloads]
-    entity = PublishedEntity(topics, "vacuum", "", {"supported_features": features})
+    entity = PublishedEntity(base, "vacuum", "", {"supported_features": features})
     if vacuum.readable:
         features += _add_vacuum_state(entity, available)
     locate = is_settable(available, "locate")
@@ -224,13 +217,13 @@ def _vacuum_text(values: Values) -> str:
     return compact_json(message)
 
 
-def publish_mower(_part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_mower(_part: Part, available: Available, base: str) -> Entities:
     """Publish the activity of a robot that mows."""
     if not is_settable(available, "mower"):
         return ()
     mower = available.pop("mower")
     payloads = settable_payloads(mower, _MOWER)
-    entity = PublishedEntity(topics, "lawn_mower")
+    entity = PublishedEntity(base, "lawn_mower")
     if mower.readable:
         entity.add_state("activity_state_topic", "mower")
     for action in payloads:
@@ -238,26 +231,25 @@ def publish_mower(_part: Part, available: Available, topics: EntityTopics) -> En
     return (entity,)
 
 
-def publish_alarm(_part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_alarm(_part: Part, available: Available, base: str) -> Entities:
     """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
     if not is_settable(available, "alarm"):
         return ()
-    payloads = settable_payloads(available.pop("alarm"), _ALARM)
-    features = [payload.lower() for payload in payloads if payload != "DISARM"]
+    features = [payload.lower() for payload in settable_payloads(available["alarm"], _ALARM) if payload != "DISARM"]
     fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
-    entity = PublishedEntity(topics, "alarm_control_panel", "", fields)
-    entity.add_state("state_topic", "alarm")
-    entity.add_command("command_topic", "alarm", payload_reader("alarm", payloads))
+    entity = PublishedEntity(base, "alarm_control_panel", "", fields)
+    entity.add_state("state_topic", "alarm")  # required
+    entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=_ALARM))
     return (entity,)
 
 
-def publish_siren(part: Part, available: Available, topics: EntityTopics) -> Entities:
+def publish_siren(part: Part, available: Available, base: str) -> Entities:
     """Publish the switch, the tones and the volume of a siren."""
     if part.service_type != "siren" or not is_settable(available, "on_off"):
         return ()
     switch = available.pop("on_off")
     has_volume = is_settable(available, "volume")
-    entity = PublishedEntity(topics, "siren", "", {"support_volume_set": has_volume, "support_duration": False})
+    entity = PublishedEntity(base, "siren", "", {"support_volume_set": has_volume, "support_duration": False})
     tone = available.get("siren_tone")
     tones = tone.options if tone is not None and tone.settable else ()
     names = ["on_off", *(["siren_tone"] if tones else []), *(["volume"] if has_volume else [])]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -14,7 +15,6 @@ from homebot.support.numbers import to_number
 __all__ = [
     "Available",
     "CommandReader",
-    "EntityTopics",
     "PublishedEntity",
     "PublishedState",
     "Row",
@@ -54,6 +54,7 @@ class Row(NamedTuple):
         reserved: An option with another meaning in Home Assistant, with which the capability is left out.
         unknown: The payload of an unknown value.
         payloads: The payloads of true and false.
+        commands: The option of each payload, if payloads and options differ.
         is_reported: Whether a capability that is never reported is left out.
     """
 
@@ -64,6 +65,7 @@ class Row(NamedTuple):
     reserved: str = ""
     unknown: str = "None"
     payloads: tuple[str, str] = _SWITCHED
+    commands: Mapping[str, str] = MappingProxyType({})
     is_reported: bool = False
 
     def fits(self, capability: Capability) -> bool:
@@ -73,21 +75,6 @@ class Row(NamedTuple):
         if self.options_key and (not capability.options or self.reserved in capability.options):
             return False
         return capability.settable and (capability.readable or not self.is_reported)
-
-
-@dataclass(frozen=True, slots=True)
-class EntityTopics:
-    """The topics of one exposed part, all below *base*."""
-
-    base: str
-
-    def state(self, name: str) -> str:
-        """Return the topic of the state *name*."""
-        return f"{self.base}/{name}/state"
-
-    def command(self, name: str) -> str:
-        """Return the topic of commands to *name*."""
-        return f"{self.base}/{name}/set"
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +91,7 @@ class PublishedEntity:
     """An entity in the making.
 
     Args:
-        topics: The topics of its part.
+        base: The level above the topics of its part.
         component: Home Assistant's component, for example ``light``.
         name: Distinguishes it from the part's other entities; empty for the main one.
         config: The fields that name no topic.
@@ -115,15 +102,13 @@ class PublishedEntity:
         commands: Readers of its commands, by topic.
     """
 
-    def __init__(
-        self, topics: EntityTopics, component: str, name: str = "", config: Mapping[str, object] | None = None
-    ) -> None:
+    def __init__(self, base: str, component: str, name: str = "", config: Mapping[str, object] | None = None) -> None:
         self.component = component
         self.name = name
         self.config: dict[str, object] = dict(config or {})
         self.states: list[PublishedState] = []
         self.commands: dict[str, CommandReader] = {}
-        self._topics = topics
+        self._base = base
 
     def add_state(
         self,
@@ -135,13 +120,13 @@ class PublishedEntity:
         is_event: bool = False,
     ) -> None:
         """Publish *capabilities*, by default *name* alone, on the topic in the field *key*."""
-        topic = self.config[key] = self._topics.state(name)
+        topic = self.config[key] = f"{self._base}/{name}/state"
         names = frozenset(capabilities) or frozenset({name})
         self.states.append(PublishedState(topic, names, write or state_writer(name), is_event))
 
     def add_command(self, key: str, name: str, read: CommandReader) -> None:
         """Read commands from the topic in the field *key*."""
-        topic = self.config[key] = self._topics.command(name)
+        topic = self.config[key] = f"{self._base}/{name}/set"
         self.commands[topic] = read
 
     def add(self, capability: Capability, row: Row) -> None:
@@ -151,7 +136,7 @@ class PublishedEntity:
         if capability.readable and row.state_key:
             self.add_state(row.state_key, capability.name, state_writer(capability.name, row.unknown, row.payloads))
         if capability.settable and row.command_key:
-            self.add_command(row.command_key, capability.name, _command_reader(capability, row.payloads))
+            self.add_command(row.command_key, capability.name, _command_reader(capability, row))
 
     def add_rows(self, available: Available, rows: Iterable[Row]) -> None:
         """Move the capabilities that fit *rows* from *available* to this entity."""
@@ -190,11 +175,13 @@ def payload_reader(name: str, payloads: Mapping[str, PlainValue]) -> CommandRead
     return lambda text: {name: payloads[text]} if text in payloads else {}
 
 
-def _command_reader(capability: Capability, payloads: tuple[str, str]) -> CommandReader:
+def _command_reader(capability: Capability, row: Row) -> CommandReader:
     """Return the reader of commands to *capability* in Home Assistant's plain form."""
     name, known = capability.name, CAPABILITIES[capability.name]
+    if row.commands:
+        return payload_reader(name, settable_payloads(capability, row.commands))
     if known.kind == "bool":
-        return payload_reader(name, dict(zip(payloads, (True, False), strict=True)))
+        return payload_reader(name, dict(zip(row.payloads, (True, False), strict=True)))
     if known.kind == "number":
         return _number_reader(name, capability.bounds or known.bounds or _WIDE)
     options = capability.options or known.options

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     CommandReader,
-    EntityTopics,
     PublishedEntity,
     StateWriter,
     Values,
@@ -31,7 +30,7 @@ _FULL = 255
 _LONGEST_EFFECT = 255
 
 
-def publish_light(part: Part, available: Available, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
+def publish_light(part: Part, available: Available, base: str) -> tuple[PublishedEntity, ...]:
     """Publish a lamp that can be switched.
 
     White and colour belong to it only if its brightness can be set: Home Assistant knows no other lamps.
@@ -41,7 +40,7 @@ def publish_light(part: Part, available: Available, topics: EntityTopics) -> tup
     switch = available.pop("on_off")
     names = ("level", *_TINTS, "effect") if is_settable(available, "level") else ("effect",)
     lamp = {name: available.pop(name) for name in names if is_settable(available, name)}
-    entity = PublishedEntity(topics, "light", "", _config(lamp))
+    entity = PublishedEntity(base, "light", "", _config(lamp))
     if switch.readable:
         entity.add_state("state_topic", "light", _state_writer(frozenset(lamp)), ("on_off", *lamp))
     entity.add_command("command_topic", "light", _command_reader(frozenset(lamp)))

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 
 from homebot.conventions.device_classes import CONDITION_CLASSES, QUANTITY_CLASSES
 from homebot.conventions.homeassistant.published_entity import (
-    EntityTopics,
     PublishedEntity,
     Row,
     Values,
@@ -38,28 +37,28 @@ _USUAL_CLASSES: Mapping[str, str] = {"contact": "opening", "occupancy": "occupan
 """The most general of several classes."""
 
 
-def publish_single(part: Part, capability: Capability, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
+def publish_single(part: Part, capability: Capability, base: str) -> tuple[PublishedEntity, ...]:
     """Return the entity of *capability* alone; none if Home Assistant has no component for it."""
     known = CAPABILITIES.get(capability.name)
     if known is None or known.kind == "numbers":
         return ()
     if capability.name in _BUTTONS:
-        return _button(capability, topics)
+        return _button(capability, base)
     if capability.settable:
-        return (_setting(part, capability, topics),)
-    return (_sensor(part, capability, topics),) if capability.readable else ()
+        return (_setting(part, capability, base),)
+    return (_sensor(part, capability, base),) if capability.readable else ()
 
 
-def _button(capability: Capability, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
+def _button(capability: Capability, base: str) -> tuple[PublishedEntity, ...]:
     if not capability.settable:
         return ()
     component, fields = _BUTTONS[capability.name]
-    entity = PublishedEntity(topics, component, capability.name, fields)
+    entity = PublishedEntity(base, component, capability.name, fields)
     entity.add_command("command_topic", capability.name, payload_reader(capability.name, {"PRESS": True}))
     return (entity,)
 
 
-def _setting(part: Part, capability: Capability, topics: EntityTopics) -> PublishedEntity:
+def _setting(part: Part, capability: Capability, base: str) -> PublishedEntity:
     known = CAPABILITIES[capability.name]
     options = capability.options or known.options
     fields: Mapping[str, object] = {}
@@ -71,7 +70,7 @@ def _setting(part: Part, capability: Capability, topics: EntityTopics) -> Publis
         component, fields = "number", _number_fields(capability)
     else:
         component, fields = ("select", {"options": list(options)}) if options else ("text", {})
-    entity = PublishedEntity(topics, component, capability.name, fields)
+    entity = PublishedEntity(base, component, capability.name, fields)
     entity.add(capability, Row(capability.name, "state_topic", "command_topic"))
     return entity
 
@@ -88,30 +87,30 @@ def _number_fields(capability: Capability) -> dict[str, object]:
     return {**fields, "unit_of_measurement": unit} if unit else fields
 
 
-def _sensor(part: Part, capability: Capability, topics: EntityTopics) -> PublishedEntity:
+def _sensor(part: Part, capability: Capability, base: str) -> PublishedEntity:
     """Build a sensor or an event; the message of an event is not retained."""
     name, known = capability.name, CAPABILITIES[capability.name]
     if name == "press" and capability.options:
-        entity = PublishedEntity(topics, "event", name, {"event_types": list(capability.options)})
+        entity = PublishedEntity(base, "event", name, {"event_types": list(capability.options)})
         entity.add_state("state_topic", name, _event_text, is_event=True)
         return entity
     if name == "scan":
-        entity = PublishedEntity(topics, "tag", name)
+        entity = PublishedEntity(base, "tag", name)
         entity.add_state("topic", name, is_event=True)
         return entity
     if known.kind == "bool":
         classes = CONDITION_CLASSES.get(name, ())
         device_class = part.tag if part.tag in classes else _USUAL_CLASSES.get(name, "".join(classes[:1]))
-        entity = PublishedEntity(topics, "binary_sensor", name, _filled(device_class=device_class))
+        entity = PublishedEntity(base, "binary_sensor", name, _filled(device_class=device_class))
     elif known.kind == "number":
         fields = _filled(
             device_class=QUANTITY_CLASSES.get(name, ""),
             unit_of_measurement=capability.unit or known.unit,
             state_class="total_increasing" if name == "energy" else "measurement",
         )
-        entity = PublishedEntity(topics, "sensor", name, fields)
+        entity = PublishedEntity(base, "sensor", name, fields)
     else:
-        entity = PublishedEntity(topics, "sensor", name)
+        entity = PublishedEntity(base, "sensor", name)
     entity.add_state("state_topic", name, is_event=name == "press")
     return entity
 

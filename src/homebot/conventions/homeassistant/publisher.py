@@ -28,7 +28,7 @@ from homebot.conventions.homeassistant.published_controls import (
     publish_vacuum,
     publish_valve,
 )
-from homebot.conventions.homeassistant.published_entity import Available, CommandReader, EntityTopics, PublishedEntity
+from homebot.conventions.homeassistant.published_entity import Available, CommandReader, PublishedEntity
 from homebot.conventions.homeassistant.published_light import publish_light
 from homebot.conventions.homeassistant.published_single import publish_single
 from homebot.devices.exposure import ExposedDevice
@@ -39,18 +39,7 @@ from homebot.devices.value import PlainValue, Value
 __all__ = ["HomeAssistantPublisher"]
 
 
-def _publish_part(part: Part, topics: EntityTopics) -> tuple[PublishedEntity, ...]:
-    """Return the entities of *part*: the main one, then one for each other capability."""
-    available: Available = {one.name: one for one in part.capabilities}
-    found: list[PublishedEntity] = []
-    for publish in _WHOLE:
-        found.extend(publish(part, available, topics))
-    for capability in available.values():
-        found.extend(publish_single(part, capability, topics))
-    return tuple(found)
-
-
-_Publish: TypeAlias = Callable[[Part, Available, EntityTopics], tuple[PublishedEntity, ...]]
+_Publish: TypeAlias = Callable[[Part, Available, str], tuple[PublishedEntity, ...]]
 _WHOLE: tuple[_Publish, ...] = (
     publish_light,
     publish_fan,
@@ -148,7 +137,12 @@ class HomeAssistantPublisher:
         )
 
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
-        return _publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
+        """Return the entities of *part*: the main one, then one for each other capability."""
+        base = f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"
+        available: Available = {one.name: one for one in part.capabilities}
+        found = [entity for publish in _WHOLE for entity in publish(part, available, base)]
+        found += [entity for one in available.values() for entity in publish_single(part, one, base)]
+        return tuple(found)
 
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():
