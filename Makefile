@@ -11,22 +11,6 @@ CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-# What `make test-fast` leaves to `make test`: sockets, programs that are started, whole days, floods, generated cases.
-SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/broker tests/testing tests/days tests/packages \
-	tests/mqtt/client/test_contract.py tests/mqtt/client/test_keep_alive.py tests/discovery/test_churn.py \
-	tests/gateways/announced/test_command_server.py tests/conventions/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
-	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
-	tests/conventions/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
-	tests/gateways/ble tests/gateways/coap tests/gateways/drivers tests/gateways/matter tests/gateways/mdns tests/gateways/nfc \
-	tests/gateways/thing_directory tests/gateways/test_http_client.py $(wildcard tests/gateways/test_contract_*.py) \
-	tests/control/test_plain_text_lamps.py \
-	tests/replay/test_people_and_owner.py tests/replay/test_replay.py tests/replay/test_several_gateways.py \
-	tests/house/test_ble_devices.py tests/house/test_guide.py tests/house/test_matter.py tests/house/test_network.py \
-	tests/bridges/test_token_guard.py tests/bridges/thing_directory tests/conventions/test_long_json.py \
-	tests/discovery/test_set_clock.py tests/gateways/mqtt/test_memory.py \
-	tests/support/test_logger.py tests/support/test_production_loop.py tests/test_public_face.py tests/test_readme.py
-SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
-
 .PHONY: help run test coverage test-fast test-peers fuzz houses days nightly check format docs wheel bench lock test-lowest clean
 
 ## Prints this list.
@@ -39,7 +23,7 @@ run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
-## Runs all tests: about six minutes on two cores.
+## Runs all tests: about four minutes on two cores.
 test: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist worksteal -m "not peers" $(ARGS)
 
@@ -50,7 +34,7 @@ coverage:
 
 ## Runs the quick tests (no other programs, no load, no generated cases): about half a minute.
 test-fast: $(VENV)/.dev
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist worksteal -m "not system and not peers" --hypothesis-profile=fast $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist worksteal -m "not slow and not system and not peers" $(ARGS)
 
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
@@ -73,8 +57,10 @@ houses: $(VENV)/.dev
 days: $(VENV)/.dev
 	@$(BIN)/python -m tests.days.table --days $(DAYS) $(ARGS)
 
-## Runs the long sets: generated cases, random days, lowest versions, coverage. Takes hours.
-nightly: fuzz days test-lowest coverage
+# NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
+## Runs the long sets: generated cases, random days, all tests in full size, lowest versions. Takes hours.
+nightly: fuzz days test-lowest
+	@NIGHTLY=1 $(MAKE) coverage
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev

@@ -17,18 +17,18 @@ import pytest_asyncio
 import structlog
 from blockbuster import blockbuster_ctx
 from hypothesis import HealthCheck, settings
-from tests.generated_examples import FAST
 from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.ports import reserve_port
+from tests.sizes import EXAMPLES, NIGHTLY
 
 from homebot.cli.main import gc_paused
 from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
 
 # How fast an example is made or runs is no test's business: the machine may be busy.
-settings.register_profile("homebot", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("fast", settings.get_profile("homebot"), max_examples=FAST)  # make test-fast
-settings.load_profile("homebot")
+settings.register_profile("nightly", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("usual", settings.get_profile("nightly"), max_examples=EXAMPLES, derandomize=True)
+settings.load_profile("nightly" if NIGHTLY else "usual")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 PROGRAM = Path(__file__).parent.parent / "benchmarks/run.py"
 SOURCE = Path(__file__).parent.parent / "src/homebot"
 PAGE = Path(__file__).parent.parent / "docs/how-a-message-travels.md"

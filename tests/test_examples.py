@@ -12,9 +12,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.sizes import nightly
 
 from homebot.house import thesis_world
 from homebot.testing import EventLog, virtual_house_of
+
+pytestmark = pytest.mark.slow
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
@@ -111,8 +114,18 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
         assert commands() == 4
 
 
-@pytest.mark.parametrize("folder", ["02_window_light", "05_random_days", "07_thesis_light_service"])
-@pytest.mark.parametrize("flags", [(), BARE, BARE[2:]], ids=["all plug-ins", "no plug-in", "pytest-asyncio alone"])
+@pytest.mark.parametrize(
+    ("folder", "flags"),
+    [
+        pytest.param("02_window_light", (), id="window light"),
+        pytest.param("02_window_light", BARE, id="window light, no plug-in"),
+        pytest.param("02_window_light", BARE[2:], id="window light, pytest-asyncio alone", marks=nightly),
+        pytest.param("05_random_days", (), id="random days"),
+        pytest.param("05_random_days", BARE, id="random days, no plug-in", marks=nightly),
+        pytest.param("07_thesis_light_service", (), id="thesis"),
+        pytest.param("07_thesis_light_service", BARE, id="thesis, no plug-in", marks=nightly),
+    ],
+)
 def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
     folder: str, flags: tuple[str, ...]
 ) -> None:

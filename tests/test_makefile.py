@@ -14,15 +14,3 @@ def test_help_has_a_line_for_every_target() -> None:
     assert phony is not None
     shown = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120).stdout
     assert re.findall(r"^  make (\S+) +[A-Zh].*\.$", shown, re.MULTILINE) == phony[1].split()
-
-
-def test_what_the_fast_tests_leave_out_exists() -> None:
-    """Else they would take long again, and nobody would know why."""
-    ignored = re.findall(
-        r"--ignore=(\S+)",
-        subprocess.run(
-            ["make", "-n", "test-fast"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
-        ).stdout,
-    )
-    assert ignored
-    assert [path for path in ignored if not (ROOT / path).exists()] == []

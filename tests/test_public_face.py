@@ -10,6 +10,8 @@ import pytest
 
 import homebot
 
+pytestmark = pytest.mark.slow
+
 HANDLES = """
 AirConditioner AlarmPanel Closure ContactSensor DoorLock ElectricalMeter Fan Handle HumiditySensor LawnMower Light
 LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren SmokeAlarm Switch TemperatureSensor

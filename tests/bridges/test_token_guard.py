@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 
 from homebot.bridges.token_guard import TokenGuard
 
+pytestmark = pytest.mark.slow
+
 
 def guess(guard: TokenGuard, address: str, now: float) -> float | None:
     wait = guard.begin(address, now)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
-from tests.generated_examples import examples
+from tests.sizes import examples
 
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices.access_messages import ClientLeft

@@ -17,7 +17,7 @@ from homebot.support.toml_file import parse_toml
 from homebot.testing import virtual_house_of
 from homebot.testing.virtual_house import VirtualHouse
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 GAP = 40.0
 LUX = 'devices.lux = { kind = "lux", room = "hall", dialect = "thesis" }'

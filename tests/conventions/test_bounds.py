@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
@@ -22,6 +23,8 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Capability
 from homebot.errors import RefusedError
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+
+pytestmark = pytest.mark.slow
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
@@ -290,7 +293,7 @@ BOUNDED = {
 
 
 @pytest.mark.parametrize("name", BOUNDED)
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(data=st.data())
 def test_each_bound_is_taken_and_read_back(name: str, data: st.DataObject) -> None:
     device = data.draw(BOUNDED[name]())
@@ -304,7 +307,7 @@ def test_each_bound_is_taken_and_read_back(name: str, data: st.DataObject) -> No
 
 
 @pytest.mark.parametrize("name", BOUNDED)
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(data=st.data())
 def test_a_value_that_is_read_is_within_the_bounds(name: str, data: st.DataObject) -> None:
     """The device says its own bounds."""

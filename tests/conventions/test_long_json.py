@@ -14,6 +14,8 @@ from homebot.conventions.long_json import is_longer_than, parse_in_slices
 from homebot.conventions.payload import DuplicateKeys, parse_json
 from homebot.errors import WireError
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 32 * 1024 * 1024
 JSON = st.recursive(
     st.none()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tests.days.left_on import DEFAULTS, LONG, Score, Trial, scored
+from tests.sizes import nightly
 
 
 def scores(trial: Trial) -> dict[str, Score]:
@@ -17,6 +18,7 @@ def test_by_default_lamps_left_on_are_turned_off_and_those_of_people_who_sit_sti
         assert max(score.delays) < LONG
 
 
+@nightly
 def test_half_the_time_turns_lamps_off_over_people_who_sit_still() -> None:
     found = scores(Trial(DEFAULTS.quiet_after / 2, DEFAULTS.absent_after / 2))
     assert found["forgetful"].precision == 1.0

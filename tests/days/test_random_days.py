@@ -20,7 +20,7 @@ from homebot.devices.trigger import Trigger
 from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 
-DAYS = int(os.environ.get("DAYS", "10"))
+DAYS = int(os.environ.get("DAYS", "4"))
 
 COMING_HOME = Day.parse("""
 [day]

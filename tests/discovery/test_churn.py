@@ -17,6 +17,7 @@ from typing import Literal, TypeAlias
 
 import anyio
 import pytest
+from tests.sizes import size
 
 from homebot.clock import LoopClock
 from homebot.devices import Device
@@ -29,7 +30,9 @@ from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
-EVENTS = 10_100
+pytestmark = pytest.mark.slow
+
+EVENTS = size(2_020, 10_100)
 LOOKS = 40
 SEEDS = int(os.environ.get("CHURN", "1"))
 
@@ -315,11 +318,10 @@ class Churn:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 @pytest.mark.parametrize("seed", range(SEEDS))
 async def test_in_a_house_that_changes_all_the_time_nothing_is_lost_merged_or_a_ghost(seed: int) -> None:
-    """Ten thousand events; then the dead have their time, and are gone."""
+    """Thousands of events; then the dead have their time, and are gone."""
     async with _churn(seed) as churn:
         for number in range(EVENTS):
             await churn.step()
@@ -339,7 +341,7 @@ async def test_in_a_house_that_changes_all_the_time_nothing_is_lost_merged_or_a_
         assert {device.id for device in churn.directory.index.devices()} == alive
         ids = [lamp.device_id for lamp in churn.lamps if lamp.device_id]
         assert len(set(ids)) == len(ids)
-        assert churn.deaths > 50
+        assert churn.deaths > size(10, 50)
 
 
 @asynccontextmanager

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.set_clock import SetClock
+from tests.sizes import examples
 
 from homebot.apps import App
 from homebot.apps.base import NoSettings
@@ -21,6 +22,8 @@ from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.record import entry_record, read_entry
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway, FakeGatewaySettings, VirtualTimeLoop
+
+pytestmark = pytest.mark.slow
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -72,8 +75,7 @@ async def life(moves: list[Step], wall: float, *, is_set: bool) -> list[tuple[fl
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @example([("speak", 0.0), ("set", HOUR), ("pass", 5.0)], 1.8e9)
 @example([("speak", 0.0), ("set", 10 * YEAR), ("pass", 5.0)], 1.8e9)
 @example([("speak", 0.0), ("set", -HOUR), ("pass", 100.0)], 1.8e9)

@@ -1,4 +1,4 @@
-"""Seeded fuzzing: ``make test`` tries 1,000 generated cases of each target, ``make fuzz`` 100,000.
+"""Seeded fuzzing: ``make test`` tries 250 generated cases of each target, ``make fuzz`` 100,000.
 
 A case is made from the seed, its target and its number alone, so ``make fuzz SEED=…`` repeats a failure. Only what a
 function's contract names may come out of it.
@@ -23,7 +23,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
-CASES = int(os.environ.get("FUZZ_CASES", "1000"))
+CASES = int(os.environ.get("FUZZ_CASES", "250"))
 PARTS = 4
 FIXTURES = Path(__file__).parents[1] / "gateways" / "mqtt" / "fixtures"
 KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
@@ -46,6 +46,10 @@ WORDS = (
 )
 NUMBERS = (0, 1, -1, 2**31, 10**40, -(10**400), 0.5, 1e308, -0.0, math.nan, math.inf, True, 255, 65_536)
 TOPICS = ("homeassistant/x", "zigbee2mqtt/bridge/devices", "homie/5/d/$state", "shellies/announce", "a/../b", "+/#")
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    item.add_marker(pytest.mark.slow)
 
 
 class Mutator:

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from typing import ClassVar
 
 import anyio
+import pytest
 from anyio.abc import TaskGroup, TaskStatus
 
 from homebot.devices.value import PlainValue
@@ -17,6 +18,8 @@ from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.slow
 
 
 class RecordingNode(ServedMatterNode):

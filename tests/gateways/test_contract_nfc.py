@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
+import pytest
 from tests.gateways.nfc.world import UID, uri
 from tests.patience import PATIENCE
 
@@ -18,6 +19,8 @@ from homebot.gateways.nfc.reader import PresentTag, ReaderDesk, TagReader, TagRe
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.slow
 
 MESSAGE = uri("homebot:device/lights/hall")
 

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import ClassVar
 
 import anyio
+import pytest
 from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
 from tests.gateways.test_contract_mdns import Cable, MdnsLamp
@@ -19,6 +20,8 @@ from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.slow
 
 
 class AnnouncedThingDriver(ThingDriver):

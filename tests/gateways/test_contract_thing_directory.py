@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
+import pytest
 from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.test_contract_coap import Background
 
@@ -17,6 +18,8 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.thing import ServedThing
 from homebot.house.http.thing_directory import ThingDirectoryServer
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.slow
 
 
 class ListedLamp(Lamp):

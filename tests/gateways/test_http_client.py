@@ -26,6 +26,8 @@ from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.http_streams import WebSocket
 
+pytestmark = pytest.mark.slow
+
 PASSWORD = "correct horse"
 
 

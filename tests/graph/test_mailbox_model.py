@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from tests.generated_examples import examples
+from tests.sizes import examples
 
 from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
 

@@ -30,7 +30,7 @@ from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.virtual_radio import VirtualRadio
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")
 Heard = list[tuple[BLEDevice, AdvertisementData]]

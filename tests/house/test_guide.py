@@ -6,8 +6,12 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+
 from homebot.house.description import parse_world
 from homebot.house.kinds import FAULTS, KINDS
+
+pytestmark = pytest.mark.slow
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "house.md").read_text(encoding="utf-8")
 

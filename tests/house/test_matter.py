@@ -19,6 +19,8 @@ from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("nfc")  # else pytest looks for it in the loop, when homebot asks whether it is installed
 
 

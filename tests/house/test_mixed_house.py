@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tests.sizes import size
 
 from homebot.devices import Devices
 from homebot.graph import Node
@@ -16,6 +17,8 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
 from homebot.testing import EventLog, virtual_house_of
+
+pytestmark = pytest.mark.slow
 
 MIXED = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml").read_text("utf-8"))
 
@@ -56,13 +59,12 @@ async def test_a_mixed_house_is_known_device_by_device() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_a_day_of_a_mixed_house_holds_what_it_promises() -> None:
     """Each lamp that was lit is dark again soon, by a command that came over the wire; nothing is lost."""
     world = parse_world(MIXED, "mixed.toml", seed=3)
     async with virtual_house_of("light_service", world=world, seed=3) as house, EventLog.of(house) as log:
-        await house.run_for("1d")
+        await house.run_for(f"{size(10, 24)}h")
     happened = world.event_log.since(0)
     lit = [event for event in happened if event.verb == "switch" and event.what == "on"]
     assert {world.devices[event.who].dialect for event in lit} >= {"zigbee2mqtt", "homeassistant", "tasmota"}

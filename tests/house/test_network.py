@@ -24,6 +24,8 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
+pytestmark = pytest.mark.slow
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
 APP = Path(__file__).parents[2] / "examples" / "02_window_light"
 

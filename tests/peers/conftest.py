@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from tests.peers.network import Lan, Machine, new_prefix, why_no_lan
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.peers)
+def pytest_itemcollected(item: pytest.Item) -> None:
+    item.add_marker(pytest.mark.peers)
 
 
 @pytest.fixture(scope="session")

@@ -43,6 +43,8 @@ from homebot.replay.command_diff import CommandDiff
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
 
+pytestmark = pytest.mark.slow
+
 LIGHTS_OUT = {**APPS["lights_out"], "quiet_after": 600.0}
 
 

@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, replayed, texts
+from tests.sizes import nightly
 
 import homebot.apps.lights_out
 from homebot.recording.recording import Recording
+
+pytestmark = pytest.mark.slow
 
 EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
 EVENING_APPS = ("lights_out", "follow_me")
@@ -33,7 +36,7 @@ def evening() -> Recording:
 
 
 @pytest.mark.no_cover
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=nightly)])
 def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: int) -> None:
     recording = recorded(family(seed), EVERY_APP, "24h", seed=seed)
     diff = diff_of(recording)

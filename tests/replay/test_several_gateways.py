@@ -6,11 +6,13 @@ import asyncio
 import tomllib
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import anyio
 import pytest
 from tests.apps.houses import flat, lamp, motion
 from tests.replay.recorded_days import APPS, diff_of, recorded, recorded_for_client, recording_of, replayed, texts
+from tests.sizes import nightly
 
 import homebot.apps.lights_out
 from homebot.clock import LoopClock
@@ -18,6 +20,7 @@ from homebot.config import parse_config
 from homebot.devices.names import MERGE_DEVICES
 from homebot.devices.services import MergeDevices, MergeDevicesRequest
 from homebot.graph import Node
+from homebot.house import SimulatedHouse
 from homebot.house.description import load_world
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -25,7 +28,7 @@ from homebot.recording.recording import Recording
 from homebot.runtime import Runtime
 from homebot.support.virtual_time import VirtualTimeLoop
 
-pytestmark = pytest.mark.no_cover
+pytestmark = [pytest.mark.slow, pytest.mark.no_cover]
 
 MIXED = Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml"
 BOTH = ("mqtt", "observer")
@@ -80,10 +83,18 @@ async def live(lines: list[str]) -> None:
             await anyio.sleep(1800)
 
 
+class QuietHouse(SimulatedHouse):
+    """A house whose devices repeat their states once a minute."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options, heartbeat=60.0)
+
+
 @pytest.fixture(scope="module")
 def hour() -> Recording:
     lines: list[str] = []
-    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+    with pytest.MonkeyPatch.context() as patch, asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        patch.setattr("homebot.house.SimulatedHouse", QuietHouse)
         runner.run(live(lines))
     return recording_of(lines)
 
@@ -130,6 +141,7 @@ def test_a_changed_line_changes_exactly_its_commands_over_all_gateways(hour: Rec
     assert diff.same == 0
 
 
+@nightly
 def test_the_same_apps_give_the_same_commands_in_a_day_of_the_mixed_house() -> None:
     """Devices of eight families at one broker, some of which get their id before their name comes."""
     house = tomllib.loads(MIXED.read_text("utf-8"))

@@ -10,6 +10,8 @@ import structlog
 
 from homebot.support.logger import get_logger, observed_lines
 
+pytestmark = pytest.mark.slow
+
 HEAD = """\
 import asyncio, structlog
 from homebot import Graph, Node, Runtime, configure_logging, parse_config
@@ -35,12 +37,8 @@ def program(text: str) -> tuple[str, str]:
     return done.stdout, done.stderr
 
 
-def test_nothing_below_a_warning_is_printed() -> None:
+def test_rosout_has_the_lines_below_a_warning_and_nothing_else_is_printed() -> None:
     """Neither of a house that starts and stops, nor of a node of one's own."""
-    assert program("asyncio.run(house())") == ("", "")
-
-
-def test_rosout_has_the_lines_all_the_same() -> None:
     assert program("print(asyncio.run(house()))") == ("['mine.debug', 'mine.info']\n", "")
 
 

@@ -15,6 +15,8 @@ from structlog.typing import EventDict
 
 from homebot.support.production_loop import LoopWatch, ProductionLoop, own_time
 
+pytestmark = pytest.mark.slow
+
 T = TypeVar("T")
 
 

@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 from tests.gateways.mqtt.test_long_lists import TOPIC, house_of
 from tests.patience import PATIENCE
+from tests.sizes import nightly
 from tests.system.attack_probe import Attacked, attacked, rss, until
 from tests.system.broker_probe import Client
 from tests.turns import slowness
@@ -201,6 +202,7 @@ def test_long_announcements_take_bounded_memory_and_keep_nobody_out(tmp_path: Pa
         hostile.close()
 
 
+@nightly
 async def test_they_do_so_on_mosquitto_too(tmp_path: Path, mosquitto_url: str) -> None:
     with attacked(tmp_path, "--mqtt", mosquitto_url) as homebot:
         withstands(homebot, int(mosquitto_url.rpartition(":")[2]))
@@ -225,6 +227,7 @@ def test_a_flood_of_messages_takes_bounded_memory_that_comes_back(tmp_path: Path
         hostile.close()
 
 
+@nightly
 def test_devices_that_come_and_go_again_and_again_take_no_more_memory_than_the_first_time(tmp_path: Path) -> None:
     """What they leave behind does not go back to the system, and is used again by those who come next."""
     devices = [config("sensor", f"device{number}") for number in range(1_500)]

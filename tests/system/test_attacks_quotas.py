@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from tests.patience import PATIENCE
+from tests.sizes import size
 from tests.system.attack_probe import Attacked, attacked, until
 from tests.system.broker_probe import Client as Mqtt
 from tests.system.test_attacks_door import MOST_BUSY, call, guest
@@ -100,13 +101,14 @@ def test_one_client_takes_fifty_leases_at_most_and_none_stays_when_it_left(tmp_p
 def test_a_flood_of_equal_commands_takes_little_of_the_journal(tmp_path: Path) -> None:
     with house(tmp_path) as (homebot, device, _), guest(homebot) as greedy:
         setting = {"capability": "on_off", "value": {"type": 1, "flag": True}}
-        for _ in range(1000):
+        count = size(300, 1000)
+        for _ in range(count):
             assert call(greedy, "/control/perform", device=device["id"], settings=[setting], issuer="")["result"]
         toll = homebot.toll()
         entries = call(greedy, "/control/journal")["values"]["entries"]
         own = [one for one in entries if one["issuer"] == "client:local"]
-        print(f"\n1,000 equal commands of one client: {len(own)} entries, {toll}")
+        print(f"\n{count} equal commands of one client: {len(own)} entries, {toll}")
         assert toll.busy < MOST_BUSY * slowness()
         assert len(own) < 100
-        assert max(one["folded"] for one in own) > 500
+        assert max(one["folded"] for one in own) > count / 2
         assert {"held"} <= {one["kind"] for one in entries if one["issuer"] == "client:honest"}

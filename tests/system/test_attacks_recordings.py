@@ -15,6 +15,9 @@ from pathlib import Path
 
 import pytest
 from tests.patience import PATIENCE
+from tests.sizes import size
+
+from homebot.cli import main
 
 LINE = b'{"at":1,"kind":"lost","message":{"count":0}}\n'
 
@@ -43,24 +46,25 @@ def replay(folder: Path, file: str) -> tuple[int, str, float]:
 
 
 def valid_lines(file: gzip.GzipFile) -> None:
-    """Write 400 MB of lines that a recording may have."""
+    """Write lines that a recording may have."""
     file.write(header())
-    for _ in range(400):
+    for _ in range(size(40, 400)):
         file.write(LINE * (1_000_000 // len(LINE)))
 
 
 def one_line(file: gzip.GzipFile) -> None:
-    """Write a gigabyte without the end of a line."""
+    """Write a long line without an end."""
     file.write(b'{"at":0,"kind":"recording","message":"')
-    for _ in range(1000):
+    for _ in range(size(100, 1000)):
         file.write(b"0" * 1_000_000)
 
 
-@pytest.fixture
-def usual(tmp_path: Path) -> float:
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> float:
     """The processor time of a replay that is refused for its first line."""
-    (tmp_path / "none.jsonl").write_text("{}\n")
-    code, _, seconds = replay(tmp_path, "none.jsonl")
+    folder = tmp_path_factory.mktemp("usual")
+    (folder / "none.jsonl").write_text("{}\n")
+    code, _, seconds = replay(folder, "none.jsonl")
     assert code == 2
     return seconds
 
@@ -85,10 +89,14 @@ def test_an_event_in_a_hundred_years_is_refused(tmp_path: Path, usual: float) ->
 
 
 @pytest.mark.parametrize("kind", ["./evil.py:Evil", "evil.py", "evil:Evil", "subprocess:Popen"])
-def test_no_code_runs_because_a_recording_names_it(tmp_path: Path, kind: str) -> None:
+def test_no_code_runs_because_a_recording_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
     """Also not what lies beside it, in the working directory."""
     (tmp_path / "evil.py").write_text("from pathlib import Path\n\nPath('was_run').touch()\n\n\nclass Evil: pass\n")
     (tmp_path / "day.jsonl").write_bytes(header(kind))
-    code, error, _ = replay(tmp_path, "day.jsonl")
-    assert (code, "runs no code because a recording names it" in error) == (2, True)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert main(["replay", "day.jsonl"]) == 2
+    assert "runs no code because a recording names it" in capsys.readouterr().err
     assert not (tmp_path / "was_run").exists()

@@ -177,7 +177,11 @@ async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: 
         await publish(mosquitto, user, messages)
     gateway = {"url": mosquitto.url("homebot"), "root": "home425", "act": True}
     # Without approvals, so that only the ownership of topics protects the locks.
-    tables = {"gateways": {"mqtt": gateway}, "discovery": {"persist": False}, "control": {"approvals": False}}
+    tables = {
+        "gateways": {"mqtt": gateway},
+        "discovery": {"persist": False},
+        "control": {"approvals": False, "timeout": 1.0},
+    }
     config = parse_config(tables, "test")
     heard: list[tuple[str, bytes]] = []
     async with (

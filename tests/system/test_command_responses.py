@@ -33,8 +33,8 @@ REPORTING = {"state_topic": "switch/state"}
 ACCEPTS = b'{"status": "ok"}'
 REFUSES = b'{"status": "error", "error": "the fuse is out"}'
 
-SILENCE = 5.0
-"""Seconds without an answer: waited for in full, and enough for an answer on a machine that stands still for two."""
+SILENCE = 3.0
+"""Seconds without an answer: waited for in full, and enough for an answer on a machine that stands still for one."""
 
 AnyBroker = Broker | MosquittoBroker
 

@@ -11,6 +11,7 @@ import pytest
 from tests.mqtt.client.broker_process import BrokerProcess
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
 from tests.patience import PATIENCE
+from tests.sizes import nightly, size
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -27,7 +28,7 @@ from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.system
 
-KILLS = 10
+KILLS = size(3, 10)
 LATEST = 12.0
 """Seconds: the longest wait for an answer, and one more second, in which brokers count; and a busy machine."""
 CREDENTIALS = {"anna": "right"}
@@ -88,6 +89,7 @@ class RealDevices:
                     await connection.publish(topic, json.dumps(config).encode(), qos=0, retain=True)
 
 
+@nightly
 @pytest.mark.no_cover
 @pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")
 async def test_mosquitto_is_killed() -> None:
@@ -146,7 +148,7 @@ async def check_commands_over_kills(broker: MosquittoBroker | BrokerProcess | Br
                 given.append((began, anyio.current_time(), level, outcome))
                 if isinstance(outcome, Confirmed):
                     confirmed_again[0].set()
-                if len(given) % 5 == 0:
+                if len(given) % 3 == 0:
                     presses.append(await button.command("push", value=True))
             tasks.cancel_scope.cancel()
     print(f"{len(given)} commands: {Counter(type(one[-1]).__name__ for one in given)}; {len(presses)} presses")

@@ -135,20 +135,12 @@ def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> 
     assert "SIGHUP" not in run.text
 
 
-def test_the_json_log_is_json_line_by_line(start: Start) -> None:
-    """To the very last line."""
-    run = start("--log-format", "json")
-    run.until("light_service.turned_off")
-    assert run.stop() == 0
+def test_the_json_log_is_json_line_by_line_until_for_ends_the_run(start: Start) -> None:
+    run = start("--log-format", "json", "--for", "2")
+    assert run.end() == 0
     events = [json.loads(line)["event"] for line in run.log]
     assert events[0] == "runtime.broker_started"
     assert events.count("runtime.stopping") == 1
-
-
-def test_for_ends_the_run(start: Start) -> None:
-    run = start("--log-format", "json", "--for", "1")
-    assert run.end() == 0
-    assert "runtime.stopping" in [json.loads(line)["event"] for line in run.log]
 
 
 def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_path: Path) -> None:
@@ -164,25 +156,14 @@ def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_
     assert "found" not in run.text
 
 
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        ("[gatewys]\n", "{file}: gatewys: unknown key; did you mean gateways?"),
-        ("[gateways.mqtt]\nact = 1\n", "{file}: gateways.mqtt.act: must be true or false, without quotes, got 1"),
-        ("[apps.nosuch]\n", "{file}: apps.nosuch: plug-in 'nosuch' is not installed"),
-        ('[apps.a]\nclass = "nosuch:App"\n', "{file}: apps.a.class: plug-in 'nosuch:App' cannot be loaded: the module"),
-        ("[door]\nmax_clients = 0\n", "{file}: door.max_clients: input should be greater than or equal to 1, got 0"),
-        ("[door\n", "{file} is invalid TOML: "),
-    ],
-)
-def test_a_mistake_in_the_file_is_one_clear_sentence(start: Start, tmp_path: Path, text: str, problem: str) -> None:
+def test_a_mistake_in_the_file_is_one_clear_sentence(start: Start, tmp_path: Path) -> None:
     """On standard error, with exit code 1, before anything is started."""
     file = tmp_path / "villa.toml"
-    file.write_text(text)
+    file.write_text("[gatewys]\n")
     run = start("--config", str(file))
     assert run.end() == 1
     (line,) = run.log
-    assert line.startswith(f"homebot: {problem.format(file=file)}")
+    assert line.startswith(f"homebot: {file}: gatewys: unknown key; did you mean gateways?")
 
 
 def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, tmp_path: Path) -> None:

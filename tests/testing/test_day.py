@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.errors import ConfigError, UsageError
 from homebot.testing import Day, DayEvent
@@ -51,7 +52,7 @@ def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactor
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"])), st.integers(0, 86_400_000), st.integers(0, 86_400_000))
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @example('"""', 1, 59_999)
 @example("\\", 3_599_999, 0)
 def test_any_command_and_any_millisecond_come_back_the_same(command: str, at: int, lasts: int) -> None:

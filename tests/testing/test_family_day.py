@@ -14,6 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from tests.sizes import nightly
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
 from homebot.devices import Devices
@@ -33,7 +34,6 @@ Line = tuple[float, str, str]
 """When, in seconds since midnight; topic without the home; payload."""
 
 
-@pytest.mark.no_cover
 @pytest.mark.no_cover
 @pytest.mark.parametrize("seed", range(HOUSES))
 @pytest.mark.virtual_time
@@ -62,6 +62,7 @@ async def test_a_day_of_the_family_home_holds_what_it_promises(seed: int) -> Non
     assert_nothing_was_lost(house, log, world)
 
 
+@nightly
 def test_one_seed_is_one_day_byte_for_byte() -> None:
     """The log of the wire and the graph, and the world's own; in processes whose sets are in another order each."""
     command = [sys.executable, str(A_DAY), "family", "1"]

@@ -1,4 +1,4 @@
-"""The plug-in in other people's test runs: every way to run async tests, xdist, and no configuration at all."""
+"""The plug-in in other people's test runs: every way to run async tests, and no configuration at all."""
 
 from __future__ import annotations
 
@@ -55,10 +55,6 @@ def test_it_works_without_any_of_them(pytester: pytest.Pytester) -> None:
 
 def test_it_works_where_pytest_asyncio_leaves_a_test_alone(pytester: pytest.Pytester) -> None:
     run(pytester, "").assert_outcomes(passed=2)
-
-
-def test_it_works_under_xdist(pytester: pytest.Pytester) -> None:
-    run(pytester, "@pytest.mark.asyncio\n", "-n", "2").assert_outcomes(passed=2)
 
 
 def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: pytest.Pytester) -> None:

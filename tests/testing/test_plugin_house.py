@@ -31,9 +31,9 @@ USE = (
     + """
 async def test_a_day_of_the_house(house):
     assert loop() == "VirtualTimeLoop"
-    await house.run_for("8h")
-    await house.run_until("22:00")
-    assert house.now.hour == 22
+    await house.run_for("1h")
+    await house.run_until("02:00")
+    assert house.now.hour == 2
 
 @pytest.mark.house(
     "light_service", world=lambda: World.of(SimulatedLamp("desk")), root="villa", start="2026-07-01 06:30"
@@ -86,7 +86,6 @@ def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 def test_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.asyncio", fixture=PYTEST_ASYNCIO))
     run(pytester, "-p", "no:anyio").assert_outcomes(passed=ALL)
@@ -117,14 +116,12 @@ async def test_after(database, homebot): assert UP == [loop()]
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 def test_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
     pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
     pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.anyio", fixture="@pytest.fixture"))
     run(pytester, "-p", "no:asyncio").assert_outcomes(passed=ALL)
 
 
-@pytest.mark.no_cover
 @pytest.mark.no_cover
 def test_no_plugin_at_all(pytester: pytest.Pytester) -> None:
     """Then homebot runs the tests that use its fixtures, and those alone."""
@@ -134,8 +131,11 @@ def test_no_plugin_at_all(pytester: pytest.Pytester) -> None:
 
 
 def test_xdist(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile("async def test_one(house): pass\n\nasync def test_two(homebot): pass\n")
-    pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "2").assert_outcomes(passed=2)
+    pytester.makepyfile(
+        "async def test_one(house): pass\n\nasync def test_two(homebot): pass\n\n"
+        "def test_three(mqtt_broker_thread): pass\n"
+    )
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "2").assert_outcomes(passed=3)
 
 
 def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_it(pytester: pytest.Pytester) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import Phase, assume, find, given, settings
+from tests.sizes import examples
 
 from homebot.config import Table
 from homebot.errors import ConfigError, UsageError
@@ -90,7 +91,6 @@ def test_the_simplest_day_is_an_hour_in_an_empty_house_of_one_room() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 def test_a_lamp_that_reverts_is_found_and_its_day_has_nothing_else() -> None:
     """One room, one lamp, one fault, two commands."""
     assert (
@@ -145,7 +145,7 @@ def test_a_house_of_two_has_two_and_nothing_else(part: str) -> None:
 
 
 @given(houses(max_rooms=6, max_devices=8, max_people=3))
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_every_house_can_be_lived_in(house: Table) -> None:
     """Everybody finds a way to everywhere."""
     parse_world(house, "house").run_until(3600.0)

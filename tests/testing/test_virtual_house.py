@@ -31,7 +31,6 @@ def said(log: EventLog, topic: str) -> list[str]:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_time_moves_when_told() -> None:
     async with virtual_house_of() as house:
@@ -68,7 +67,6 @@ async def test_what_is_due_at_the_end_has_happened() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_a_device_that_falls_silent_is_stale_after_an_hour_and_gone_a_week_later() -> None:
     async with virtual_house_of() as house, EventLog.of(house) as log:
@@ -95,7 +93,6 @@ async def test_a_house_may_begin_at_any_time() -> None:
         assert house.now == datetime(2026, 7, 1, 7, tzinfo=UTC)
 
 
-@pytest.mark.no_cover
 @pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_a_day_of_the_thesis_house_passes_with_every_heartbeat_in_it() -> None:
@@ -177,7 +174,6 @@ async def test_the_world_is_at_the_time_of_the_house() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_a_night_without_broker_is_survived() -> None:
     async with virtual_house_of("light_service", world=thesis_world()) as house:
@@ -205,7 +201,6 @@ async def test_a_failed_test_shows_its_own_error() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_the_log_is_bounded_and_counts_what_went() -> None:
     async with virtual_house_of() as house:
@@ -216,7 +211,6 @@ async def test_the_log_is_bounded_and_counts_what_went() -> None:
         assert str(log).startswith("2026-01-01 00:00:00.000 mqtt t 2\n")
 
 
-@pytest.mark.no_cover
 @pytest.mark.no_cover
 def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
     """In processes of their own, whose sets are in another order each."""

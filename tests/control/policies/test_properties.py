@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import START, make_command, make_device, make_facts
-from tests.generated_examples import examples
+from tests.sizes import examples
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,6 +16,8 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
+
+pytestmark = pytest.mark.slow
 
 LINES = Path(__file__).with_name("parts.jsonl").read_text().splitlines()
 REAL: list[dict[str, Any]] = [json.loads(line) for line in LINES]

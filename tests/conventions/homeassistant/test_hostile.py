@@ -14,6 +14,8 @@ from homebot.conventions.homeassistant.convention import BUILDERS
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
+pytestmark = pytest.mark.slow
+
 TOPICS = [f"homeassistant/{component}/x/config" for component in (*sorted(BUILDERS), "device")]
 DEVICE = {"identifiers": ["i"], "name": "n"}
 VALID: list[dict[str, Any]] = [

@@ -3,13 +3,17 @@
 import contextlib
 import json
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
+
+pytestmark = pytest.mark.slow
 
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
 JSON = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=4), max_leaves=5)
@@ -57,7 +61,7 @@ def use(device: DeviceAnnounced, payload: bytes, value: PlainValue, transition: 
                 one.codec.write(capability.name, value, transition=transition)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(DOCUMENT, SPOKEN, VALUES, st.floats())
 def test_any_document_is_described_read_and_told(
     document: dict[str, object], payload: bytes, value: PlainValue, transition: float
@@ -81,7 +85,7 @@ TEXTS = st.sampled_from(
 ) | st.text(max_size=20)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(ATTRIBUTES, TEXTS), max_size=20), SPOKEN, VALUES, st.floats())
 def test_any_attributes_are_survived(
     said: list[tuple[str, str]], payload: bytes, value: PlainValue, transition: float
@@ -94,7 +98,7 @@ def test_any_attributes_are_survived(
                     use(device, payload, value, transition)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     st.binary(max_size=60),
     st.sampled_from(["homie/5/x/$description", "homie/5/x/$state", "homie/x/$nodes", "homie", "/"]),

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from jinja2.sandbox import ImmutableSandboxedEnvironment
+from tests.sizes import examples
 
 from homebot.conventions.jinja import TemplateError, compile_template
+
+pytestmark = pytest.mark.slow
 
 ENVIRONMENT = ImmutableSandboxedEnvironment(extensions=["jinja2.ext.loopcontrols"])
 
@@ -113,7 +117,7 @@ def block(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 TEMPLATES = st.recursive(EXPRESSIONS.map("{{{{ {} }}}}".format) | st.just("text "), block, max_leaves=4)
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=examples(300), deadline=None, derandomize=True)
 @given(template=TEMPLATES, content=JSON)
 def test_what_jinja_renders_is_rendered_alike_and_what_it_refuses_is_refused(template: str, content: object) -> None:
     payload = json.dumps(content)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import contextlib
 import json
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
 from homebot.conventions.jinja.tests import CHECKS
 from homebot.conventions.jinja.texts import METHODS
+
+pytestmark = pytest.mark.slow
 
 PIECES = st.sampled_from(
     [
@@ -52,7 +56,7 @@ CALLS = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(source=st.lists(PIECES, max_size=30).map("".join) | st.text(max_size=60), content=JSON)
 def test_any_text_is_compiled_and_gives_a_text_or_a_template_error(source: str, content: object) -> None:
     template = compile_template(source)
@@ -63,7 +67,7 @@ def test_any_text_is_compiled_and_gives_a_text_or_a_template_error(source: str, 
         assert text == text.strip()
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=examples(400), deadline=None)
 @given(source=CALLS, a=JSON, b=JSON, c=JSON)
 def test_any_function_takes_any_values(source: str, a: object, b: object, c: object) -> None:
     template = compile_template(source)
@@ -74,7 +78,7 @@ def test_any_function_takes_any_values(source: str, a: object, b: object, c: obj
         assert len(text.encode()) >= len(text)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(payload=JSON.map(json.dumps) | st.text(max_size=40))
 def test_any_message_is_read(payload: str) -> None:
     for source in ("{{ value }}", "{{ value_json }}", "{{ value_json.a.b }}", "{{ value_json['a'] | default(value) }}"):

@@ -10,6 +10,8 @@ from homebot.conventions.jinja import PayloadContext, TemplateError, compile_tem
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
 
+pytestmark = pytest.mark.slow
+
 PAYLOAD = PayloadContext(json.dumps({"l": list(range(MAX_ITEMS - 2)), "s": "b" * 100}))
 
 TOO_MUCH = "does too much work"

@@ -3,13 +3,17 @@
 import contextlib
 import json
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
+
+pytestmark = pytest.mark.slow
 
 KEYS = st.sampled_from(
     [
@@ -88,7 +92,7 @@ def use(device: DeviceAnnounced, payload: bytes, value: PlainValue, transition: 
                 one.codec.write(capability.name, value, transition=transition)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(st.lists(st.tuples(TOPICS, PAYLOADS), max_size=8), PAYLOADS, VALUES, st.floats())
 def test_anything_said_is_survived(
     said: list[tuple[str, bytes]], payload: bytes, value: PlainValue, transition: float
@@ -117,7 +121,7 @@ COMPONENTS = st.dictionaries(
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(COMPONENTS, COMPONENTS, JSON, VALUES, st.floats())
 def test_any_component_is_described_read_and_told(
     status: dict[str, object], config: dict[str, object], said: object, value: PlainValue, transition: float

@@ -14,6 +14,8 @@ from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
+pytestmark = pytest.mark.slow
+
 LINES = Path(__file__).with_name("devices.jsonl").read_text(encoding="utf-8").splitlines()
 DEVICES: list[dict[str, Any]] = [json.loads(line) for line in LINES]
 CONFIG = "tasmota/discovery/2462AB000011/config"

@@ -18,6 +18,7 @@ from random import Random
 from typing import Any, TypeAlias
 
 import pytest
+from tests.sizes import size
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
@@ -31,13 +32,15 @@ from homebot.errors import RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.messages import Time
 
+pytestmark = pytest.mark.slow
+
 Row: TypeAlias = dict[str, Any]
 Place: TypeAlias = tuple[str, str]
 """Key of an announcement, and what the part is called there."""
 
 FIXTURE = Path(__file__).with_name("both_announcements.jsonl")
 ROWS: list[Row] = [json.loads(line) for line in FIXTURE.read_text(encoding="utf-8").splitlines()]
-ORDERS = 20
+ORDERS = size(3, 20)
 LOADS = {"switch", "plug", "light", "fan", "siren", "window_covering", "door_lock", "valve", "water_valve"}
 DUAL = {"on_off", "push"}
 """What one and the same property may be to the two: Zigbee2MQTT announces a button for some that are on and off."""
@@ -212,8 +215,7 @@ def test_the_models_of_all_other_fixtures_are_here() -> None:
     assert len(ROWS) >= 190
 
 
-@pytest.mark.no_cover
-def test_every_order_of_arrival_has_one_result(model: Model) -> None:
+def every_order_of_arrival_has_one_result(model: Model) -> None:
     wanted = outcome(model.device(model.sightings))
     order, dice = list(model.sightings), Random(1)  # noqa: S311 - the same orders in every run
     for _ in range(ORDERS):
@@ -221,14 +223,14 @@ def test_every_order_of_arrival_has_one_result(model: Model) -> None:
         assert outcome(model.device(order)) == wanted
 
 
-def test_no_part_is_made_of_two_that_use_nothing_in_common(model: Model) -> None:
+def no_part_is_made_of_two_that_use_nothing_in_common(model: Model) -> None:
     for one in model.device(model.sightings).parts:
         for first, second in combinations(one.routes, 2):
             mine, theirs = model.properties[first.key, first.part], model.properties[second.key, second.part]
             assert (mine & theirs) or not (mine | theirs), (first, second)
 
 
-def test_a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model: Model) -> None:
+def a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model: Model) -> None:
     for one in model.device(model.sightings).parts:
         sides = [model.parts[way.key, way.part].part.capabilities for way in one.routes]
         for capability in one.part.capabilities:
@@ -238,7 +240,7 @@ def test_a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model: Model) 
             assert set(capability.options) <= {option for other in of_sides for option in other.options}
 
 
-def test_a_command_means_the_same_by_every_way(model: Model) -> None:
+def a_command_means_the_same_by_every_way(model: Model) -> None:
     for one in model.device(model.sightings).parts:
         for first, second in combinations(one.routes, 2):
             mine, theirs = (commands(model.topic, model.parts[way.key, way.part]) for way in (first, second))
@@ -246,7 +248,7 @@ def test_a_command_means_the_same_by_every_way(model: Model) -> None:
                 assert mine[order] == theirs[order], (order, first, second)
 
 
-def test_every_setting_is_there_once_and_none_is_found_as_a_load(model: Model) -> None:
+def every_setting_is_there_once_and_none_is_found_as_a_load(model: Model) -> None:
     """A lamp may have its effects as well."""
     parts = model.device(model.sightings).parts
     used = {one.id: model.used(one) for one in parts}
@@ -258,6 +260,15 @@ def test_every_setting_is_there_once_and_none_is_found_as_a_load(model: Model) -
     of_settings = frozenset[str]().union(*(used[one.id] for one in settings))
     loads = [one for one in parts if one.part.service_type in LOADS and not one.part.category]
     assert not [one.id for one in loads if used[one.id] and used[one.id] <= of_settings]
+
+
+@pytest.mark.no_cover
+def test_a_model_that_is_announced_twice_is_one_device_without_contradiction(model: Model) -> None:
+    every_order_of_arrival_has_one_result(model)
+    no_part_is_made_of_two_that_use_nothing_in_common(model)
+    a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model)
+    a_command_means_the_same_by_every_way(model)
+    every_setting_is_there_once_and_none_is_found_as_a_load(model)
 
 
 def test_a_garage_door_opener_asks_whichever_announcement_comes_first() -> None:

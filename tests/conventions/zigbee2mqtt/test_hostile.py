@@ -14,6 +14,8 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
+pytestmark = pytest.mark.slow
+
 LINES = Path(__file__).with_name("models.jsonl").read_text(encoding="utf-8").splitlines()
 ENTRIES: list[dict[str, Any]] = [json.loads(line)["entry"] for line in LINES]
 PROPERTIES = ["state", "brightness", "color", "color_mode", "color_temp", "position", "action", "update", "lock_state"]

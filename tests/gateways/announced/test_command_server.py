@@ -18,7 +18,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Graph, Node, Publisher
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 AT_WORK = 1000
 """Raw commands that a gateway sends at once; as many more wait."""

@@ -14,6 +14,7 @@ from aiohttp import web
 from anyio.abc import TaskGroup
 from tests.gateways.http_servers import serving
 from tests.patience import PATIENCE
+from tests.sizes import size
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
@@ -151,12 +152,12 @@ async def test_what_was_missed_of_a_node_in_quarantine_is_asked_for() -> None:
         await reading(reports, "on_off", lambda one: one is True)
 
 
-async def test_ten_thousand_nodes_that_are_announced_at_once_stay_within_the_limit() -> None:
+async def test_thousands_of_nodes_that_are_announced_at_once_stay_within_the_limit() -> None:
     async with house(max_nodes=20) as home:
         reports = home.reports()
         lamp = await home.commission("lamp", DeviceState(text="off"))
         await reading(reports, "on_off", lambda one: one is False)
-        for number in range(10_000):
+        for number in range(size(2_000, 10_000)):
             home.server.tell("node_added", {"node_id": 100 + number, "available": True, "attributes": {}})
             if number % 50 == 0:
                 await anyio.lowlevel.checkpoint()

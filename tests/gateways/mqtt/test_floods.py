@@ -15,7 +15,7 @@ from homebot.gateways.announced.work_budget import BURST, MESSAGE_WORK, RATE, SH
 
 from .conftest import House, MakeHouse, SimpleConvention, settled
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 LAMP = "simple:lamp1"
 GARBAGE = b"{broken"

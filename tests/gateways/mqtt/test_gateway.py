@@ -29,6 +29,8 @@ from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.names import escape_token
 
+pytestmark = pytest.mark.slow
+
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

@@ -24,6 +24,8 @@ from homebot.conventions.payload import parse_json
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.errors import WireError
 
+pytestmark = pytest.mark.slow
+
 TOPIC = "zigbee2mqtt/bridge/devices"
 FIXTURE = Path(__file__).parent / "fixtures" / "zigbee2mqtt.jsonl"
 JSON = st.recursive(

@@ -16,6 +16,8 @@ from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.messages import Time
 
+pytestmark = pytest.mark.slow
+
 DEVICES, PARTS = 400, 300
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
@@ -25,6 +26,8 @@ from homebot.errors import RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time
+
+pytestmark = pytest.mark.slow
 
 FIXTURES = Path(__file__).parent / "fixtures"
 HOSTILE = "homeassistant:light/intruder"
@@ -166,7 +169,7 @@ def test_there_are_products_to_be_robbed() -> None:
     assert len(products()) > 300
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 @given(attacks())
 def test_in_any_order_nothing_of_the_intruders_reaches_another_devices_topic(
     attack: tuple[list[DeviceAnnounced], DeviceAnnounced, str],
@@ -176,7 +179,7 @@ def test_in_any_order_nothing_of_the_intruders_reaches_another_devices_topic(
     assert (HOSTILE, topic) not in told
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 @given(attacks())
 def test_in_any_order_no_command_reaches_a_topic_that_only_others_announced(
     attack: tuple[list[DeviceAnnounced], DeviceAnnounced, str],
@@ -190,7 +193,7 @@ def test_in_any_order_no_command_reaches_a_topic_that_only_others_announced(
         assert not whose or house.device_of(key) in {house.device_of(owner) for owner in whose}
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 @given(st.sampled_from(RESERVED), st.integers(0, 300), st.booleans())
 def test_a_reserved_topic_is_for_no_device(topic: str, number: int, is_first: bool) -> None:  # noqa: FBT001 - drawn
     product = products()[number % len(products())]

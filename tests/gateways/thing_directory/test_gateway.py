@@ -245,7 +245,7 @@ async def _kept_running(url: str, *, task_status: anyio.abc.TaskStatus[tuple[Thi
         await anyio.sleep_forever()
 
 
-async def test_a_directory_of_a_thousand_things_is_connected_to_twenty_at_a_time() -> None:
+async def test_a_directory_of_many_things_is_connected_to_twenty_at_a_time() -> None:
     """The things accept connections, and never answer."""
     open_now = most = total = 0
 
@@ -260,17 +260,17 @@ async def test_a_directory_of_a_thousand_things_is_connected_to_twenty_at_a_time
         finally:
             open_now -= 1
 
-    directory = ThingDirectoryServer(has_events=False, page=500)
+    directory = ThingDirectoryServer(has_events=False, page=100)
     silent = await anyio.create_tcp_listener(local_host="127.0.0.1", local_port=0)
     port = silent.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - not Django
-    for number in range(1000):
+    for number in range(200):
         form = {"href": f"http://127.0.0.1:{port}/{number}"}
         on = {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}
         directory.things[f"urn:dev:lamp:{number}"] = description(number, properties={"on": on})
     async with silent, served(directory), anyio.create_task_group() as tasks:
         tasks.start_soon(silent.serve, on_connection)
         async with gateway(directory.url) as (found, _):
-            await until(lambda: len(found.devices.keys) == 1000)
+            await until(lambda: len(found.devices.keys) == 200)
             await until(lambda: total >= CONNECTED_AT_ONCE)
             assert most <= CONNECTED_AT_ONCE
         tasks.cancel_scope.cancel()

@@ -16,6 +16,8 @@ from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import validate_topic
 from homebot.support.numbers import to_number
 
+pytestmark = pytest.mark.slow
+
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.sizes import examples
 
 from homebot.mqtt.packets import (
     Auth,
@@ -32,7 +33,9 @@ if TYPE_CHECKING:
 
 # Each example makes its own broker, so that what a fixture keeps between them does no harm.
 FUZZ = settings(
-    max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=examples(400),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 
 PACKETS: list[Packet] = [

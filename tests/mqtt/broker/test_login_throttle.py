@@ -44,7 +44,6 @@ def test_who_mistypes_thrice_is_answered_at_once_and_let_in(state: BrokerState) 
 
 
 @pytest.mark.no_cover
-@pytest.mark.no_cover
 def test_passwords_are_tried_ever_more_slowly(state: BrokerState, clock: ManualClock) -> None:
     """An hour of attempts, ten a second: some five hundred are looked at."""
     began = clock.monotonic()

@@ -25,6 +25,8 @@ from homebot.mqtt.message import MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
 from homebot.mqtt.packets import ReasonCode
 
+pytestmark = pytest.mark.slow
+
 Make = Callable[[MqttOptions], MqttClient]
 
 AnyBroker = Broker | MemoryBroker | MosquittoBroker

@@ -20,6 +20,8 @@ from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
+pytestmark = pytest.mark.slow
+
 
 def silence(interval: float, timeout: float, heard: list[float], answers: Callable[[float], bool]) -> tuple[float, int]:
     """How long after the last sign of life the link is given up, and how many pings there were."""

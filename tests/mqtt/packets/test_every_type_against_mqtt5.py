@@ -33,6 +33,8 @@ from homebot.mqtt.packets import (
     encode,
 )
 
+pytestmark = pytest.mark.slow
+
 TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0+#$"), min_size=1, max_size=8)
 IDS = st.integers(1, 0xFFFF)
 PAIRS = st.lists(st.tuples(TEXT, TEXT), max_size=2).map(tuple)

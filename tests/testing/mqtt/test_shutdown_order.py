@@ -8,8 +8,10 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from tests.sizes import size
+
 A_SHUTDOWN = Path(__file__).with_name("a_shutdown.py")
-PROCESSES = int(os.environ.get("SHUTDOWN_PROCESSES", "4"))  # each takes about a second
+PROCESSES = size(2, 20)
 
 
 def run(number: int) -> bytes:
