@@ -56,11 +56,11 @@ PRONOUN = re.compile(r"\b(who|whom|whose|whoever|what|whatever|nobody|somebody|a
 
 
 def test_docstrings_and_comments_name_things_and_not_whatever_they_are() -> None:
-    """At most 2.4 question words and indefinite pronouns in 1,000 words."""
+    """At most two question words and indefinite pronouns in 1,000 words."""
     comments = [line.partition("# ")[2] for text in source_texts().values() for line in text.splitlines()]
     prose = [*(text for _, text in documented()), *comments]
     words = sum(len(text.split()) for text in prose)
-    assert 1000 * sum(len(PRONOUN.findall(text)) for text in prose) / words <= 2.4
+    assert 1000 * sum(len(PRONOUN.findall(text)) for text in prose) / words <= 2
 
 
 def test_the_first_paragraph_of_every_docstring_is_a_sentence_or_ends_in_a_colon() -> None:
