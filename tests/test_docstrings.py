@@ -12,30 +12,6 @@ pytestmark = pytest.mark.no_cover
 
 RIDDLE = re.compile(r"(What|Who|Whoever|Whom|Whose|Which|Whether|How|Where|When|Why|Whatever)\b")
 
-VERBS = """
-Abort Accept Acknowledge Acquire Add Advance Advertise Allow Announce Answer Append Apply
-Approve Arm Ask Assign Attach Await Be
-Begin Bind Book Bound Bring Build Cache Call Cancel Carry Change Charge Check Choose Clean Clear Close Collect
-Combine Command Compare Compute Confirm Connect Consume Convert Copy Count Create Cut Decide Declare Decode Decrypt
-Delete Deliver Derive Describe Detach Disable Disarm Discard Disconnect Dispatch Dispose Do Drain Draw Drop Emit Enable
-Encode Encrypt End Ensure Enter Escape Estimate Evaluate Execute Exit Expand Expire Export Expose Extract Fail Feel
-Fetch Mask Stream
-Fill Filter Find Flatten Flush Fold Follow Forget Format Forward Free Gather Generate Get Give Go Group Guess Hand
-Handle Hash Have Hide Hold Ignore Import Increment Insert Inspect Interpret Invoke Iterate Join Keep Launch Learn
-Leave Let
-Limit List Load Lock Log Look Make Map Mark Match Measure Merge Move Name Need Normalise Note Notify Obey Offer Open
-Operate Order Override Pair Parse Pass Pause Perform Pick Plan Play Poll Pop Prefer Prepare Print Process Prune
-Publish Push Put Queue Quote Raise Rank Reach Read Rebuild Receive Reconnect Record Recover Reduce Refresh Refuse
-Register Reject Release Remember Remove Rename Render Renew Repeat Replace Reply Report Request Require Reserve Reset
-Resist Revoke
-Resolve Restart Restore Restrict Resume Retain Retry Return Reuse Revert Rewrite Rotate Round Route Run Save Scale
-Schedule Search See Select Send Serialise Serve Set Share Shift Shorten Show Simplify Simulate Skip Sleep Sort Spell
-Split Spread Stamp Start Step Stop Store Subscribe Sum Suppress Swap Sweep Switch Take Test Throttle Tilt Toggle Trace
-Track Transform Translate Trigger Trim Truncate Turn Unlock Unpack Unregister Unsubscribe Unwrap Update Use Validate
-Verify Visit Wait Wake Walk Warn Watch Widen Withdraw Work Wrap Write Yield
-"""
-"""Verbs that functions begin with. Add a further one here, if it is a verb and none of these says the same."""
-
 
 def documented() -> list[tuple[str, str]]:
     """The place of each docstring, and its text."""
@@ -65,29 +41,6 @@ def test_docstrings_and_comments_name_things_and_not_whatever_they_are() -> None
 
 def test_the_first_paragraph_of_every_docstring_is_a_sentence_or_ends_in_a_colon() -> None:
     assert [place for place, text in documented() if text.partition("\n\n")[0][-1] not in ".:?!"] == []
-
-
-def is_attribute(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    """A property or a fixture is read as the value that it gives, and may begin with a noun."""
-    names = {ast.unparse(one).partition("(")[0].rpartition(".")[2] for one in function.decorator_list}
-    return bool(names & {"property", "cached_property", "fixture"})
-
-
-def first_words() -> list[tuple[str, str]]:
-    """The place of each docstring of a function, and its first word."""
-    return [
-        (f"{path}:{node.lineno} {node.name}", text.split()[0].rstrip(".,:;"))
-        for path, node in source_nodes()
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not is_attribute(node)
-        if not node.name.startswith("test_") and (text := ast.get_docstring(node))
-    ]
-
-
-def test_the_docstring_of_a_function_begins_with_a_verb() -> None:
-    found = first_words()
-    assert len(found) > 2000
-    verbs = set(VERBS.split())
-    assert [f"{place}: {word}" for place, word in found if word not in verbs] == []
 
 
 def entries(text: str, section: str) -> list[str]:
