@@ -54,7 +54,7 @@ async def house() -> AsyncIterator[House]:
         tasks.cancel_scope.cancel()
 
 
-async def test_a_stranger_does_not_get_the_commands_of_a_lamp_whose_gateway_is_away() -> None:
+async def test_a_stranger_does_not_get_the_commands_of_a_lamp_while_its_gateway_is_away() -> None:
     async with house() as the:
         await the.announce("light", "on_off")
         (lamp,) = await the.devices.find(Light)

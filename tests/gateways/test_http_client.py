@@ -143,7 +143,7 @@ class TestRequests:
                 await client.get(url, time_limit=0.05)
             given_up.set()
 
-    async def test_nobody_there_is_a_lost_link(self) -> None:
+    async def test_a_missing_server_is_a_lost_link(self) -> None:
         async with serving(answering()) as url:
             pass
         async with HttpClient(guard=None) as client:
@@ -165,7 +165,7 @@ class TestRequests:
             (b"HTTP/1.1 302 Found\r\nLocation: ftp://x/\r\n\r\n", WireError),
         ],
     )
-    async def test_what_is_no_http_is_an_error_of_ours(self, sent: bytes, error: type[HomebotError]) -> None:
+    async def test_an_answer_that_is_not_http_is_an_error_of_ours(self, sent: bytes, error: type[HomebotError]) -> None:
         async def talk(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             await reader.readuntil(b"\r\n\r\n")
             writer.write(sent)
@@ -180,7 +180,7 @@ class TestRequests:
     @pytest.mark.parametrize(
         "url", ["", "x", "ftp://h/", "http://", "http://[", "http://h:99999/", "mqtt://h/", "http://u:p4ss@h/"]
     )
-    async def test_what_is_no_address_is_refused_and_not_shown(self, url: str) -> None:
+    async def test_an_invalid_address_is_refused_and_not_shown(self, url: str) -> None:
         async with HttpClient(guard=None) as client:
             with pytest.raises(WireError) as caught:
                 await client.get(url)
@@ -463,7 +463,7 @@ class TestEvents:
             with pytest.raises(WireError, match="longer than 1000"):
                 await anext(aiter(events))
 
-    async def test_what_is_no_stream_of_events_is_refused(self) -> None:
+    async def test_an_answer_that_is_no_stream_of_events_is_refused(self) -> None:
         async with HttpClient(guard=None) as client:
             async with serving(answering(text="hello")) as url:
                 with pytest.raises(WireError, match="text/plain"):
@@ -507,7 +507,7 @@ async def test_content_that_is_known_is_not_sent_again() -> None:
         assert (first.body, again.status, again.body) == (b"content", 304, b"")
 
 
-async def test_a_status_of_304_to_who_knows_nothing_is_a_refusal() -> None:
+async def test_a_status_of_304_without_an_etag_is_a_refusal() -> None:
     async def answer(_: web.Request) -> web.StreamResponse:
         return web.Response(status=304)
 

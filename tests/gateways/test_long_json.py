@@ -32,7 +32,7 @@ async def test_other_tasks_run_while_a_long_page_is_parsed() -> None:
     assert turns >= len(page) // (80 * 1024)
 
 
-async def test_what_is_no_json_is_refused() -> None:
+async def test_invalid_json_is_refused() -> None:
     with pytest.raises(WireError):
         await parse_long_json(b"[1, 2" * 100_000, LIMIT)
     with pytest.raises(WireError, match="longer than 3"):

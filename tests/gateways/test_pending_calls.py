@@ -49,7 +49,7 @@ async def test_each_call_gets_its_own_answer_in_whatever_order_they_come() -> No
     assert len(peer.calls) == 0
 
 
-async def test_an_answer_that_nobody_waits_for_is_none() -> None:
+async def test_an_answer_without_a_waiting_call_is_none() -> None:
     peer = Peer()
     assert not await peer.calls.resolve("1", "I")
     async with anyio.create_task_group() as tasks:
@@ -60,7 +60,7 @@ async def test_an_answer_that_nobody_waits_for_is_none() -> None:
     assert peer.answers == {"one": "I"}
 
 
-async def test_an_answer_is_handled_before_whoever_brought_it_goes_on() -> None:
+async def test_an_answer_is_handled_before_the_task_that_brought_it_goes_on() -> None:
     """Else what comes next would be handled before it."""
     calls, handled = PendingCalls[str]("the lamp"), list[str]()
 

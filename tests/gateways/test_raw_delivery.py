@@ -115,7 +115,7 @@ async def test_a_listener_that_leaves_while_it_is_waited_for_ends_the_wait() -> 
     await house.listeners.deliver(message(0), wait_if_full=True)
 
 
-async def test_who_left_is_forgotten_and_who_stayed_is_not() -> None:
+async def test_a_listener_that_left_is_forgotten_and_others_are_not() -> None:
     """Also where both listened to one address."""
     house = House()
     gone, _, _ = house.listen("gone")
@@ -142,7 +142,7 @@ async def test_a_node_that_comes_back_at_once_is_a_new_one() -> None:
     assert payloads(inbox) == [1]
 
 
-async def test_an_address_that_nobody_listens_to_can_be_forgotten() -> None:
+async def test_an_address_without_listeners_can_be_forgotten() -> None:
     """One that somebody listens to cannot."""
     house = House()
     house.listen("app")
@@ -168,7 +168,7 @@ async def test_in_mirror_mode_askers_share_the_topic_of_the_device() -> None:
     assert payloads(inbox) == [1]
 
 
-async def test_what_cannot_be_a_listener_is_refused() -> None:
+async def test_an_invalid_listener_is_refused() -> None:
     """A node that is not there; a device whose name makes too long a topic name."""
     house = House()
     with pytest.raises(RefusedError, match="an inbox for /nobody was refused: no such node is on the graph"):

@@ -55,7 +55,7 @@ def test_one_that_is_longer_than_all_that_may_wait_on_a_topic_waits_alone() -> N
     assert numbers(deferred, "a") == [("a", 1)]
 
 
-def test_what_is_taken_back_waits_no_more() -> None:
+def test_a_withdrawn_announcement_waits_no_more() -> None:
     deferred: DeferredMessages[MqttMessage] = DeferredMessages()
     add(deferred, message("a", 0), "a", is_like=False)
     deferred.drop("a")

@@ -19,7 +19,7 @@ def test_the_last_word_is_kept() -> None:
     assert words.get("a") == word(b"2")
 
 
-def test_what_was_replaced_the_longest_ago_goes_first() -> None:
+def test_the_message_replaced_the_longest_ago_goes_first() -> None:
     words = LastMessageCache(max_total=23)
     for name in "abc":
         keep(words, name, b"0123456789")
@@ -33,7 +33,7 @@ def test_a_long_one_is_not_kept_and_neither_is_what_it_replaces() -> None:
     assert words.get("a") is None
 
 
-def test_what_is_replaced_or_too_long_makes_room() -> None:
+def test_a_replaced_or_too_long_message_makes_room() -> None:
     words = LastMessageCache(max_total=22, max_each=10)
     for payload in (b"0123456789", b"1", b"0123456789", b"01234567890"):
         keep(words, "a", payload)

@@ -81,7 +81,7 @@ def test_an_alarm_does_not_show_its_code() -> None:
     assert "4711" not in str(lines)
 
 
-def test_what_is_shown_of_a_number_a_choice_and_a_long_payload_is_bounded() -> None:
+def test_the_lines_of_numbers_choices_and_long_payloads_are_bounded() -> None:
     assert list(sent_commands(announced("number", min=5, max=75, command_template="{{ value }} C"))) == [
         "Bolt: number=75: door/set 75 C"
     ]
@@ -126,7 +126,7 @@ def test_another_payload_is_another_digest(change: dict[str, Any]) -> None:
         {"availability_topic": "a", "payload_available": "yes", "icon": "mdi:door", "origin": {"name": "x"}},
     ],
 )
-def test_what_is_shown_or_reported_changes_no_digest(change: dict[str, Any]) -> None:
+def test_shown_and_reported_properties_change_no_digest(change: dict[str, Any]) -> None:
     assert announced("lock").part.payloads == announced("lock", **change).part.payloads
 
 
@@ -149,5 +149,5 @@ def test_the_forms_of_a_thing_are_in_its_digest() -> None:
     assert thing_lock().part.payloads != thing_lock(**{"mqv:retain": True}).part.payloads
 
 
-def test_what_only_reports_has_no_digest() -> None:
+def test_a_part_that_only_reports_has_no_digest() -> None:
     assert announced("sensor", state_topic="s").part.payloads == ""

@@ -30,7 +30,7 @@ def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
     return offenders
 
 
-def test_who_stands_announced_pays_alone_and_all_others_of_a_prefix_together() -> None:
+def test_registered_sources_pay_alone_and_all_others_of_a_prefix_together() -> None:
     offenders = accepted("hello/lamp")
     assert offenders.account_for("hello/lamp") == "hello/lamp"
     assert offenders.account_for("hello/stranger") == "hello/#"
@@ -50,7 +50,7 @@ def test_a_stranger_gains_nothing_by_changing_topics() -> None:
     assert len(offenders.quarantined()) <= 1
 
 
-def test_a_flood_elsewhere_takes_nothing_from_who_stands_announced() -> None:
+def test_a_flood_elsewhere_takes_nothing_from_registered_devices() -> None:
     offenders = accepted("hello/lamp")
     spend(offenders, "hello/stranger", 0.0)
     assert offenders.admits("hello/lamp", 0.0)
@@ -92,7 +92,7 @@ def test_a_device_that_never_broke_a_rule_does_not_wait_for_those_that_do() -> N
     assert offenders.admits("hello/honest", 0.0)
 
 
-def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() -> None:
+def test_payloads_like_the_accepted_announcement_are_recognized() -> None:
     offenders = WorkBudgets(prefix_of(FILTERS))
     offenders.accept("hello/list", b'[{"ieee_address": "0x1", "type": "Router"}]', 0.0, is_valid=True)
     assert offenders.resembles("hello/list", b'[{"ieee_address": "0x1"}, {"ieee_address": "0x2"}]')
@@ -115,7 +115,7 @@ def test_confinement_begins_once_and_is_over_when_all_was_quiet() -> None:
     assert offenders.quarantined() == ()
 
 
-def test_whatever_comes_in_whatever_order_the_work_is_bounded() -> None:
+def test_the_work_is_bounded_in_any_order_of_messages() -> None:
     """Over random floods: what one topic and one prefix cost in a second, valid announcements among it or not."""
     for seed in range(30):
         random = Random(seed)  # noqa: S311 - the same run each time

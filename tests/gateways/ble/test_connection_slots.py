@@ -68,7 +68,7 @@ async def test_a_device_with_a_command_comes_first_also_out_of_range() -> None:
         assert queue.got == ["a", "far", "b"]
 
 
-async def test_a_device_out_of_range_holds_up_nobody_and_gets_its_slot_when_it_is_heard() -> None:
+async def test_a_device_out_of_range_delays_no_other_and_gets_its_slot_when_it_is_heard() -> None:
     async with anyio.create_task_group() as tasks:
         queue = Queue(ConnectionSlots(2), tasks)
         await queue.ask("far", far=True)

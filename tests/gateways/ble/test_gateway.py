@@ -103,7 +103,7 @@ async def test_a_device_that_encrypts_is_read_with_its_bind_key(
         assert radio_house.sightings[device.address].name == "Attic"
 
 
-async def test_one_whose_bind_key_is_missing_is_listed_and_told_of(radio_house: RadioHouse) -> None:
+async def test_a_device_without_its_bind_key_is_listed_and_reported(radio_house: RadioHouse) -> None:
     device = BroadcastingSensor(info("attic", "motion"), lambda _: None, radio_house.radio, bytes.fromhex(KEY))
     async with radio_house.running(signal=False) as gateway:
         async with living(device, DeviceState(text="motion")):

@@ -40,7 +40,7 @@ def test_a_file_that_others_can_change_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["secret-that-is-no-key", KEY + "00", ""])
-def test_what_is_no_key_is_refused_and_not_shown(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_key_is_refused_and_not_shown(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ATTIC_KEY", text)
     with pytest.raises(UsageError, match="32 hexadecimal digits") as caught:
         settings(devices={ADDRESS: {"bind_key_env": "ATTIC_KEY"}}).bind_keys()

@@ -101,7 +101,7 @@ async def test_an_answer_of_empty_blocks_without_end_is_refused() -> None:
     assert len(asked) == 1
 
 
-async def test_what_is_not_there_or_not_possible_is_said_in_words() -> None:
+async def test_missing_and_impossible_resources_are_explained() -> None:
     port = reserve_datagram_port()
     async with server(Value(b"1"), port) as uri, CoapClient.open(5.0, ()) as client:
         with pytest.raises(RefusedError, match=r"4\.04 Not Found"):
@@ -139,7 +139,7 @@ async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link() -
             await anext(states)
 
 
-async def test_what_cannot_be_observed_is_refused() -> None:
+async def test_a_resource_that_cannot_be_observed_is_refused() -> None:
     class Plain(resource.Resource):  # type: ignore[misc]  # the library has no types
         async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
             del request

@@ -131,7 +131,7 @@ async def test_a_configured_device_is_never_renamed_or_removed_by_a_registration
         await watcher.reported("on_off", True)
 
 
-async def test_a_device_whose_links_end_with_a_comma_is_used() -> None:
+async def test_links_that_end_with_a_comma_are_accepted() -> None:
     """Small devices print a comma after each link."""
     async with served_links(b"</3303/0/5700>;ct=0;obs,") as uri, watched_gateway(devices=[uri]) as watcher:
         found = await watcher.sighting(lambda one: bool(one.parts))
@@ -181,9 +181,7 @@ async def served_links(links: bytes) -> AsyncIterator[str]:
         ("rd-lookup/ep?page=x", None, "4.00"),
     ],
 )
-async def test_what_breaks_the_rules_of_the_directory_is_answered_so(
-    path: str, payload: bytes | None, code: str
-) -> None:
+async def test_an_invalid_request_to_the_directory_gets_its_error(path: str, payload: bytes | None, code: str) -> None:
     address = f"127.0.0.1:{reserve_datagram_port()}"
     async with watched_gateway(serve_directory=address):
         method = aiocoap.GET if payload is None else aiocoap.POST

@@ -30,7 +30,7 @@ class NeedyDriver(WledDriver):
     libraries: ClassVar[tuple[str, ...]] = ("anyio", "homebot_has_no_such_library")
 
 
-def test_a_driver_whose_library_is_missing_names_the_command_that_installs_it() -> None:
+def test_a_driver_without_its_library_names_the_command_that_installs_it() -> None:
     wanted = r'^it needs homebot_has_no_such_library; install it with: pip install "homebot\[mdns\]"$'
     with pytest.raises(UsageError, match=wanted):
         NeedyDriver.check(DriverSettings())

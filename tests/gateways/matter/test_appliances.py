@@ -154,7 +154,7 @@ CABINET = {**COLD, "1/29/0": [{"0": 0x0071, "1": 1}]}
         (WASHER, False),
     ],
 )
-def test_what_cooks_always_asks(attributes: dict[str, object], *, asks: bool) -> None:
+def test_a_cooking_appliance_always_asks(attributes: dict[str, object], *, asks: bool) -> None:
     (part,) = only_device(attributes).device.parts
     assert is_declared(DevicePart(id="1", part=part, routes=())) is asks
 
@@ -175,12 +175,12 @@ def test_an_oven_tells_whether_it_runs() -> None:
     assert readings(only_device({**CABINET, "1/72/4": 1})) == {"number": -18.0, "running": True, "problem": False}
 
 
-def test_what_a_vacuum_cleaner_does_not_take_is_refused() -> None:
+def test_an_impossible_command_to_a_vacuum_cleaner_is_refused() -> None:
     with pytest.raises(RefusedError, match="cleaning"):
         orders({**VACUUM, "1/97/65529": [0]}, "vacuum", "returning")
 
 
-def test_what_can_only_be_turned_off_is_not_turned_on() -> None:
+def test_an_appliance_that_can_only_be_turned_off_is_not_turned_on() -> None:
     with pytest.raises(RefusedError, match="only be turned off"):
         orders(HOB, "on_off", True)
 

@@ -206,7 +206,7 @@ async def until(reports: Callable[[], Report | None], capability: str, value: ob
                 return
 
 
-async def test_what_a_real_server_said_while_a_light_was_commissioned_is_understood() -> None:
+async def test_recorded_frames_of_a_real_server_are_understood() -> None:
     async with recorded(
         commission_with_code=[
             ["not_commissioned"],

@@ -140,7 +140,7 @@ async def test_a_value_that_the_device_does_not_take_is_refused() -> None:
         assert "0x88" in response.message
 
 
-async def test_what_was_missed_of_a_node_in_quarantine_is_asked_for() -> None:
+async def test_missed_changes_of_a_node_in_quarantine_are_asked_for() -> None:
     async with house(stale_after=0.3) as home:
         reports = home.reports()
         lamp = await home.commission("lamp", DeviceState(text="off"))

@@ -265,11 +265,11 @@ def test_the_battery_is_a_part_of_its_own() -> None:
 
 
 @pytest.mark.parametrize("data", [7, {}, {"node_id": 0}, {"node_id": True}, {"node_id": 3, "attributes": []}])
-def test_what_is_no_node_is_refused(data: object) -> None:
+def test_an_invalid_node_is_refused(data: object) -> None:
     with pytest.raises(WireError):
         MatterNode.parse(data)
 
 
-def test_attributes_whose_path_cannot_be_read_are_left_out() -> None:
+def test_attributes_with_an_invalid_path_are_left_out() -> None:
     found = node({"1/6": True, "x/y/z": 1, "70000/6/0": True, **LOCK})
     assert set(found.endpoints) == {0, 1}

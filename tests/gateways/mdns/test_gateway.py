@@ -164,7 +164,7 @@ async def test_a_device_that_wants_a_password_is_not_tried_all_the_time_and_doct
         assert await home.troubles() == ("Hall: the connection was refused: give a password",)
 
 
-async def test_what_a_device_says_against_its_protocol_is_counted() -> None:
+async def test_messages_against_the_protocol_are_counted() -> None:
     lamp = LampServer()
     async with lamp.listening(), house() as home:
         await home.computer.announce("Hall", lamp.port)
@@ -197,7 +197,7 @@ async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_
         assert home.gateway.devices.counters.rejected == 1
 
 
-async def test_a_service_whose_addresses_are_not_its_own_is_not_listed() -> None:
+async def test_a_service_with_foreign_addresses_is_not_listed() -> None:
     async with house(drivers={}) as home:
         evil = f"Evil.{SERVICE_TYPE}"
         with stranger() as send:
@@ -291,7 +291,7 @@ async def test_a_device_that_sleeps_for_too_long_or_with_too_many_others_is_remo
         assert gone.why == why
 
 
-async def test_a_device_whose_records_change_all_the_time_is_not_connected_to_all_the_time() -> None:
+async def test_records_that_change_all_the_time_cause_few_connections() -> None:
     """And the changes that have to wait are counted."""
     lamp = LampServer()
     async with lamp.listening(), house() as home:
@@ -338,7 +338,7 @@ def test_a_table_of_a_driver_that_cannot_be_used_is_an_error_before_anything_sta
 
 
 @pytest.mark.parametrize("wrong", ["shelly", "_a_b._tcp", "_http._sctp", "_toolongforaservice._tcp", ""])
-def test_what_is_no_service_type_is_refused(wrong: str) -> None:
+def test_an_invalid_service_type_is_refused(wrong: str) -> None:
     with pytest.raises(ValueError, match="is not a service type"):
         MdnsGatewaySettings(service_types=(wrong,))
 

@@ -75,7 +75,7 @@ async def test_homebot_is_seen_with_its_name_version_and_id() -> None:
         assert re.fullmatch(r"[0-9a-f]{16}", said["id"] or "")
 
 
-async def test_what_others_can_reach_is_announced_until_it_is_withdrawn() -> None:
+async def test_a_reachable_service_is_announced_until_it_is_withdrawn() -> None:
     async with announcing() as (services, other):
         services.publish(DOOR)
         info = await look(other, "_rosbridge._tcp", port=9090)
@@ -86,7 +86,7 @@ async def test_what_others_can_reach_is_announced_until_it_is_withdrawn() -> Non
         await look(other, "_homebot._tcp", port=0)
 
 
-async def test_who_knows_homebot_keeps_it_while_its_records_change() -> None:
+async def test_homebot_stays_known_while_its_records_change() -> None:
     """A goodbye before each change would let it leave and return in other homebots' lists."""
     changes: list[ServiceStateChange] = []
 
@@ -122,7 +122,7 @@ async def test_another_address_of_this_computer_is_announced() -> None:
     assert not [one for one in news if one.name.startswith(NAME)]
 
 
-async def test_what_is_for_this_computer_alone_is_not_announced() -> None:
+async def test_a_local_service_is_not_announced() -> None:
     async with announcing() as (services, other):
         private = DOOR.model_copy(update={"service_type": "_private._tcp", "addresses": ("127.0.0.1", "::1")})
         services.publish(private)

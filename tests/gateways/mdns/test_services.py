@@ -335,7 +335,7 @@ class TestFlood:
             assert list(known.there) == [hall.name]
 
 
-async def test_what_may_not_come_is_not_taken_in() -> None:
+async def test_an_announcement_in_quarantine_is_not_admitted() -> None:
     network = FakeNetwork()
     async with following(network) as (services, known):
         known.lets_in = False

@@ -190,7 +190,7 @@ async def test_after_the_broker_was_away_one_acts(seeds: tuple[int, int, int]) -
         assert sorted(one.gateway.acts for one in all_three) == [False, False, True]
 
 
-async def test_other_homes_and_those_who_only_observe_are_no_rivals() -> None:
+async def test_other_homes_and_observers_are_no_rivals() -> None:
     async with house() as home:
         first = await home.start("a")
         other = await home.start("b", seed=2, root="home7")
@@ -223,7 +223,7 @@ async def test_rubbish_on_the_topic_changes_nothing(payload: bytes) -> None:
         assert first.gateway.acts
 
 
-async def test_what_was_kept_of_another_is_of_before() -> None:
+async def test_a_retained_lease_message_is_ignored() -> None:
     async with house() as home:
         word = json.dumps({"says": "act", "id": "0", "name": "old"})
         await home.wire.publish("homebot/acting/home425", word.encode(), qos=1, retain=True)

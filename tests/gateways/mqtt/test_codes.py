@@ -89,7 +89,7 @@ async def test_no_other_way_to_an_alarm_is_tried_with_a_wrong_code(make_house: M
         assert (response.problem, response.unable) == ("refused", False)
 
 
-async def test_what_takes_no_code_is_not_told_with_one(make_house: MakeHouse) -> None:
+async def test_a_part_without_a_code_is_not_commanded_with_one(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")
         command = Command(key="simple:lamp1", part="lamp", capability="on_off", value=Value.of(plain=True), code=CODE)

@@ -23,7 +23,7 @@ async def test_the_broker_keeps_a_command_that_will_be_sent_again_no_longer_than
         assert [one.properties.expiry for one in await house.heard()] == [1]
 
 
-async def test_what_reports_nothing_gets_no_command_until_it_is_heard_when_the_broker_has_just_come_back(
+async def test_a_part_without_reports_gets_no_command_until_it_is_heard_after_the_broker_came_back(
     make_house: MakeHouse,
 ) -> None:
     """The broker may keep it for a device that does not come back in time."""
@@ -47,7 +47,7 @@ async def test_after_ten_seconds_it_gets_commands_as_before(make_house: MakeHous
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_a_device_whose_availability_was_told_since_is_there(make_house: MakeHouse) -> None:
+async def test_a_device_with_a_later_report_of_availability_is_present(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await announce_with_session(house, online="bell/online")
         house.broker.links[-1].abort()
@@ -58,7 +58,7 @@ async def test_a_device_whose_availability_was_told_since_is_there(make_house: M
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_what_reports_shows_by_itself_whether_it_obeyed(make_house: MakeHouse) -> None:
+async def test_a_part_with_reports_shows_by_itself_that_it_obeyed(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.listen("bell/lamp/set")
         await house.announce("bell")

@@ -41,7 +41,7 @@ async def test_the_first_free_one_of_the_usual_ports_is_taken() -> None:
     ]
 
 
-async def test_what_it_counts_and_lost_is_told_on_the_graph() -> None:
+async def test_its_counts_and_losses_are_on_the_graph() -> None:
     """`homebot doctor` asks every service of this type."""
     graph = Graph(LoopClock())
     async with embedded_broker(graph, LoopClock()) as broker, Node(graph, "asker") as node:

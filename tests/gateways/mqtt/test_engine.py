@@ -180,7 +180,7 @@ async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house:
         assert house.told() == []
 
 
-async def test_what_is_announced_through_the_gateway_itself_is_heard(make_house: MakeHouse) -> None:
+async def test_an_announcement_through_the_gateway_itself_is_heard(make_house: MakeHouse) -> None:
     """An imported device, and one whose announcement was purged; the broker does not bring back what we publish."""
     async with make_house() as house:
         out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
@@ -215,7 +215,7 @@ async def test_a_device_that_is_known_to_be_gone_is_gone_at_once(make_house: Mak
         assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
 
 
-async def test_whether_a_device_can_be_reached_is_unknown_before_the_first_word(make_house: MakeHouse) -> None:
+async def test_the_reachability_of_a_device_is_unknown_before_its_first_report(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1", online="bridge/state lamp1/online")
         await house.say("bridge/state", "online", retain=True)
@@ -260,7 +260,7 @@ async def test_a_value_that_ended_before_its_time_does_not_fade(make_house: Make
         assert len(house.told()) == 2
 
 
-async def test_who_comes_late_gets_the_newest_report_of_each_topic_and_none_of_who_left(
+async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_removed_devices(
     make_house: MakeHouse,
 ) -> None:
     async with make_house() as house:
@@ -317,7 +317,7 @@ async def test_a_thousand_devices_are_not_asked_within_a_second(make_house: Make
         assert house.gateway.counters.asks == 200
 
 
-async def test_a_device_that_tells_who_it_is_only_when_asked_is_asked(make_house: MakeHouse) -> None:
+async def test_a_device_that_identifies_itself_only_on_request_is_asked(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.listen("ask/#")
         await house.say("hello/lamp1", "who?")
@@ -368,7 +368,7 @@ async def subscribe(house: Any, topic: str, since: Time = START) -> SubscribeToT
     return response
 
 
-async def test_the_bytes_of_a_state_topic_are_there_for_who_wants_them(make_house: MakeHouse) -> None:
+async def test_the_bytes_of_a_state_topic_can_be_subscribed_to(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on")
@@ -462,7 +462,7 @@ async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> No
 @pytest.mark.parametrize(
     "error", [asyncio.CancelledError(), SystemExit(1), GeneratorExit(), BaseExceptionGroup("", [SystemExit(1)])]
 )
-async def test_what_a_convention_lets_through_leaves_the_gateway_listening(
+async def test_an_exception_of_a_convention_leaves_the_gateway_listening(
     make_house: MakeHouse, error: BaseException, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """None of it ends the task that reads, which nobody would notice."""
@@ -520,7 +520,7 @@ async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse
         assert house.gateway.counters.oversize == 1
 
 
-async def test_what_is_announced_may_also_be_a_state_and_as_long(make_house: MakeHouse) -> None:
+async def test_an_announcement_may_also_be_a_state_and_as_long(make_house: MakeHouse) -> None:
     async with make_house(max_payload=2048) as house:
         await house.announce("lamp1", state="hello/lamp1")
         await house.announce("lamp1", state="hello/lamp1", name="x on_off=on x" * 300)
@@ -547,7 +547,7 @@ async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble(make_hou
         assert (await house.health()).troubles == ()
 
 
-async def test_what_was_dropped_on_the_way_is_among_the_counts_of_health(make_house: MakeHouse) -> None:
+async def test_dropped_messages_are_among_the_counts_of_health(make_house: MakeHouse) -> None:
     """A link of MQTT 3.1.1 brings what is too large, and its client drops it."""
     async with make_house(protocol="3.1.1", max_payload=1024, max_announcement=4096) as house:
         await house.announce("lamp1", name="x" * 5000)

@@ -58,7 +58,7 @@ async def counts(house: House) -> dict[str, int]:
     return {one.name: one.count for one in (await house.health()).counts}
 
 
-async def test_the_bridge_whose_topic_a_stranger_floods_is_heard_within_two_seconds(make_house: MakeHouse) -> None:
+async def test_a_bridge_on_a_flooded_topic_is_heard_within_two_seconds(make_house: MakeHouse) -> None:
     async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         await house.announce("lamp1", name="first")
         tasks.start_soon(flood, house, "hello/lamp1", 12.0)
@@ -92,7 +92,7 @@ async def test_after_the_flood_all_is_as_before(make_house: MakeHouse) -> None:
 
 
 @pytest.mark.no_cover
-async def test_a_stranger_who_changes_topics_costs_no_more_than_one_who_does_not(make_house: MakeHouse) -> None:
+async def test_a_stranger_that_changes_topics_costs_no_more_than_on_one_topic(make_house: MakeHouse) -> None:
     """Who stood announced is heard meanwhile as ever, and somebody new within seconds after."""
     async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         await house.announce("lamp1", name="first")
@@ -126,7 +126,7 @@ async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_kno
             assert house.gateway._described._registry.get(f"simple:{number}") is not None
 
 
-async def test_what_is_taken_back_in_a_flood_is_gone_and_does_not_come_back(make_house: MakeHouse) -> None:
+async def test_a_device_withdrawn_in_a_flood_is_gone_and_does_not_come_back(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")
         await flood(house, "hello/lamp1", 1.0)

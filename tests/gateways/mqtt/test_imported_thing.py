@@ -73,7 +73,7 @@ async def test_an_imported_thing_is_sighted_heard_and_told(
         assert (refused.problem, refused.message) == ("refused", "'color' was refused: this part takes on_off, level")
 
 
-async def test_a_broken_description_costs_nobody_anything(
+async def test_a_broken_description_affects_no_other_device(
     make_house: Callable[..., AbstractAsyncContextManager[Any]],
 ) -> None:
     """What was described before stays; where too much is broken is told, and listened to a little at a time."""

@@ -81,7 +81,7 @@ def test_a_list_is_read_item_by_item_as_in_one_go(value: object, indent: int | N
         (b"", "no list"),
     ],
 )
-def test_what_is_no_list_is_refused(text: bytes, found: object) -> None:
+def test_an_invalid_list_is_refused(text: bytes, found: object) -> None:
     assert taken(text) == found
 
 

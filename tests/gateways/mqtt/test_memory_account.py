@@ -67,7 +67,9 @@ STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | st.tuples(st.i
 
 
 @given(STEPS)
-def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]]) -> None:
+def test_registered_announcements_take_room_and_give_it_back(
+    steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]],
+) -> None:
     """What is one too many is refused and leaves all as it was; what is gone counts no more."""
     registry = AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(memory=MOST))
     standing: dict[str, DeviceAnnounced] = {}
@@ -137,7 +139,7 @@ def test_large_houses_fit_with_room(devices: int, parts: int) -> None:
 
 
 @pytest.mark.virtual_time
-async def test_what_is_one_too_many_is_counted_and_told(
+async def test_an_announcement_too_many_is_counted_and_reported(
     make_house: Callable[..., AbstractAsyncContextManager[Any]],
 ) -> None:
     async with make_house(max_memory=1024 * KB) as house:
@@ -168,7 +170,7 @@ def empty() -> AnnouncementRegistry:
     return AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(excess=MOST_EXCESS, excess_each=MOST_EACH))
 
 
-def test_what_real_devices_announce_fits_in_the_largest_house() -> None:
+def test_announcements_of_real_devices_fit_in_the_largest_house() -> None:
     """Their 1,495 configs as they are; as many as one real house had would take a small part of the room."""
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     sizes = []

@@ -66,7 +66,7 @@ async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours(make
         assert house.sighted() == []
 
 
-async def test_what_is_offered_is_published_anew_on_a_new_link_and_what_is_withdrawn_is_not(
+async def test_exposed_devices_are_published_again_on_a_new_link_and_withdrawn_ones_are_not(
     make_house: MakeHouse,
 ) -> None:
     async with make_house(**PUBLISHING) as house:

@@ -55,7 +55,7 @@ async def test_one_that_is_offline_and_another_that_says_nothing_but_speaks() ->
         assert [one.reachable for one in await house.devices.find(Switch)] == [None]
 
 
-async def test_what_all_share_is_of_the_device_and_what_one_has_comes_first() -> None:
+async def test_shared_availability_is_of_the_device_and_that_of_a_part_comes_first() -> None:
     async with known_house() as house:
         await announce(house, lamp={}, relay={"availability_topic": "p/s/up"}, availability_topic="p/up")
         await house.say("p/up", "online")

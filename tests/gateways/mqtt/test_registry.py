@@ -66,7 +66,7 @@ DESCRIPTIONS = st.tuples(st.sampled_from(KEYS), st.lists(FILTER_SETS, max_size=3
 
 
 @given(st.lists(DESCRIPTIONS | st.sampled_from(KEYS), max_size=12))
-def test_each_topic_finds_who_reads_it_now(
+def test_each_topic_finds_its_present_readers(
     steps: list[tuple[str, list[tuple[str, ...]], tuple[str, ...]] | str],
 ) -> None:
     registry, topics = empty()
@@ -101,7 +101,7 @@ def good(topic_filter: str) -> bool:
     return topic_filter not in {"#", "bad+"}
 
 
-def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
+def test_a_new_reader_of_a_topic_in_use_gets_its_last_message_once() -> None:
     registry, _ = empty()
     registry.put(described("one", ("s/a",), online=("s/b",)))
     second = described("two", ("s/a", "s/c"), online=("s/b",))
@@ -109,7 +109,7 @@ def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
     assert registry.put(second).readers == ()
 
 
-def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
+def test_the_state_of_a_device_outlives_a_new_description() -> None:
     registry, _ = empty()
     first = registry.put(described("one", ("s/a",), online=("s/b",))).stored
     first.reachability[""].update(0, True, retained=False)

@@ -74,7 +74,7 @@ def test_only_so_many_are_awaited_and_the_oldest_is_forgotten() -> None:
     assert asked.responses.counters.responses_unknown == 1
 
 
-def test_what_is_late_retained_or_without_correlation_is_counted_alone() -> None:
+def test_late_retained_or_uncorrelated_responses_are_only_counted() -> None:
     asked = Asked()
     late, kept = asked.ask("1"), asked.ask("2")
     asked.answer(kept, retain=True)
@@ -85,6 +85,6 @@ def test_what_is_late_retained_or_without_correlation_is_counted_alone() -> None
     assert (asked.responses.counters.responses_late, asked.responses.counters.responses_unknown) == (1, 2)
 
 
-def test_a_command_that_nobody_waits_for_asks_for_nothing() -> None:
+def test_a_command_without_a_waiting_caller_asks_for_no_response() -> None:
     asked = Asked()
     assert asked.ask("").response_topic is None

@@ -117,7 +117,7 @@ def test_an_address_with_a_password_never_shows_it_in_an_error() -> None:
     assert caught.value.__cause__ is None
 
 
-def test_a_name_for_this_run_replaces_one_that_nobody_chose() -> None:
+def test_a_name_for_this_run_replaces_a_default_name() -> None:
     """And its session still ends with the run."""
     given = MqttGatewaySettings(url="mqtt://h").with_client_id("mine").options()
     chosen = MqttGatewaySettings(url="mqtt://h", client_id="chosen").with_client_id("mine").options()

@@ -11,7 +11,7 @@ def topics(*announcements: str, others: tuple[str, ...] = (), most: int = 100) -
 
 
 @given(st.lists(st.tuples(st.booleans(), st.sampled_from("abc"), st.booleans())))
-def test_what_is_subscribed_to_is_what_somebody_needs(steps: list[tuple[bool, str, bool]]) -> None:
+def test_exactly_the_needed_topics_are_subscribed_to(steps: list[tuple[bool, str, bool]]) -> None:
     wanted = topics()
     users = dict.fromkeys("abc", 0)
     subscribed: set[str] = set()

@@ -59,7 +59,7 @@ async def test_a_word_is_reported_when_it_is_another_one(make_house: MakeHouse) 
         assert house.gateway.counters.received == 8
 
 
-async def test_what_the_broker_had_kept_is_told_again_when_the_device_says_it(make_house: MakeHouse) -> None:
+async def test_a_retained_state_is_reported_again_when_the_device_publishes_it(make_house: MakeHouse) -> None:
     """It was, and now it is."""
 
     async def before(devices: MqttConnection) -> None:
@@ -184,7 +184,7 @@ async def test_no_topic_of_the_layout_is_subscribed_to_by_itself(make_house: Mak
         assert not house.gateway._described._topics.users
 
 
-async def test_what_an_app_publishes_where_devices_speak_is_no_device(make_house: MakeHouse) -> None:
+async def test_a_publication_of_an_app_on_a_state_topic_is_no_device(make_house: MakeHouse) -> None:
     async with make_house(**THESIS) as house:
         raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
         await raw.send(RawCommand(address=LAMP, payload="on"))
@@ -248,7 +248,7 @@ class Bells:
         )
 
 
-async def test_somebody_elses_devices_may_say_text_too(make_house: MakeHouse) -> None:
+async def test_devices_of_a_foreign_convention_may_publish_text_too(make_house: MakeHouse) -> None:
     async with make_house(conventions=(f"{__name__}:Bells", "thesis")) as house:
         await house.listen("bell/+/do")
         for _ in range(2):

@@ -30,7 +30,7 @@ def test_a_page_is_an_array_or_a_collection_with_members() -> None:
 
 
 @pytest.mark.parametrize("page", [None, {}, {"members": 5}, 5, "x"])
-def test_what_is_no_page_is_an_error(page: object) -> None:
+def test_an_invalid_page_is_an_error(page: object) -> None:
     with pytest.raises(WireError):
         members_of(page)
 
@@ -67,7 +67,7 @@ def test_an_event_that_brings_the_whole_description_needs_no_question() -> None:
     assert short.description == {}
 
 
-def test_what_an_update_changes_is_not_taken_for_the_whole() -> None:
+def test_a_partial_update_does_not_replace_the_whole() -> None:
     """It is a merge patch (RFC 7396), so that the description is asked for."""
     event = read_event("thing_updated", '{"@context": "c", "id": "urn:1", "title": "Lamp"}')
     assert event is not None
@@ -124,7 +124,7 @@ def test_an_entity_tag_can_be_sent_back(etag: str) -> None:
 
 
 @pytest.mark.parametrize("etag", ["", "a", '"a', '"a", "b"', '"a\r\nX: y"', '"ü"', f'"{"a" * 1000}"'])
-def test_what_is_no_entity_tag_is_not_sent_back(etag: str) -> None:
+def test_an_invalid_entity_tag_is_not_sent_back(etag: str) -> None:
     assert etag_of({"etag": etag}) == ""
 
 

@@ -64,7 +64,7 @@ async def test_all_pages_of_the_list_are_read() -> None:
         await until(lambda: len(found.devices.keys) == 30)
 
 
-async def test_what_changes_is_told_by_events() -> None:
+async def test_changes_come_as_events() -> None:
     directory = ThingDirectoryServer()
     async with served(directory), gateway(directory.url) as (found, watcher):
         sightings = listen(watcher, Sighting, found.names.received_topics)

@@ -183,13 +183,13 @@ async def test_a_pushed_change_is_reported() -> None:
     assert rig.host.values["", "on_off"] is True
 
 
-async def test_what_begins_without_the_current_value_is_read() -> None:
+async def test_an_observation_without_the_current_value_is_completed_by_a_read() -> None:
     rig = Rig(pushes_current=False)
     await rig.run_for(1)
     assert ON in rig.port.reads
 
 
-async def test_what_cannot_be_observed_after_all_is_asked_for() -> None:
+async def test_a_property_that_cannot_be_observed_after_all_is_polled() -> None:
     rig = Rig()
     rig.port.values[ON] = RefusedError("observing", "no")
     async with anyio.create_task_group() as tasks:
@@ -230,7 +230,7 @@ async def test_a_brightness_of_zero_turns_a_lamp_off_that_has_a_switch() -> None
         ("on_off", True, "nobody", UnableError),
     ],
 )
-async def test_what_does_not_fit_is_refused_before_anything_is_sent(
+async def test_an_invalid_value_is_refused_before_anything_is_sent(
     capability: str, value: PlainValue, part: str, error: type[Exception]
 ) -> None:
     rig = Rig()
@@ -381,7 +381,7 @@ async def test_a_unit_that_no_value_has_named_yet_is_asked_for_before_anything_i
     assert [payload for _, payload in rig.port.written] == [b'{"temperature": 71.6}', b'{"temperature": 68}']
 
 
-async def test_a_value_in_a_unit_that_nobody_knows_is_none() -> None:
+async def test_a_value_in_an_unknown_unit_is_none() -> None:
     rig = ocf_thermostat("R", "527", "530")
     await rig.run_for(1)
     assert rig.host.values == {}

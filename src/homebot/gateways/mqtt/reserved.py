@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from operator import is_
 from typing import NamedTuple
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
@@ -71,22 +72,11 @@ class ReservedTopics:
 
         Such a part stays, and can be read; it cannot be told anything.
         """
-        convention = described.convention
-        for part in described.parts:
-            if self._has_reserved(convention, part):
-                break
-        else:
-            return described, ()
         refused: dict[str, str] = {}
-        parts = tuple([self._part(convention, part, refused) for part in described.parts])
+        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
+        if all(map(is_, parts, described.parts)):
+            return described, ()
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
-
-    def _has_reserved(self, convention: str, described: DescribedPart) -> bool:
-        for topic in described.part.writes:
-            if self.why(topic, convention):
-                return True
-        asks = described.state_requests
-        return bool(asks) and any(self.why(ask.topic, convention) for ask in asks)
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}

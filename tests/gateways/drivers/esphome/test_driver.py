@@ -119,7 +119,7 @@ async def test_commands_are_obeyed(kind: str, part: str, capability: str, value:
         await told_to(told, text)
 
 
-async def test_what_the_part_cannot_do_is_refused() -> None:
+async def test_an_impossible_command_is_refused() -> None:
     device = simulated("lock", [])
     async with living(device), driven(service_of(device)) as run:
         await run.until_reported()

@@ -182,7 +182,7 @@ async def test_a_device_of_the_first_generation_is_described_and_no_more() -> No
 
 
 @pytest.mark.parametrize("about", [[], {}, {"gen": 2}, {"gen": 2, "id": "a/#"}, {"gen": 2, "id": 7}, "x"])
-async def test_what_is_no_shelly_is_an_error_of_ours(about: object) -> None:
+async def test_an_answer_of_another_device_is_an_error_of_ours(about: object) -> None:
     server = WebServer(Strange(about))
     async with served(server):
         with pytest.raises(WireError, match="Hall"):

@@ -58,7 +58,7 @@ def port_of(origin: str) -> int:
     return int(origin.rpartition(":")[2])
 
 
-async def test_what_others_do_with_the_thing_is_pushed() -> None:
+async def test_changes_by_others_are_pushed() -> None:
     host, lamp = KeepingHost(), Obeying()
     async with served(lamp), running(driver(lamp.server.port, host)):
         await host.until(lambda: len(lamp.server.peers) == 3)
@@ -139,7 +139,7 @@ async def test_a_way_other_than_the_configured_one_gets_no_password(monkeypatch:
 
 
 @pytest.mark.parametrize("claimed", ["192.0.2.7.", "lamp.example.org."])
-async def test_who_claims_an_address_or_a_name_of_the_internet_gets_no_password_for_it(
+async def test_a_claimed_address_or_name_of_the_internet_gets_no_password(
     claimed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SECRET", "sesame")
@@ -296,7 +296,7 @@ async def test_of_a_directory_only_its_place_is_told() -> None:
     ("body", "kind"),
     [(b"{", "application/td+json"), (b"{}", "application/json"), (b"<html>", "text/html"), (b"[]", "")],
 )
-async def test_what_is_no_description_is_an_error_that_says_so(body: bytes, kind: str) -> None:
+async def test_an_invalid_description_is_an_error(body: bytes, kind: str) -> None:
     async def answer(_: web.Request) -> web.StreamResponse:
         return web.Response(body=body, headers={"Content-Type": kind} if kind else {})
 

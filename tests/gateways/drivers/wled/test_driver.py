@@ -57,7 +57,7 @@ async def test_a_strip_is_described_with_its_parts_and_reported() -> None:
     assert host.refused == []
 
 
-async def test_what_others_do_with_the_strip_is_pushed() -> None:
+async def test_changes_by_others_are_pushed() -> None:
     host, strip = KeepingHost(), Obeying()
     async with served(strip), running(driver(strip.server.port, host)):
         await host.until(lambda: bool(strip.server.peers) and ("", "on_off") in host.values)
@@ -121,7 +121,7 @@ async def test_presets_are_options_and_read_anew_when_they_change() -> None:
     assert host.refused == []
 
 
-async def test_what_it_cannot_do_is_refused_and_nothing_is_sent() -> None:
+async def test_an_impossible_command_is_refused_and_not_sent() -> None:
     host, strip = KeepingHost(), Obeying()
     async with served(strip):
         wled = driver(strip.server.port, host)
@@ -162,7 +162,7 @@ class Strange:
 
 
 @pytest.mark.parametrize("answer", [[], {}, {"state": {}}, {"state": [], "info": {}}, "x", None])
-async def test_what_is_no_wled_is_an_error_of_ours(answer: object) -> None:
+async def test_an_answer_of_another_device_is_an_error_of_ours(answer: object) -> None:
     server = WebServer(Strange(answer))
     async with served(server):
         with pytest.raises(WireError, match="no state or no info"):
