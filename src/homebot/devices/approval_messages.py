@@ -1,5 +1,6 @@
 """The services by which the owner approves devices that can hurt, and trusts those that a witness contradicted."""
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceType
 
@@ -18,18 +19,14 @@ class ApproveDeviceRequest(Message):
     remove: bool = False
 
 
-class ApproveDeviceResponse(Message):
+class ApproveDeviceResponse(Answer):
     """The result of an approval.
 
     Attributes:
-        success: Whether it is approved, or no longer is.
-        message: Why not.
         commands: The approved commands, one line for each setting: payload and address.
         changes: Differences from the approval before, one line for each part of an announcement.
     """
 
-    success: bool
-    message: str = ""
     commands: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
 

@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
@@ -92,6 +93,7 @@ class CommandResult(Message):
         command_id: The id of the command.
         outcome: Which it is; the fields below that do not belong to it are empty.
         text: The same for people.
+        reported: ``confirmed``: the values that the device reported.
         latency: ``confirmed``: seconds from sending to the evidence; ``reverted``: seconds after it had obeyed;
             ``no_answer``: seconds that were waited.
         evidence: ``confirmed``: 1 sent, 2 acknowledged, 3 reported, 4 witnessed.
@@ -101,12 +103,12 @@ class CommandResult(Message):
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
         reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
             ``unknown`` if it may be a person's doing.
-        reported: ``confirmed``: the values that the device reported.
     """
 
     command_id: str
     outcome: OutcomeKind
     text: str
+    reported: tuple[Setting, ...] = ()
     latency: float = 0.0
     evidence: Annotated[UInt8, Field(le=4)] = 0
     saw: str = ""
@@ -114,7 +116,6 @@ class CommandResult(Message):
     by: str = ""
     policy: str = ""
     reason: str = ""
-    reported: tuple[Setting, ...] = ()
 
 
 class CommandEvent(Message):
@@ -181,18 +182,16 @@ class CommandedPart(Message):
     result: CommandResult
 
 
-class CommandDevicesResponse(Message):
-    """The outcomes of a command in words.
+class CommandDevicesResponse(Answer):
+    """The outcomes of a command in words; a success if at least one part was commanded, and all obeyed.
+
+    The message is the reason why nothing was commanded, or name and text of the worst outcome.
 
     Attributes:
-        success: Whether at least one part was commanded, and all are as they were told to be.
-        message: Why nothing was commanded, or name and text of the worst outcome; empty if all succeeded.
         outcome: The worst of all; empty if nothing was commanded.
         results: Each commanded part, sorted by device.
     """
 
-    success: bool
-    message: str = ""
     outcome: Literal[
         "", "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
     ] = ""
@@ -220,19 +219,15 @@ class SendTextRequest(Message):
     trigger: Trigger = NO_TRIGGER
 
 
-class SendTextResponse(Message):
+class SendTextResponse(Answer):
     """The result; a success does not prove that the device obeyed.
 
     Attributes:
-        success: Whether the gateway has queued the text.
-        message: The reason if not, as text.
         problem: ``refused`` by a policy, a lease or the gateway, or the gateway is ``unreachable`` now.
         others: The names of the other parts that would have accepted the text and did not get it.
         command_id: The id of the command in the journal.
     """
 
-    success: bool
-    message: str = ""
     problem: Literal["", "refused", "unreachable"] = ""
     others: tuple[str, ...] = ()
     command_id: str = ""

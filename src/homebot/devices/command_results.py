@@ -2,59 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Final
 
 from homebot.devices import outcomes
-from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_messages import CommandResult, OutcomeKind, Setting
 from homebot.devices.outcomes import Evidence, Outcome
 
 __all__ = ["outcome_of", "result_of"]
-
-_NO_FACTS: Final[Mapping[str, object]] = {
-    "latency": 0.0,
-    "evidence": 0,
-    "saw": "",
-    "witness": "",
-    "by": "",
-    "policy": "",
-    "reason": "",
-}
-"""Defaults of the fields that belong to another outcome."""
 
 _GRADES: Final = {int(grade): grade for grade in Evidence}
 
 
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and the reported values of the device."""
-    fields: dict[str, Any] = {  # in the order in which programs are shown them
-        "command_id": outcome.command_id,
-        "outcome": "gone",
-        "text": outcome.text,
-        "reported": reported,
-        **_NO_FACTS,
-    }
+    kind: OutcomeKind = "gone"
+    facts: dict[str, Any] = {}
     match outcome:
-        case outcomes.Confirmed():
-            fields |= {
-                "outcome": "confirmed",
-                "latency": outcome.latency,
-                "evidence": int(outcome.evidence),
-                "witness": outcome.witness,
-            }
+        case outcomes.Confirmed(latency, evidence, witness):
+            kind, facts = "confirmed", {"latency": latency, "evidence": int(evidence), "witness": witness}
         case outcomes.AlreadySo():
-            fields["outcome"] = "already_so"
-        case outcomes.Contradicted():
-            fields |= {"outcome": "contradicted", "saw": outcome.saw, "witness": outcome.witness}
-        case outcomes.Reverted():
-            fields |= {"outcome": "reverted", "latency": outcome.after, "reason": outcome.cause}
-        case outcomes.NoAnswer():
-            fields |= {"outcome": "no_answer", "latency": outcome.waited, "reason": outcome.reason}
-        case outcomes.Superseded():
-            fields |= {"outcome": "superseded", "by": outcome.by}
-        case outcomes.Refused():
-            fields |= {"outcome": "refused", "policy": outcome.policy, "reason": outcome.reason}
-    return CommandResult(**fields)
+            kind = "already_so"
+        case outcomes.Contradicted(saw, witness):
+            kind, facts = "contradicted", {"saw": saw, "witness": witness}
+        case outcomes.Reverted(after, cause):
+            kind, facts = "reverted", {"latency": after, "reason": cause}
+        case outcomes.NoAnswer(waited, reason):
+            kind, facts = "no_answer", {"latency": waited, "reason": reason}
+        case outcomes.Superseded(by):
+            kind, facts = "superseded", {"by": by}
+        case outcomes.Refused(policy, reason):
+            kind, facts = "refused", {"policy": policy, "reason": reason}
+    return CommandResult(command_id=outcome.command_id, outcome=kind, text=outcome.text, reported=reported, **facts)
 
 
 def outcome_of(result: CommandResult) -> Outcome:

@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
@@ -190,20 +191,16 @@ class CommandAnswer(Message):
     message: str = ""
 
 
-class SendCommandResponse(Message):
+class SendCommandResponse(Answer):
     """The gateway's result for a command; it does not prove that the device obeyed.
 
     Attributes:
-        success: Whether the network accepted it.
-        message: The reason if not, as text.
         problem: ``refused`` by the part, the gateway or the network, where the same again fails again, or the device or
             its network is ``unreachable`` now.
         unable: Whether it was refused because the part cannot do that as it is described there. Nothing was sent then,
             and another route to the part may do.
     """
 
-    success: bool
-    message: str = ""
     problem: Literal["", "refused", "unreachable"] = ""
     unable: bool = False
 

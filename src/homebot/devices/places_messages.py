@@ -4,6 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
@@ -41,18 +42,14 @@ class PlaceDeviceRequest(Message):
     may_be_absent: bool = False
 
 
-class PlaceDeviceResponse(Message):
+class PlaceDeviceResponse(Answer):
     """The result of placing a device.
 
     Attributes:
-        success: Whether it is stated, or was taken back.
-        message: Why not.
         room: The room that the device is in now, or will be; empty for none.
         absent: The id or hardware address by which a device that is not there yet will be known; empty for one that is.
     """
 
-    success: bool
-    message: str = ""
     room: str = ""
     absent: str = ""
 
@@ -71,17 +68,13 @@ class AliasDeviceRequest(Message):
     remove: bool = False
 
 
-class AliasDeviceResponse(Message):
+class AliasDeviceResponse(Answer):
     """The result of naming a device.
 
     Attributes:
-        success: Whether it has the name, or no longer has it.
-        message: Why not.
         aliases: All names that the owner gave it, the one that is shown first.
     """
 
-    success: bool
-    message: str = ""
     aliases: tuple[str, ...] = ()
 
 
@@ -99,17 +92,13 @@ class TagDeviceRequest(Message):
     remove: bool = False
 
 
-class TagDeviceResponse(Message):
+class TagDeviceResponse(Answer):
     """The result of tagging a device.
 
     Attributes:
-        success: Whether it has the tag, or no longer has it.
-        message: Why not.
         tags: All tags that it has.
     """
 
-    success: bool
-    message: str = ""
     tags: tuple[str, ...] = ()
 
 
@@ -161,18 +150,14 @@ class TeachPlaceRequest(Message):
     room: str = ""
 
 
-class TeachPlaceResponse(Message):
+class TeachPlaceResponse(Answer):
     """The result of teaching a room.
 
     Attributes:
-        success: Whether it is remembered.
-        message: Why not.
         room: The room that the device is in now.
         is_new: Whether the tag taught another room before, or none.
     """
 
-    success: bool
-    message: str = ""
     room: str = ""
     is_new: bool = False
 
@@ -189,17 +174,13 @@ class ChangeRoomRequest(Message):
     name: str = ""
 
 
-class ChangeRoomResponse(Message):
+class ChangeRoomResponse(Answer):
     """The result of changing a room.
 
     Attributes:
-        success: Whether it was done.
-        message: Why not.
         name: The new name of the room; empty for one that was removed.
     """
 
-    success: bool
-    message: str = ""
     name: str = ""
 
 
@@ -229,18 +210,14 @@ class ImportPlacesRequest(Message):
     replaces: bool = False
 
 
-class ImportPlacesResponse(Message):
-    """The result of an import.
+class ImportPlacesResponse(Answer):
+    """The result of an import; the message names key and value of the first mistake.
 
     Attributes:
-        success: Whether the file was taken over.
-        message: Why not: the key and the value of the first mistake.
         added: Rooms, and devices of which something is new, as text.
         kept: Rooms of devices that stayed although the file has others, as text.
     """
 
-    success: bool
-    message: str = ""
     added: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
 

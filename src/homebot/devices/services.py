@@ -2,6 +2,7 @@
 
 from typing import Literal, TypeAlias
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import Device, DeviceChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
@@ -122,19 +123,15 @@ class Found(Message):
     reasons: tuple[str, ...]
 
 
-class QueryDevicesResponse(Message):
-    """The devices that fit, best first; equally good ones by id.
+class QueryDevicesResponse(Answer):
+    """The devices that fit, best first; equally good ones by id. A query with a misspelt type, room or word fails.
 
     Attributes:
-        success: Whether the query was understood. A misspelt type, room or word is not.
-        message: The part of it that was not understood, and its probable meaning.
         results: The devices.
         total: Number of matches, before the limit.
         sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
     """
 
-    success: bool
-    message: str = ""
     results: tuple[Found, ...] = ()
     total: UInt32 = 0
     sequence: int = 0
@@ -186,17 +183,13 @@ class AnnouncedOn(Message):
     topic: str
 
 
-class ForgetDeviceResponse(Message):
+class ForgetDeviceResponse(Answer):
     """The result of forgetting a device, which comes back when it sends a message or is announced again.
 
     Attributes:
-        success: Whether there was such a device.
-        message: Why not.
         announced_on: Where it was announced, as far as is known.
     """
 
-    success: bool
-    message: str = ""
     announced_on: tuple[AnnouncedOn, ...] = ()
 
 
@@ -215,17 +208,13 @@ class SplitDeviceRequest(Message):
     key: str = ""
 
 
-class SplitDeviceResponse(Message):
+class SplitDeviceResponse(Answer):
     """The result of splitting a device.
 
     Attributes:
-        success: Whether there are several devices now.
-        message: Why not.
         devices: Their ids, that of the one before first.
     """
 
-    success: bool
-    message: str = ""
     devices: tuple[str, ...] = ()
 
 
@@ -241,17 +230,13 @@ class MergeDevicesRequest(Message):
     devices: tuple[str, ...]
 
 
-class MergeDevicesResponse(Message):
+class MergeDevicesResponse(Answer):
     """The result of merging devices.
 
     Attributes:
-        success: Whether they are one device now.
-        message: Why not.
         device: Its id.
     """
 
-    success: bool
-    message: str = ""
     device: str = ""
 
 
@@ -270,18 +255,14 @@ class SubscribeToTopicRequest(Message):
     since: Time = NEVER
 
 
-class SubscribeToTopicResponse(Message):
+class SubscribeToTopicResponse(Answer):
     """The topic on which the messages will come.
 
     Attributes:
-        success: Whether they will.
-        message: Why not.
         data_topic: The graph topic that carries them from now on, as :class:`homebot.devices.RawMessage`.
         missed: The messages before, oldest first; at most 10.
     """
 
-    success: bool
-    message: str
     data_topic: str
     missed: tuple[RawMessage, ...] = ()
 

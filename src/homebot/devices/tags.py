@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import Field
 
+from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
@@ -67,12 +68,10 @@ class ScanCodeRequest(Message):
     ndef: Annotated[bytes, Field(max_length=_MAX_CODE)] = b""
 
 
-class ScanCodeResponse(Message):
-    """The device that a code points to.
+class ScanCodeResponse(Answer):
+    """The device that a code points to; a success if the code was understood, known device or not.
 
     Attributes:
-        success: Whether the code was understood, known device or not.
-        message: The result in words, or the reason why the code was not understood.
         kind: The kind of code: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
         device: The id of the device; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
@@ -80,8 +79,6 @@ class ScanCodeResponse(Message):
         facts: Further facts in the code, without secrets.
     """
 
-    success: bool
-    message: str = ""
     kind: str = ""
     device: str = ""
     candidates: tuple[str, ...] = ()
@@ -101,12 +98,10 @@ class ReadTagRequest(Message):
     wait: _Wait = 30.0
 
 
-class ReadTagResponse(Message):
+class ReadTagResponse(Answer):
     """The tag.
 
     Attributes:
-        success: Whether one was read.
-        message: The result in words, or the reason why none was read.
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
         reader: The reader.
@@ -117,8 +112,6 @@ class ReadTagResponse(Message):
         area: The room that it is in; empty for unknown.
     """
 
-    success: bool
-    message: str = ""
     problem: TagProblem = ""
     tag: str = ""
     reader: str = ""
@@ -145,20 +138,16 @@ class WriteTagRequest(Message):
     wait: _Wait = 30.0
 
 
-class WriteTagResponse(Message):
+class WriteTagResponse(Answer):
     """The result of writing a tag; it was read back and compared.
 
     Attributes:
-        success: Whether it was written.
-        message: The reason if not, as text.
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
         reader: The reader.
         device: The id of the device that it points to now.
     """
 
-    success: bool
-    message: str = ""
     problem: TagProblem = ""
     tag: str = ""
     reader: str = ""

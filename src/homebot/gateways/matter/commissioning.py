@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 from pydantic import ConfigDict, Field
 
 from homebot.conventions.setup_codes import check_matter_setup_code
+from homebot.devices.answer import Answer
 from homebot.devices.names import GatewayNames
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError
 from homebot.messages.message import Message, ServiceType
@@ -58,20 +59,16 @@ class CommissionRequest(Message):
     network_only: bool = True
 
 
-class CommissionResponse(Message):
+class CommissionResponse(Answer):
     """The result of commissioning or decommissioning.
 
     Attributes:
-        success: Whether it was done.
-        message: The reason if not, as text.
         problem: ``refused`` by the gateway or the device, where the same again fails again; ``unreachable`` where the
             network is not there now, or gave no answer in time; ``busy`` while another device is commissioned.
         key: The gateway's key of the device.
         name: The name of the device.
     """
 
-    success: bool
-    message: str = ""
     problem: Literal["", "refused", "unreachable", "busy"] = ""
     key: str = ""
     name: str = ""
