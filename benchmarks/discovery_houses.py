@@ -23,8 +23,8 @@ from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.network import HouseNetwork
 from homebot.log import LogLimit
 from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.runtime import Runtime
 

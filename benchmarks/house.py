@@ -13,7 +13,7 @@ from homebot.devices import Device, Devices, RawMessage
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
-from homebot.mqtt.client.choice import MqttClientName
+from homebot.mqtt.clients import MqttClientName
 from raw_mqtt import connect, publish_packet
 
 __all__ = ["homebot_listening", "lamp_topics"]

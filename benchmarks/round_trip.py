@@ -10,7 +10,7 @@ import aiomqtt
 
 from background import in_background
 from homebot.devices import Device, Devices, RawMessage
-from homebot.mqtt.client.choice import MqttClientName
+from homebot.mqtt.clients import MqttClientName
 from house import homebot_listening, lamp_topics
 from mosquitto import mosquitto
 from plan import Plan

@@ -22,7 +22,7 @@ from homebot.devices import Devices, RawMessage
 from homebot.devices.handles import Light
 from homebot.errors import LinkError
 from homebot.graph import Node
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 from homebot.testing import VirtualTimeLoop

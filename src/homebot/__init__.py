@@ -1,6 +1,6 @@
 """homebot: the home runtime for robots.
 
-What an app needs is imported from here: ``from homebot import App, Light, run``. What its tests need is in
+An app imports from here: ``from homebot import App, Light, run``. Help for its tests is in
 :mod:`homebot.testing`, ROS's standard messages are in :mod:`homebot.messages`. Each name is imported when it is first
 asked for. Modules below may change from one release to the next; the names of this one are kept.
 """

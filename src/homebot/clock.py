@@ -82,7 +82,7 @@ class ManualClock:
 
 
 SLICE = 0.005
-"""Seconds of one slice: how much work a piece is nobody knows beforehand, for one device may have hundreds of parts."""
+"""Seconds of one slice: the work of a piece is not known beforehand, for one device may have hundreds of parts."""
 
 
 @final
@@ -101,7 +101,7 @@ class TimeSlice:
 
     @property
     def is_over(self) -> bool:
-        """True if it is somebody else's turn."""
+        """True if another task should have its turn."""
         return self._monotonic() >= self._ends
 
     async def pause(self) -> None:

@@ -22,7 +22,7 @@
 
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
-What stands in the table of a gateway or an app is that plug-in's own business: :func:`parse_settings` checks it with
+The table of a gateway or an app belongs to that plug-in: :func:`parse_settings` checks it with
 the plug-in's model.
 """
 

@@ -1,4 +1,4 @@
-"""Every error homebot raises, in one tree, split by what the catcher can do.
+"""Every error homebot raises, in one tree, split by the possible reactions.
 
 ::
 
@@ -12,13 +12,13 @@
     │   ├── ClosedError             the node, topic or connection was closed before
     │   ├── ConfigError             a configuration file, key or value is wrong
     │   └── PluginError             a plug-in cannot be found, loaded or made
-    ├── PeerError                   somebody outside is wrong or refuses: repeating does not help
+    ├── PeerError                   a peer outside is wrong or refuses: repeating does not help
     │   ├── WireError               bytes that do not follow their protocol
     │   ├── RefusedError            a login, subscription, publish or command was answered with no
     │   └── UnableError             a part cannot do that as it is described; nothing was sent
-    ├── LinkError                   the way to somebody outside is not there: try again later
+    ├── LinkError                   the way to a peer outside is down: try again later
     ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
-    ├── AbortError                  a part awaited a cancelled task, or raised what is Python's own: likewise
+    ├── AbortError                  a part awaited a cancelled task, or raised an exit of Python: likewise
     └── ServiceError                a service call brought no response
         ├── ServiceUnavailableError no server has this name, or its line is full
         ├── ServiceFailedError      the server raised

@@ -1,7 +1,7 @@
 """Logging: one place that decides how lines look, and a limit for lines that outsiders can cause.
 
 A line is an event name (a dotted constant such as ``discovery.appeared``) with facts as keys. The key ``message`` says
-the same in plain words for people: it is what the terminal shows.
+the same in plain words for people, which the terminal shows.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import logging
 import re
 import sys
 import time
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,6 +20,7 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
 from homebot.support.output import CleanText, QueuedText, wants_colour
 
@@ -76,7 +76,7 @@ def configure_logging(
     )
     if isinstance(out, QueuedText):
         out.queue.loss_text = partial(_loss_line, renderer)
-    _take_in_stdlib_lines()
+    _forward_stdlib_lines()
     writer = LineWriter(out)
     structlog.configure(
         processors=[
@@ -120,7 +120,7 @@ class LogLimit:
         self._clock = clock
         self._interval = interval
         self._burst = burst
-        self._kinds: OrderedDict[str, _Interval] = OrderedDict()
+        self._kinds: BoundedMap[str, _Interval] = BoundedMap(_MAX_KEYS)
 
     def allows(self, kind: str) -> int | None:
         """Return how many lines of *kind* were held back since the last one, or None when this one must be too.
@@ -130,10 +130,8 @@ class LogLimit:
         now = self._clock.monotonic()
         current = self._kinds.get(kind)
         if current is None or now - current.start >= self._interval:
-            current = self._kinds[kind] = _Interval(now, held_back=current.held_back if current else 0)
-            if len(self._kinds) > _MAX_KEYS:
-                self._kinds.popitem(last=False)
-        self._kinds.move_to_end(kind)
+            current = _Interval(now, held_back=current.held_back if current else 0)
+        self._kinds[kind] = current
         if current.passed >= self._burst:
             current.held_back += 1
             return None
@@ -205,7 +203,7 @@ class _SinceStart:
         return time.time()
 
 
-def _take_in_stdlib_lines() -> None:
+def _forward_stdlib_lines() -> None:
     root = logging.getLogger()
     for handler in root.handlers:
         if isinstance(handler, _StdlibLines):

@@ -15,8 +15,8 @@ from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Node
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour

@@ -16,9 +16,8 @@ from homebot.errors import (
     ServiceTimeoutError,
     ServiceUnavailableError,
     TypeMismatchError,
-    UsageError,
 )
-from homebot.graph import Client, Graph, Node, Service, service
+from homebot.graph import Client, Graph, Node, Service
 from homebot.messages import SetBool, String, Trigger
 from homebot.messages.std_srvs import SetBoolRequest, SuccessResponse, TriggerRequest
 
@@ -121,12 +120,6 @@ async def test_without_a_server_a_call_fails_at_once(client: TriggerClient) -> N
     assert now() == 0
 
 
-async def test_after_its_server_is_gone_a_call_fails_at_once(node: Node, client: TriggerClient) -> None:
-    node.create_service(Trigger, "s", lambda _request: answer()).close()
-    with pytest.raises(ServiceUnavailableError):
-        await client.call(ASK)
-
-
 @pytest.mark.parametrize("waits", [False, True])
 async def test_a_raising_server_gives_its_reason_and_cause_and_goes_on(
     node: Node, client: TriggerClient, *, waits: bool
@@ -143,15 +136,6 @@ async def test_a_raising_server_gives_its_reason_and_cause_and_goes_on(
         assert str(caught.value) == "service /s failed: ValueError: no such lamp"
         assert caught.value.reason == "ValueError: no such lamp"
         assert isinstance(caught.value.__cause__, ValueError)
-
-
-async def test_a_raising_plain_function_fails_its_call(node: Node, client: TriggerClient) -> None:
-    def fail(_request: TriggerRequest) -> SuccessResponse:
-        raise KeyError
-
-    node.create_service(Trigger, "s", fail)
-    with pytest.raises(ServiceFailedError, match=r"failed: KeyError$"):
-        await client.call(ASK)
 
 
 async def test_a_single_error_of_a_task_group_is_told_as_itself(node: Node, client: TriggerClient) -> None:
@@ -236,52 +220,6 @@ async def test_a_dying_server_ends_the_calls_in_its_line_too(node: Node, client:
     assert (gate.started, now()) == (1, closed_at)
 
 
-async def test_a_server_that_closes_while_one_just_got_its_turn_turns_it_away(
-    node: Node, client: TriggerClient, gate: Gate
-) -> None:
-    server = node.create_service(Trigger, "s", gate)
-
-    async def first() -> None:
-        await client.call(ASK)
-        server.close()  # the next in line has its turn, but has not run yet
-
-    async def second() -> None:
-        with pytest.raises(ServiceGoneError):
-            await client.call(ASK)
-
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(first)
-        await anyio.wait_all_tasks_blocked()
-        tasks.start_soon(second)
-        await anyio.wait_all_tasks_blocked()
-        gate.opened.set()
-    assert gate.started == 1
-
-
-async def test_closing_a_server_whose_call_just_ran_out_of_time_is_fine(node: Node, client: TriggerClient) -> None:
-    cleaning = anyio.Event()
-
-    async def slow(_request: TriggerRequest) -> SuccessResponse:
-        try:
-            await anyio.sleep_forever()
-        finally:
-            cleaning.set()
-            with anyio.CancelScope(shield=True):
-                await anyio.sleep(1)
-        return answer()
-
-    server = node.create_service(Trigger, "s", slow)
-
-    async def call() -> None:
-        with pytest.raises(ServiceGoneError):
-            await client.call(ASK, timeout=1, cancel_with_caller=True)
-
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(call)
-        await cleaning.wait()
-        server.close()
-
-
 async def test_a_server_may_close_itself_while_it_answers(node: Node, client: TriggerClient) -> None:
     servers: list[Service[TriggerRequest, SuccessResponse]] = []
 
@@ -344,65 +282,6 @@ async def test_the_time_limit_covers_the_line(node: Node, client: TriggerClient)
     assert times == [("in line gave up", 2), ("first", 3), ("at work gave up", 5), ("last", 9)]
 
 
-async def test_callers_that_gave_up_leave_the_line(
-    node: Node, client: TriggerClient, gate: Gate, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(service, "MAX_WAITING", 1)
-    server = node.create_service(Trigger, "s", gate)
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(lambda: client.call(ASK, timeout=100))
-        await anyio.wait_all_tasks_blocked()
-        for _ in range(3):
-            with pytest.raises(ServiceTimeoutError):
-                await client.call(ASK, timeout=1)
-        assert not server.line
-        tasks.start_soon(client.call, ASK)
-        await anyio.wait_all_tasks_blocked()
-        with pytest.raises(ServiceUnavailableError, match="service /s has 1 calls waiting already"):
-            await client.call(ASK)
-        gate.opened.set()
-
-
-async def test_one_who_is_cancelled_with_its_turn_in_hand_passes_it_on(
-    node: Node, client: TriggerClient, gate: Gate
-) -> None:
-    node.create_service(Trigger, "s", gate)
-
-    async def first() -> None:
-        await client.call(ASK)
-        second.cancel()  # it has its turn, but has not run yet
-
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(first)
-        await anyio.wait_all_tasks_blocked()
-        second = asyncio.ensure_future(client.call(ASK))
-        await anyio.wait_all_tasks_blocked()
-        tasks.start_soon(client.call, ASK)
-        await anyio.wait_all_tasks_blocked()
-        gate.opened.set()
-    assert second.cancelled()
-    assert (gate.started, gate.cancelled) == (2, 0)
-
-
-async def test_a_line_of_cancelled_callers_leaves_the_service_free(node: Node, client: TriggerClient) -> None:
-    waiting: list[asyncio.Future[SuccessResponse]] = []
-
-    async def cancel_the_line(_request: TriggerRequest) -> SuccessResponse:
-        await anyio.sleep(1)
-        for call in waiting:
-            call.cancel()
-        return answer()
-
-    server = node.create_service(Trigger, "s", cancel_the_line)
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(client.call, ASK)
-        await anyio.wait_all_tasks_blocked()
-        waiting.append(asyncio.ensure_future(client.call(ASK)))
-    await asyncio.wait(waiting)
-    assert waiting[0].cancelled()
-    assert (server.room, len(server.line)) == (1, 0)
-
-
 async def test_a_handler_that_ends_with_its_caller_is_closed_with_an_abandoned_call(
     node: Node, client: TriggerClient, gate: Gate
 ) -> None:
@@ -442,16 +321,6 @@ async def test_what_the_handler_waits_for_being_cancelled_does_not_cancel_the_ca
         await client.call(ASK)
 
 
-async def test_a_handler_that_calls_its_own_service_is_told_so(node: Node, client: TriggerClient) -> None:
-    async def recurse(_request: TriggerRequest) -> SuccessResponse:
-        return await client.call(ASK)
-
-    node.create_service(Trigger, "s", recurse)
-    with pytest.raises(ServiceFailedError, match="UsageError: the handler of /s calls itself") as caught:
-        await client.call(ASK)
-    assert isinstance(caught.value.__cause__, UsageError)
-
-
 async def test_it_is_told_so_also_after_it_waited(node: Node, client: TriggerClient) -> None:
     async def recurse(_request: TriggerRequest) -> SuccessResponse:
         await anyio.sleep(1)
@@ -461,26 +330,6 @@ async def test_it_is_told_so_also_after_it_waited(node: Node, client: TriggerCli
     for _ in range(2):
         with pytest.raises(ServiceFailedError, match="calls itself"):
             await client.call(ASK)
-    assert now() == 2
-
-
-async def test_it_is_told_so_whoever_was_served_before(node: Node, client: TriggerClient) -> None:
-    """An earlier call from another task, that waited, must not be taken for the one under way."""
-    waits = True
-
-    async def sometimes(_request: TriggerRequest) -> SuccessResponse:
-        if waits:
-            await anyio.sleep(1)
-            return answer()
-        return await client.call(ASK)
-
-    node.create_service(Trigger, "s", sometimes)
-    async with anyio.create_task_group() as tasks:
-        for _ in range(2):
-            tasks.start_soon(client.call, ASK)
-    waits = False
-    with pytest.raises(ServiceFailedError, match="calls itself"):
-        await client.call(ASK)
     assert now() == 2
 
 
@@ -587,22 +436,6 @@ async def anyio_sleep() -> None:
         await anyio.sleep_forever()
 
 
-@pytest.mark.parametrize("sleep", [asyncio_sleep, anyio_sleep])
-async def test_a_time_limit_inside_a_handler_is_the_handlers_own(
-    node: Node, client: TriggerClient, sleep: Callable[[], Awaitable[None]]
-) -> None:
-    async def limited(_request: TriggerRequest) -> SuccessResponse:
-        try:
-            await sleep()
-        except TimeoutError:
-            await anyio.sleep(1)
-        return answer("in time")
-
-    node.create_service(Trigger, "s", limited)
-    assert await client.call(ASK) == answer("in time")
-    assert now() == 2
-
-
 async def test_a_time_out_that_a_handler_lets_out_is_its_failure(node: Node, client: TriggerClient) -> None:
     async def limited(_request: TriggerRequest) -> SuccessResponse:
         with anyio.fail_after(1):
@@ -613,22 +446,6 @@ async def test_a_time_out_that_a_handler_lets_out_is_its_failure(node: Node, cli
     with pytest.raises(ServiceFailedError, match="TimeoutError") as caught:
         await client.call(ASK)
     assert isinstance(caught.value.__cause__, TimeoutError)
-
-
-async def test_a_handlers_longer_limit_does_not_hide_the_callers(node: Node, client: TriggerClient) -> None:
-    async def limited(_request: TriggerRequest) -> SuccessResponse:
-        with anyio.move_on_after(60):
-            async with asyncio.timeout(50):
-                await anyio.sleep_forever()
-        return answer()
-
-    node.create_service(Trigger, "s", limited)
-    with pytest.raises(ServiceTimeoutError):
-        await client.call(ASK, timeout=1)
-    task = asyncio.current_task()
-    assert task is not None
-    assert task.cancelling() == 0
-    await anyio.sleep(100)
 
 
 async def test_a_handler_may_run_tasks_of_its_own(node: Node, client: TriggerClient) -> None:

@@ -294,34 +294,6 @@ async def hold_lock() -> None:
         await anyio.sleep(2)
 
 
-@pytest.mark.parametrize(
-    "enter",
-    [enter_task_group, enter_scope, enter_timeout, enter_asyncio_group, enter_cancelled_scope, hold_lock],
-)
-async def test_what_a_handler_enters_in_its_first_step_is_left_in_the_same_task(
-    server: Node, client: TriggerClient, enter: Callable[[], Awaitable[None]]
-) -> None:
-    """Also when the caller, in whose turn the first step was taken, has left."""
-    tasks: list[tuple[object, object]] = []
-
-    async def handle(_request: TriggerRequest) -> SuccessResponse:
-        before = asyncio.current_task()
-        await enter()
-        tasks.append((before, asyncio.current_task()))
-        return answer("left")
-
-    server.create_service(Trigger, "/s", handle)
-    assert await client.call(ASK) == answer("left")  # in a task that is made for it
-    await give_up(client, 1)  # its first step in this task
-    assert await client.call(ASK) == answer("left")
-    assert now() == 6
-    assert all(before is after is not asyncio.current_task() for before, after in tasks)
-    assert len(tasks) == 3
-    me = asyncio.current_task()
-    assert me is not None
-    assert me.cancelling() == 0
-
-
 _seen: ContextVar[str] = ContextVar("_seen")
 
 

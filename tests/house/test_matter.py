@@ -15,7 +15,7 @@ from homebot.devices import Device, Devices
 from homebot.devices.tags import TagTap
 from homebot.graph import Node
 from homebot.house.description import parse_world
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 

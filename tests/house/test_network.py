@@ -19,7 +19,7 @@ from homebot.house.description import load_world, parse_world
 from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime

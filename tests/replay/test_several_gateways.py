@@ -22,7 +22,7 @@ from homebot.devices.services import MergeDevices, MergeDevicesRequest
 from homebot.graph import Node
 from homebot.house import SimulatedHouse
 from homebot.house.description import load_world
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.recording.recording import Recording
 from homebot.runtime import Runtime

@@ -13,7 +13,7 @@ from homebot.devices.query import IsUnapproved, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.graph import Node
 from homebot.house import thesis_world
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 

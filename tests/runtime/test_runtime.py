@@ -32,8 +32,8 @@ from homebot.graph import Graph, Node
 from homebot.house import thesis_world
 from homebot.messages import Log
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime

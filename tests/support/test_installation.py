@@ -32,7 +32,7 @@ def test_a_second_homebot_of_the_same_home_has_another_and_leaves_that_of_the_fi
     assert ids[0] != ids[1]
     assert (first.problem, str(file) in second.problem) == ("", True)
     second.renew()
-    second.keep_name("robot", "robot-2")
+    second.store_name("robot", "robot-2")
     first.close()
     assert Installation(file).id_of("x") == ids[0]
 
@@ -47,7 +47,7 @@ def test_a_renewed_one_and_the_names_that_it_got_are_kept(file: Path) -> None:
     first = Installation(file)
     before = first.id_of("x")
     first.renew()
-    first.keep_name("robot", "robot-2")
+    first.store_name("robot", "robot-2")
     assert first.id_of("x") != before
     first.close()
     again = Installation(file)

@@ -10,9 +10,9 @@ from homebot.support.rate_limit import RateLimit
 
 def test_a_whole_second_may_come_at_once_and_then_each_frame_waits() -> None:
     rate = RateLimit(100, at_once=100)
-    assert [rate.take(0.0) for _ in range(100)] == [0.0] * 100
-    assert rate.take(0.0) == 0.01
-    assert rate.take(10.0) == 0.0
+    assert [rate.charge(0.0) for _ in range(100)] == [0.0] * 100
+    assert rate.charge(0.0) == 0.01
+    assert rate.charge(10.0) == 0.0
 
 
 @given(st.lists(st.floats(0, 2), max_size=300), st.integers(1, 50))
@@ -21,21 +21,21 @@ def test_no_more_than_the_limit_a_second_and_a_second_in_advance(pauses: list[fl
     now = 0.0
     for handled, pause in enumerate(pauses, 1):
         now += pause
-        now += rate.take(now)
+        now += rate.charge(now)
         assert handled <= limit * (now + 1) + 1e-6
 
 
 def test_what_waits_no_longer_than_the_most_is_not_counted_beyond_that() -> None:
     rate = RateLimit(0.1, at_once=2, most_ahead=1)
-    assert [rate.take(5.0) for _ in range(5)] == [0.0, 0.0, 10.0, 10.0, 10.0]
-    assert rate.take(25.0) == 0.0
+    assert [rate.charge(5.0) for _ in range(5)] == [0.0, 0.0, 10.0, 10.0, 10.0]
+    assert rate.charge(25.0) == 0.0
 
 
 def test_an_amount_counts_as_a_whole() -> None:
     rate = RateLimit(10, at_once=100)
-    assert rate.take(0.0, 100) == 0.0
-    assert rate.take(0.0, 20) == 2.0
-    assert rate.take(12.0, 100) == 0.0
+    assert rate.charge(0.0, 100) == 0.0
+    assert rate.charge(0.0, 20) == 2.0
+    assert rate.charge(12.0, 100) == 0.0
 
 
 def test_what_is_not_admitted_is_not_counted() -> None:

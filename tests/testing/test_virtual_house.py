@@ -206,7 +206,7 @@ async def test_the_log_is_bounded_and_counts_what_went() -> None:
     async with virtual_house_of() as house:
         log = EventLog(house.clock)
         for number in range(MAX_EVENTS + 2):
-            log.note("mqtt", "t", str(number))
+            log.record("mqtt", "t", str(number))
         assert log.lost == 2
         assert str(log).startswith("2026-01-01 00:00:00.000 mqtt t 2\n")
 

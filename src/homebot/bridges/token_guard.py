@@ -11,11 +11,11 @@ tokens alone.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from typing import final
 
 from homebot.support.addresses import network_of
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["TokenGuard"]
 
@@ -44,8 +44,8 @@ class TokenGuard:
     """The wrong tokens of the 1,000 addresses that were wrong last, and the 1,000 programs that came in last."""
 
     def __init__(self) -> None:
-        self._attempts: OrderedDict[str, _Attempts] = OrderedDict()
-        self._proven: OrderedDict[tuple[str, str], None] = OrderedDict()
+        self._attempts: BoundedMap[str, _Attempts] = BoundedMap(_MOST_ADDRESSES)
+        self._proven: BoundedMap[tuple[str, str], None] = BoundedMap(_MOST_PROVEN)
 
     def __len__(self) -> int:
         """Return the number of addresses that are remembered."""
@@ -57,11 +57,7 @@ class TokenGuard:
 
     def prove(self, address: str, name: str) -> None:
         """Record that the token of the program *name* was right from *address*."""
-        key = network_of(address), name
-        self._proven[key] = None
-        self._proven.move_to_end(key)
-        if len(self._proven) > _MOST_PROVEN:
-            self._proven.popitem(last=False)
+        self._proven[network_of(address), name] = None
 
     def begin(self, address: str, now: float) -> float | None:
         """Return the seconds that a token from *address* has to wait, or None where too many wait already.
@@ -88,11 +84,9 @@ class TokenGuard:
         if not was_wrong:
             return
         if attempts is None:
-            attempts = self._attempts[key] = _Attempts(0.0, now)
-            if len(self._attempts) > _MOST_ADDRESSES:
-                self._attempts.popitem(last=False)
+            attempts = _Attempts(0.0, now)
         attempts.wrong = min(_MOST_WRONG, attempts.wrong + 1)
-        self._attempts.move_to_end(key)
+        self._attempts[key] = attempts
 
     def throttled_addresses(self, now: float) -> tuple[str, ...]:
         """Return the addresses (IPv6: networks) with delayed tokens."""

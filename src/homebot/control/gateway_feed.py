@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Final, NamedTuple, TypeAlias, final
@@ -14,6 +13,7 @@ from homebot.devices.names import GatewayNames, gateway_of
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["GatewayFeed", "LinkLoss", "OnReport", "ReportWatch"]
 
@@ -76,7 +76,7 @@ class GatewayFeed:
         self._watches: dict[_Place, list[ReportWatch]] = {}
         self._states: set[str] = set()
         self._reports: set[str] = set()
-        self._answering: OrderedDict[_Place, None] = OrderedDict()
+        self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
         self._lost: dict[str, LinkLoss] = {}
         self.on_gateway: Callable[[str], None] = _ignore
         self.on_answer: Callable[[str, str, str], None] = _ignore
@@ -147,11 +147,7 @@ class GatewayFeed:
                 watch.on_report(reading.capability, reading.value.plain(), stamp)
 
     def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
-        place = gateway, answer.key, answer.part
-        self._answering[place] = None
-        self._answering.move_to_end(place)
-        if len(self._answering) > _MOST_ANSWERING:
-            self._answering.popitem(last=False)
+        self._answering[gateway, answer.key, answer.part] = None
         self.on_answer(answer.command_id, answer.capability, answer.message if not answer.success else "")
 
     def _on_state(self, gateway: str, state: GatewayState) -> None:

@@ -128,7 +128,7 @@ class EndpointIndex:
         return tuple(self._by_type[kind])
 
     def of_type(self, kind: EntityKind, ros_type: str) -> tuple[EndpointInfo, ...]:
-        """Return the entities of one *kind* whose full ROS type is *ros_type*."""
+        """Return the entities of one *kind* with the full ROS type *ros_type*."""
         return tuple(self._by_type[kind].get(ros_type, {}).values())
 
     def first_of_type(self, kind: EntityKind, ros_type: str) -> EndpointInfo | None:

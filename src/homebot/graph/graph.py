@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import EndpointIndex, EndpointInfo, EntityKind, GraphChange
-from homebot.graph.failures import Failures
+from homebot.graph.failures import Failures, ServiceCounts
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
-from homebot.graph.service_counts import ServiceCounts
 from homebot.graph.topic import Topic
 from homebot.log import LogLimit
 from homebot.messages.message import Message, ServiceType
@@ -139,7 +138,7 @@ class Graph:
             self._watchers.remove(changes)
             changes.close()
 
-    # What follows is for nodes.
+    # The methods below are for nodes.
 
     async def watch_services(self) -> AsyncIterator[str | None]:
         """Yield the full name of each new service. Read it to its end, in one task.

@@ -33,13 +33,13 @@ from structlog.typing import FilteringBoundLogger
 from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import GraphEntity
+from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
 from homebot.graph.service import Handler, Service
-from homebot.graph.service_counts import ServiceReports
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
 from homebot.messages.builtin_interfaces import Time

@@ -20,8 +20,8 @@ from homebot.errors import (
     UsageError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.failures import ServiceReports
 from homebot.graph.handler_run import HandlerRun, calling_runs
-from homebot.graph.service_counts import ServiceReports
 from homebot.messages.message import Message, ServiceType
 from homebot.support.isolation import crash_of, error_text
 

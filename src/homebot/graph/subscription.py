@@ -53,7 +53,7 @@ class Subscription(Generic[MessageT]):
             but its own.
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
-        unbegun: The number of received messages whose tasks have not started.
+        unbegun: The number of received messages without a started task.
     """
 
     def __init__(

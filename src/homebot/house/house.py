@@ -28,8 +28,8 @@ from homebot.house.world import World
 from homebot.log import LogLimit
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.topics import validate_filter
 from homebot.support.isolation import run_as

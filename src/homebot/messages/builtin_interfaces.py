@@ -30,8 +30,8 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
 
         :meth:`to_seconds` of a point later than 1970 is the same float again.
 
-        What lies before 1901 or after January 2038, as a clock that was set wrongly may say, is the nearest that it can
-        be: a wrong stamp is less of a fault than none. The last ones are remembered, as what is heard at once has one
+        A time before 1901 or after January 2038, as of a clock that was set wrongly, becomes the nearest possible
+        one: a wrong stamp is less of a fault than none. The last ones are cached, as messages of one moment share one
         stamp.
         """
         sec, nanosec = _split(min(max(seconds, _FIRST), _LAST))

@@ -96,7 +96,7 @@ _ALL_FIELDS: dict[type[BaseModel], set[str]] = {}
 """The names of the fields of each message type; kept here because pydantic 2.9 takes no private class variable."""
 
 
-class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is frozen
+class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen model
     """A frozen value with exact ROS field types, checked once where it is made and then passed by reference.
 
     Attributes:

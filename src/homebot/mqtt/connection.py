@@ -87,8 +87,8 @@ class MqttConnection:
             announces nothing.
         clock: Measures how long a link was up or down.
         is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
-            time, the next when they have come. Some brokers drop what a client does not take in time; the embedded
-            one sends what it keeps as it is taken.
+            time, the next when they have come. Some brokers drop messages that a client reads too
+            slowly; the embedded one waits for the client.
 
     Attributes:
         ack: Acknowledges messages to the broker; see `MqttClient.ack`.
@@ -231,8 +231,8 @@ class MqttConnection:
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
-        While the link is down they are only remembered. What the broker refuses stands in `refused`, and is asked for
-        again on every later link, until `unsubscribe`.
+        While the link is down they are only remembered. Refused filters are in `refused` and are
+        requested again on every later link, until `unsubscribe`.
 
         Args:
             every_link: Ask for them on every later link also where the broker still has them in a resumed session, for
@@ -256,7 +256,7 @@ class MqttConnection:
         """Take subscriptions back, now and for every later link."""
         self._standing.drop(filters)
         try:
-            await self._standing.take_back(filters)
+            await self._standing.unsubscribe_from(filters)
         except LinkError:
             return
 

@@ -60,7 +60,7 @@ class MqttOptions:
             link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 knows only 0 and for ever.
         session_ends_on_close: Whether a close in good order ends the session at once, for a client id that will not
             come again. A link that breaks leaves it in any case.
-        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are sent it; what is larger all
+        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are sent it; a larger one all
             the same is dropped and counted.
         receive_maximum: Most messages of QoS 1 and 2 that may wait for acknowledgement, 1 to 65535. MQTT
             3.1.1 has no field for it; there the broker's own window is the bound.

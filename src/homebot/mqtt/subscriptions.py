@@ -81,7 +81,7 @@ class SubscriptionSet:
             self._made.clear()
         refused = await self.make([name for name in self._wanted if name not in self._made])
         if self._unwanted:
-            await self.take_back(tuple(self._unwanted))
+            await self.unsubscribe_from(tuple(self._unwanted))
         return refused
 
     async def make(self, names: Iterable[str]) -> dict[str, RefusedError]:
@@ -103,17 +103,17 @@ class SubscriptionSet:
                     self._refused.pop(one.filter, None)
         return refused
 
-    async def take_back(self, filters: tuple[str, ...]) -> None:
+    async def unsubscribe_from(self, filters: tuple[str, ...]) -> None:
         """Unsubscribe from *filters*."""
         await self._client.unsubscribe(*filters)
         for name in filters:
             self._unwanted.pop(name, None)
 
     async def _subscribe(self, *batch: MqttSubscription) -> None:
-        """Subscribe once more where no answer comes, and let the messages that the broker keeps for a filter come.
+        """Subscribe, again if no answer comes, and wait for the retained messages.
 
-        Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even
-        the answer to its next request.
+        Some brokers, such as Mosquitto 2.0, drop packets that a client reads too slowly: QoS 0 messages, and even the
+        answer to its next request.
         """
         counters = self._client.counters
         before = counters.received

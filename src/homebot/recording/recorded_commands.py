@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import Final, final
 
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
 from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.secrets import without_secrets
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["CommandNews"]
 
@@ -25,15 +25,13 @@ class CommandNews:
     """
 
     def __init__(self) -> None:
-        self._requested: OrderedDict[str, None] = OrderedDict()
+        self._requested: BoundedMap[str, None] = BoundedMap(_MOST)
 
     def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | LeaseNews | None:
         """Return the command that *entry* begins, the outcome or the step of a lease that it has; None for others."""
         match entry.kind:
             case "requested":
                 self._requested[entry.command] = None
-                if len(self._requested) > _MOST:
-                    self._requested.popitem(last=False)
                 return _command(entry)
             case "published" if entry.command not in self._requested:
                 return _command(entry)

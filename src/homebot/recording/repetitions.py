@@ -5,7 +5,6 @@ A device that sends its state every second is nearly all of a recording otherwis
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import Final, Literal, TypeAlias, final
 
 from homebot.devices import Sighting
@@ -13,6 +12,7 @@ from homebot.devices.gateway_messages import Report
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.messages.message import Message
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Repetition", "Repetitions"]
 
@@ -48,7 +48,7 @@ class Repetitions:
     """The last messages of all sources; a recorder has one, and a reader that takes the same messages in its order."""
 
     def __init__(self) -> None:
-        self._last: OrderedDict[_Source, Sighting | Report] = OrderedDict()
+        self._last: BoundedMap[_Source, Sighting | Report] = BoundedMap(_MOST)
 
     def shortened(self, message: Message) -> Message:
         """Return a :class:`Repetition` in place of a *message* that is one, and any other as it is."""
@@ -92,9 +92,6 @@ class Repetitions:
 
     def _put(self, source: _Source, message: Sighting | Report) -> None:
         self._last[source] = message
-        self._last.move_to_end(source)
-        if len(self._last) > _MOST:
-            self._last.popitem(last=False)
 
 
 def _source(message: Sighting | Report) -> _Source:

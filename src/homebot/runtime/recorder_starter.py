@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["RecorderStarter"]
 
-BUSY = "somebody else records; homebot makes one recording at a time for a client"
+BUSY = "another client records; homebot makes one recording at a time for a client"
 
 _READY_WITHIN = 10.0
 

@@ -2,8 +2,8 @@
 
 Each start of a component has a task of its own. A crash is logged, with its traceback where the one before was another,
 and followed by a new start, after a delay that grows with each crash within a minute; one that crashes five times
-within a minute is given up. SystemExit, GeneratorExit and a cancellation that nobody but the component itself caused
-are crashes like any other. A UsageError at the first start is nobody's crash but a mistake to be mended, and ends the
+within a minute is given up. SystemExit, GeneratorExit and a cancellation that the component itself caused
+are crashes like any other. A UsageError at the first start is no crash but a mistake to be mended, and ends the
 start of homebot.
 """
 
@@ -95,7 +95,7 @@ class Supervisor:
         start = _Start()
         self._titles[name] = f"{kind} {name}".strip()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._keep, name, work, start)
+            tasks.start_soon(self._supervise, name, work, start)
             await self._wait_for(name, start)
             if start.mistake is None:
                 yield
@@ -120,13 +120,13 @@ class Supervisor:
                 component=name,
             )
 
-    async def _keep(self, name: str, work: Work, start: _Start) -> None:
+    async def _supervise(self, name: str, work: Work, start: _Start) -> None:
         recent: deque[float] = deque()
         while True:
             crash = await self._run_once(name, work, start)
             if crash is None:
                 _log.info(ENDED, message=f"{self._titles[name]} ended", component=name)
-                self._note(name, "ended")
+                self._log_state(name, "ended")
                 start.started()
                 return
             cause = first_cause(crash)
@@ -141,7 +141,7 @@ class Supervisor:
                 return
             await anyio.sleep(delay)
             self.restarts[name] = self.restarts.get(name, 0) + 1
-            self._note(name, "running again")
+            self._log_state(name, "running again")
 
     async def _run_once(self, name: str, work: Work, start: _Start) -> Exception | None:
         """Let *work* run in a task of its own, which it may cancel as it likes; return its crash, where it crashed."""
@@ -168,7 +168,7 @@ class Supervisor:
         crashes.append(now)
         return None if len(crashes) >= MAX_CRASHES else FIRST_DELAY * 2.0 ** (len(crashes) - 1)
 
-    def _note(self, name: str, state: Literal["running again", "ended"]) -> None:
+    def _log_state(self, name: str, state: Literal["running again", "ended"]) -> None:
         if name in self.crashes:
             self.crashes[name].state = state
 

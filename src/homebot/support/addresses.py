@@ -41,7 +41,7 @@ def ip_version(host: str) -> int | None:
 
 @lru_cache(maxsize=1024)
 def network_of(host: str) -> str:
-    """Return what one owner has of addresses: an IPv4 address, the network of an IPv6 one; a name is left as it is."""
+    """Return the addresses of one owner: an IPv4 address, the network of an IPv6 one, or a name."""
     known = parse_address(host)
     if known is None:
         return host

@@ -49,7 +49,9 @@ class ByteAccount(Generic[Client]):
             self.on_overrun()
 
     def relieve(self) -> None:
-        """Shed bytes of the largest client, again and again, until the bound is kept."""
+        """Drop bytes of the largest client, again and again, until the bound is kept."""
+        if self.used <= self._most:
+            return
         self._is_relieving = True
         try:
             sizes = {client: self._size_of(client) for client in self._clients()}

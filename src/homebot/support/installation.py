@@ -71,7 +71,7 @@ class Installation:
             self._load()
             return self._names.get(wanted, wanted)
 
-    def keep_name(self, wanted: str, got: str) -> None:
+    def store_name(self, wanted: str, got: str) -> None:
         """Keep the name that was got in place of *wanted*, as RFC 6762, section 9, recommends."""
         with self._lock:
             self._load()

@@ -1,8 +1,8 @@
 """Keeps the failure of one part of the program from ending the others.
 
-Python ends a task by raising ``CancelledError`` in it, and a program by ``SystemExit``. Both are also what comes out of
-``await task`` where somebody else cancelled *task*, and of any library that calls ``sys.exit()``. Where the code of one
-part is run on behalf of the whole, these functions tell the two apart: what is meant for the task itself passes, and
+Python ends a task by raising ``CancelledError`` in it, and a program by ``SystemExit``. Both are also raised by
+``await task`` if *task* was cancelled elsewhere, and by any library that calls ``sys.exit()``. Where the code of one
+part runs on behalf of the whole, these functions tell the two apart: an end of the task itself passes, and
 everything else becomes a crash of that part.
 """
 

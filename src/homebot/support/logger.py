@@ -1,7 +1,7 @@
 """The logger that every module of homebot has, and how a line looks for people.
 
 Where the program has configured structlog, or called :func:`homebot.log.configure_logging`, a line goes that way. Where
-it has not, homebot is a guest in somebody's program: warnings and worse go to standard error, all else to nobody but
+it has not, homebot is a guest in another program: warnings and worse go to standard error, all else only to
 the readers of ``/rosout``.
 """
 

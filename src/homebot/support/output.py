@@ -1,8 +1,8 @@
 """Standard output and error without blocking, and without control sequences from outside.
 
-A terminal that is paused, or a pipe that nobody reads, takes no more after some kilobytes; who writes to it then waits.
-An :class:`OutputQueue` lets a thread of its own wait instead. What is written keeps its order; what is too much is
-dropped, counted, and reported in its place as soon as somebody reads on.
+A paused terminal, or a pipe without a reader, takes no more after some kilobytes; a writer then waits.
+An :class:`OutputQueue` lets a thread of its own wait instead. Lines keep their order; the excess is
+dropped, counted, and reported in its place as soon as the reader goes on.
 """
 
 from __future__ import annotations

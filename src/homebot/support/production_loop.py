@@ -1,6 +1,6 @@
 """The event loop of a homebot in production: one that is watched, and that no stray ``sys.exit()`` stops.
 
-A thread looks four times a second how long the loop has been busy since it last looked for what is ready, and tells
+A thread looks four times a second how long the loop has been busy since it last polled, and tells
 which piece of code keeps it from everything else. In it nothing of the loop is touched: it reads the stack of the
 loop's thread, as a debugger does. Times are of the monotonic clock.
 """
@@ -135,7 +135,7 @@ class LoopWatch:
             looked = now
             if since is not None:
                 if busy_since == since:
-                    self._note(now, now - since)
+                    self._record_block(now, now - since)
                 else:
                     self._report_free(min(busy_since or now, now) - since)
                     since = None
@@ -158,11 +158,11 @@ class LoopWatch:
 
     def _report_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
         task = asyncio.current_task(self._loop)
-        who = "a callback" if task is None else task.get_name()
+        name = "a callback" if task is None else task.get_name()
         frame = next((one for one in stack if _is_ours_or_the_users(one)), stack[0] if stack else None)
-        self.last = who if frame is None else f"{who} in {_place(frame)}"
+        self.last = name if frame is None else f"{name} in {_place(frame)}"
         self.blocks += 1
-        self._note(now, seconds)
+        self._record_block(now, seconds)
         _log.error(
             BLOCKED,
             message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
@@ -171,7 +171,7 @@ class LoopWatch:
             stack=[_place(one) for one in stack[:_MOST_FRAMES]],
         )
 
-    def _note(self, now: float, seconds: float) -> None:
+    def _record_block(self, now: float, seconds: float) -> None:
         self._last_at = now
         self.longest = max(self.longest, seconds)
 

@@ -24,7 +24,7 @@ class RateLimit:
         self._left = at_once
         self._at = 0.0
 
-    def take(self, now: float, amount: float = 1.0) -> float:
+    def charge(self, now: float, amount: float = 1.0) -> float:
         """Count *amount*; return the seconds until it is within the limit, mostly 0."""
         self._left = max(self.room(now) - amount, -self._most_ahead)
         return max(0.0, -self._left / self._per_second)

@@ -20,7 +20,7 @@ class TimeLimits:
     """Calls back where a wait takes too long, in the event loop's time.
 
     A timer of the loop for each wait would cost more than a short wait does: it is a heap entry that is compared in
-    Python, and stays there when it is cancelled. A ``TimerQueue`` would keep what is discarded
+    Python, and stays there when it is cancelled. A ``TimerQueue`` would keep discarded entries
     in its heap for a while, here a command with all that it knows. Not for use from several event loops.
     """
 

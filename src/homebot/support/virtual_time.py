@@ -1,4 +1,4 @@
-"""An event loop whose time jumps: whenever nothing is ready, the next timer is due at once.
+"""An event loop with virtual time: whenever nothing is ready, the next timer is due at once.
 
 An hour of timers passes in milliseconds, every timer fires at exactly its own time, and nothing depends on the speed of
 the computer. No time passes while a worker thread of ``anyio.to_thread`` or of the loop's executor works, so that a
@@ -42,10 +42,10 @@ _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, an
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop in virtual time, which starts at 0.
 
-    Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for what cannot come,
-    with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 30 real seconds; one that is
-    always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are busy. A
-    worker thread that takes longer than 120 real seconds ends it too.
+    Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for an impossible
+    event, with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 30 real seconds; one
+    that is always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are
+    busy. A worker thread that takes longer than 120 real seconds ends it too.
     """
 
     def __init__(self) -> None:

@@ -17,8 +17,8 @@ __all__ = ["hold_open", "in_background", "plain_logs"]
 async def in_background(*works: Callable[[], Coroutine[object, object, None]]) -> AsyncIterator[None]:
     """Run *works* during the block and end them with it.
 
-    An error of the block passes as it is, not in a group: a failed assertion is what a test is about. Errors of *works*
-    come in a group, and end the block.
+    An error of the block passes as it is, not in a group: a failed assertion is the subject of a test. Errors of
+    *works* come in a group, and end the block.
     """
     failure: Exception | None = None
     async with anyio.create_task_group() as tasks:
@@ -44,7 +44,7 @@ def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextMana
     itself, because something in it broke, its error is raised at the end of the block.
 
     Args:
-        loop: It does not run when the block begins, nor when it ends; in between anybody may run it.
+        loop: It does not run when the block begins, nor when it ends; in between it may run elsewhere.
     """
     value: asyncio.Future[ValueT] = loop.create_future()
     leave = asyncio.Event()

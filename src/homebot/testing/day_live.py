@@ -88,7 +88,7 @@ class _Wire:
         await self.house.settle()
         return True
 
-    async def tell(self, event: DayEvent) -> bool:
+    async def send(self, event: DayEvent) -> bool:
         service_type = self.house.world.devices[event.device].device.service_type
         try:
             await self.house.says(f"{self.root}/{service_type}/{event.device}/in", event.command)
@@ -148,7 +148,7 @@ def _plan(day: Day, wire: _Wire) -> list[_Step]:
             case "press":
                 steps.append((event.at, event, partial(wire.press, event)))
             case "tell":
-                steps.append((event.at, event, partial(wire.tell, event)))
+                steps.append((event.at, event, partial(wire.send, event)))
             case "cut":
                 steps.append((event.at, event, partial(wire.cut, event)))
             case "pull":

@@ -76,7 +76,7 @@ class EventLog:
     def __str__(self) -> str:
         return "".join(f"{event}\n" for event in self.events)
 
-    def note(self, source: Literal["mqtt", "topic", "graph"], name: str, said: bytes | Message | str) -> None:
+    def record(self, source: Literal["mqtt", "topic", "graph"], name: str, said: bytes | Message | str) -> None:
         """Add an event that happens now."""
         self.lost += len(self.events) == MAX_EVENTS
         self.events.append(HouseEvent(self._clock.now(), source, name, said))
@@ -107,7 +107,7 @@ async def _read_mqtt(connection: MqttConnection, log: EventLog) -> None:
         except ClosedError:
             return
         for message in messages:
-            log.note("mqtt", message.topic, message.payload)
+            log.record("mqtt", message.topic, message.payload)
 
 
 async def _read_graph(node: Node, log: EventLog) -> None:
@@ -117,7 +117,7 @@ async def _read_graph(node: Node, log: EventLog) -> None:
             _follow(node, log, topics, GraphChange("added", info))
         async for change in changes:
             if change.entity.node != node.full_name:
-                log.note(
+                log.record(
                     "graph", change.entity.kind.value, f"{change.change} {change.entity.name} of {change.entity.node}"
                 )
                 _follow(node, log, topics, change)
@@ -133,10 +133,10 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
         return
     topics.add(info.name)
 
-    def note(message: Message) -> None:
-        log.note("topic", info.name, message)
+    def on_message(message: Message) -> None:
+        log.record("topic", info.name, message)
 
-    node.create_subscription(message_type, info.name, note, 1000)
+    node.create_subscription(message_type, info.name, on_message, 1000)
 
 
 LINES = 40

@@ -205,12 +205,12 @@ class TestHouse:
             except ClosedError:
                 return
             for message in messages:
-                self._keep(message.topic, message.payload.decode(errors="replace"))
+                self._record_payload(message.topic, message.payload.decode(errors="replace"))
             self._field.ack(messages)
             self._came.set()
             self._came = anyio.Event()
 
-    def _keep(self, topic: str, payload: str) -> None:
+    def _record_payload(self, topic: str, payload: str) -> None:
         if topic not in self._received:
             if len(self._received) >= MAX_TOPICS:
                 del self._received[next(iter(self._received))]

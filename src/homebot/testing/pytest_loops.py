@@ -1,8 +1,8 @@
 """The event loop of a test: of pytest-asyncio, of anyio's plug-in, or of homebot if neither runs it.
 
-A fixture of ours is no coroutine: what runs those differs from test to test. It asks for the loop of its test, and runs
-on that. A test in virtual time gets a loop of its own, made by a :class:`homebot.testing.VirtualTimeLoop`; all others
-keep theirs.
+Fixtures of homebot are no coroutines: their runners differ from test to test. Each asks for the loop of its test, and
+runs on that. A test in virtual time gets a loop of its own, made by a :class:`homebot.testing.VirtualTimeLoop`; all
+others keep theirs.
 """
 
 from __future__ import annotations
@@ -122,22 +122,22 @@ def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
     if VIRTUAL_TIME not in metafunc.fixturenames:
         return
     if "anyio_backend" in metafunc.fixturenames:
-        _give(metafunc, "anyio_backend", ("asyncio", {"loop_factory": _virtual_loop}))
+        _parametrize(metafunc, "anyio_backend", ("asyncio", {"loop_factory": _virtual_loop}))
     plugin = metafunc.config.pluginmanager.get_plugin(PYTEST_ASYNCIO)
     if plugin is None:
         return
-    _give_one_loop(metafunc.definition)
+    _assign_loop(metafunc.definition)
     if hasattr(plugin, _CHOOSES_LOOPS):
         metafunc.fixturenames.append(RUNNER_FIXTURE)
-        _give(metafunc, RUNNER_FIXTURE, _VirtualRunner())
+        _parametrize(metafunc, RUNNER_FIXTURE, _VirtualRunner())
     elif "event_loop_policy" in metafunc.fixturenames:
-        _give(metafunc, "event_loop_policy", _virtual_policy())
+        _parametrize(metafunc, "event_loop_policy", _virtual_policy())
 
 
 def use_loop_of_its_own(test: pytest.Item) -> None:
     """Keep pytest-asyncio from running a test in virtual time on the loop of a whole module or session."""
     if VIRTUAL_TIME in getattr(test, "fixturenames", ()):
-        _give_one_loop(test)
+        _assign_loop(test)
 
 
 def close_virtual_loop(test: pytest.Item) -> None:
@@ -187,12 +187,12 @@ def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:
     return Policy()
 
 
-def _give_one_loop(test: pytest.Item) -> None:
+def _assign_loop(test: pytest.Item) -> None:
     if test.get_closest_marker("asyncio") is not None:
         test.add_marker(pytest.mark.asyncio(loop_scope="function"), append=False)
 
 
-def _give(metafunc: pytest.Metafunc, fixture: str, value: object) -> None:
+def _parametrize(metafunc: pytest.Metafunc, fixture: str, value: object) -> None:
     """Set *fixture* to *value* in the test of *metafunc*, unless the test sets it itself."""
     for mark in metafunc.definition.iter_markers("parametrize"):
         names: str | Collection[str] = mark.args[0] if mark.args else mark.kwargs["argnames"]

@@ -19,8 +19,8 @@ from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
 from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.recording.recording_file import LineSink

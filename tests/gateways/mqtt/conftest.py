@@ -37,8 +37,8 @@ from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages.message import Message
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions

@@ -16,8 +16,8 @@ from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 

@@ -12,7 +12,7 @@ from homebot.conventions.zigbee2mqtt.reader import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 
 
 def settings(**table: object) -> MqttGatewaySettings:

@@ -95,7 +95,6 @@ class MemoryLink:
 
     def __init__(self) -> None:
         self.write_blocked = False
-        self.room = 0
         self.address = "memory"
         self.last = b""
         self.written = bytearray()
@@ -107,9 +106,6 @@ class MemoryLink:
         if not self.closed:
             self.last = data
             self.written += data
-
-    def has_room_for(self, size: int) -> bool:
-        return size <= self.room
 
     def pause_reading(self) -> None:
         self.reading = False

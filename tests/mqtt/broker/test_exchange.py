@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -27,14 +26,6 @@ FOREVER = 0xFFFF_FFFF
 QUOTA = ReasonCode.QUOTA_EXCEEDED
 
 
-def test_a_retained_message_reaches_those_who_come_later(join: Join) -> None:
-    client = join()
-    client.publish("a/b", b"old", retain=True)
-    client.publish("a/b", b"new", retain=True)
-    client.subscribe("a/+")
-    assert client.messages() == [Publish("a/b", b"new", retain=True)]
-
-
 def test_an_empty_payload_removes_the_retained_message(join: Join) -> None:
     client = join()
     client.publish("a", b"old", retain=True)
@@ -52,19 +43,6 @@ def test_a_retained_message_comes_without_the_flag_to_those_who_were_there(join:
     plain.publish("t", b"2")
     assert [message.retain for message in plain.messages()] == [False, False]
     assert [message.retain for message in exact.messages()] == [True, False]
-
-
-def test_retain_handling_decides_when_retained_messages_are_sent(join: Join) -> None:
-    client = join()
-    client.publish("t", b"x", retain=True)
-    counts = []
-    for handling in (2, 1, 0, 1, 2):
-        client.subscribe(FilterRequest("t", 0, retain_handling=handling))
-        counts.append(len(client.messages()))
-    assert counts == [0, 0, 1, 0, 0]
-    client.send(Unsubscribe(1, ("t",)))
-    client.subscribe(FilterRequest("t", 0, retain_handling=1))
-    assert len(client.messages()) == 1
 
 
 def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, join: Join) -> None:
@@ -95,17 +73,6 @@ def test_an_expired_retained_message_is_not_sent_and_makes_room(new_state: NewSt
     assert state.stats.retained_refused == 0
 
 
-def test_overlapping_subscriptions_get_one_copy_at_the_highest_qos_with_all_identifiers(join: Join) -> None:
-    client = join()
-    client.subscribe("a/#", qos=2, identifier=1)
-    client.subscribe("a/+", qos=1, identifier=300)
-    client.subscribe("#", qos=0)
-    client.publish("a/b", qos=2, packet_id=1)
-    (message,) = client.messages()
-    assert message.qos == 2
-    assert sorted(message.properties.subscription_identifiers) == [1, 300]
-
-
 def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
     client, other = join("a"), join("b")
     client.subscribe(FilterRequest("t", 1, no_local=True))
@@ -115,16 +82,6 @@ def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
     client.subscribe("#", qos=0)
     client.publish("t", b"own", 1, packet_id=1)
     assert [(message.payload, message.qos) for message in client.messages()] == [(b"own", 0)]
-
-
-def test_dollar_topics_are_not_matched_by_leading_wildcards(join: Join) -> None:
-    client = join()
-    client.subscribe("#", "+/x", "/#")
-    client.publish("$priv/x")
-    assert client.messages() == []
-    client.subscribe("$priv/+")
-    client.publish("$priv/x")
-    assert len(client.messages()) == 1
 
 
 def test_unsubscribing_says_what_was_not_there(join: Join) -> None:
@@ -145,23 +102,6 @@ def test_a_message_with_no_reader_is_acknowledged_as_such(join: Join) -> None:
     older.publish("t", qos=1, packet_id=1)
     assert client.take() == [Puback(1, ReasonCode.NO_MATCHING_SUBSCRIBERS)]
     assert older.take() == [Puback(1)]
-
-
-def test_a_message_expires_while_it_waits_and_is_sent_with_what_is_left(
-    join: Join, pass_time: Callable[[float], None]
-) -> None:
-    client = join("s", session_expiry_interval=FOREVER)
-    client.subscribe("t")
-    client.lose()
-    other = join("p")
-    for number, seconds in enumerate((1, 6, None)):
-        properties = Properties(message_expiry_interval=seconds)
-        other.publish("t", str(seconds).encode(), 1, number + 1, properties=properties)
-    pass_time(3)
-    client = join("s", clean=False, present=True)
-    left = [(message.payload, message.properties.message_expiry_interval) for message in client.messages()]
-    assert left == [(b"6", 3), (b"None", None)]
-    assert client.state.stats.dropped_expired == 1
 
 
 def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join) -> None:

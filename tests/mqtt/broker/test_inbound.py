@@ -11,7 +11,6 @@ from homebot.mqtt.packets import (
     Properties,
     ProtocolVersion,
     Pubcomp,
-    Publish,
     Pubrec,
     Pubrel,
     ReasonCode,
@@ -23,18 +22,6 @@ if TYPE_CHECKING:
 
 def alias(number: int) -> Properties:
     return Properties(topic_alias=number)
-
-
-@pytest.mark.parametrize("version", ProtocolVersion)
-def test_a_qos_2_message_sent_twice_is_forwarded_once(join: Join, version: ProtocolVersion) -> None:
-    client = join(version=version)
-    client.subscribe("t", qos=0)
-    client.publish("t", qos=2, packet_id=5)
-    client.publish("t", qos=2, packet_id=5, dup=True)
-    assert client.take() == [Publish("t", b"x"), Pubrec(5), Pubrec(5)]
-    client.send(Pubrel(5))
-    client.publish("t", qos=2, packet_id=5)
-    assert client.take() == [Pubcomp(5), Publish("t", b"x"), Pubrec(5)]
 
 
 def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Join) -> None:
@@ -50,30 +37,11 @@ def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Joi
     assert len(watcher.messages()) == 1
 
 
-def test_a_topic_alias_stands_for_its_topic(join: Join) -> None:
-    client = join()
-    client.subscribe("#", qos=0)
-    client.publish("a", b"1", properties=alias(1))
-    client.publish("", b"2", 1, 1, properties=alias(1))
-    client.publish("b", b"3", properties=alias(1))
-    client.publish("", b"4", 2, 2, properties=alias(1))
-    assert client.messages() == [Publish("a", b"1"), Publish("a", b"2"), Publish("b", b"3"), Publish("b", b"4")]
-
-
 @pytest.mark.parametrize(("number", "reason"), [(65, ReasonCode.TOPIC_ALIAS_INVALID), (64, ReasonCode.PROTOCOL_ERROR)])
 def test_an_alias_too_high_or_not_set_ends_the_connection(join: Join, number: int, reason: ReasonCode) -> None:
     client = join()
     client.publish("", properties=alias(number))
     assert client.take_only(Disconnect)[0].reason is reason
-
-
-def test_aliases_end_with_the_connection(join: Join) -> None:
-    client = join(session_expiry_interval=60)
-    client.publish("a", properties=alias(1))
-    client.lose()
-    client = join(clean=False, present=True)
-    client.publish("", properties=alias(1))
-    assert client.link.closed
 
 
 def test_more_messages_than_receive_maximum_end_the_connection(new_state: NewState, join: Join) -> None:

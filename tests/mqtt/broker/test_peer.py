@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.clock import ManualClock
-from homebot.mqtt.broker.ports import RefusedFilters
 from homebot.mqtt.packets import (
     Auth,
     Connack,
@@ -59,28 +57,6 @@ def test_an_older_client_is_told_nothing_it_does_not_know(stranger: Stranger) ->
     client = stranger(V31)
     client.send(Connect("a", V31))
     assert client.take() == [Connack()]
-
-
-def test_a_client_without_an_id_gets_one(stranger: Stranger) -> None:
-    ids = set()
-    for clean in (True, False):
-        client = stranger()
-        client.send(Connect("", clean_start=clean))
-        (connack,) = client.take_only(Connack)
-        ids.add(connack.properties.assigned_client_identifier)
-        assert connack.properties.assigned_client_identifier == client.peer.client_id
-    assert len(ids) == 2
-
-
-@pytest.mark.parametrize(("version", "clean", "works"), [(V311, True, True), (V311, False, False), (V31, True, False)])
-def test_an_older_client_without_an_id_must_start_clean(
-    stranger: Stranger, version: ProtocolVersion, *, clean: bool, works: bool
-) -> None:
-    client = stranger(version)
-    client.send(Connect("", version, clean))
-    (connack,) = client.take_only(Connack)
-    assert connack.reason is (ReasonCode.SUCCESS if works else ReasonCode.CLIENT_IDENTIFIER_NOT_VALID)
-    assert client.link.closed is not works
 
 
 @pytest.mark.parametrize("version", [V31, V311, V5])
@@ -183,12 +159,6 @@ def test_nothing_is_read_behind_a_disconnect(join: Join) -> None:
     assert not client.link.lingers
 
 
-def test_ping_is_answered(join: Join) -> None:
-    client = join()
-    client.send(Pingreq(), Pingreq())
-    assert client.take() == [Pingresp(), Pingresp()]
-
-
 def test_a_silent_client_is_closed_after_one_and_a_half_keep_alives(join: Join, pass_time: PassTime) -> None:
     client = join(keep_alive=10, will=Will("w", b"gone", retain=True))
     pass_time(14)
@@ -212,26 +182,6 @@ def test_a_socket_without_connect_is_closed(stranger: Stranger, pass_time: PassT
     client.send_bytes(b"\x10")
     pass_time(10)
     assert client.link.closed
-
-
-@pytest.mark.parametrize(("asked", "told", "limit"), [(120, 60, 90.0), (0, 60, 90.0), (5, None, 7.5)])
-def test_the_broker_may_shorten_the_keep_alive(
-    new_state: NewState, stranger: Stranger, clock: ManualClock, asked: int, told: int | None, limit: float
-) -> None:
-    state = new_state(keep_alive=60)
-    client = stranger(at=state)
-    client.send(Connect("a", keep_alive=asked))
-    assert client.take_only(Connack)[0].properties.server_keep_alive == told
-    clock.advance(limit)
-    state.deadlines.run(clock.monotonic())
-    assert client.link.closed
-
-
-def test_refused_filters_are_answered_with_0x80(new_state: NewState, join: Join) -> None:
-    state = new_state(policy=RefusedFilters({"test/nosubscribe"}))
-    for version in (V311, V5):
-        client = join(at=state, version=version)
-        assert client.subscribe("test/nosubscribe", "ok") == (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.GRANTED_QOS_2)
 
 
 def test_a_policy_refuses_publishes_subscriptions_and_wills(

@@ -19,7 +19,7 @@ def test_a_filter_finds_the_topics_that_it_matches(topic_filter: str, others: in
     retained = RetainedMessages(1000, 1_000_000)
     topics = [*TOPICS, *(f"z/{number}" for number in range(others))]
     for topic in topics:
-        assert retained.keep(BrokerMessage(topic, b"x"), now=0.0)
+        assert retained.store(BrokerMessage(topic, b"x"), now=0.0)
 
     found = [message.topic for message, _ in owed(retained, topic_filter)]
 

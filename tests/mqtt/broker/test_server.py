@@ -42,15 +42,6 @@ V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 FOREVER = Properties(session_expiry_interval=0xFFFF_FFFF)
 
 
-@pytest.mark.parametrize("version", [V31, V311, V5])
-async def test_a_message_goes_from_socket_to_socket(dial: Dial, version: ProtocolVersion) -> None:
-    async with Broker() as broker:
-        client = await dial(broker, "a", version)
-        await client.call(Subscribe(1, (FilterRequest("t", 1),)))
-        await (await dial(broker, "b", V5)).call(Publish("t", b"hello", 1, packet_id=1))
-        assert await client.take() == Publish("t", b"hello", 1, packet_id=1)
-
-
 async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> None:
     async with Broker(port=reserve_port()) as broker:
         assert broker.running
@@ -172,22 +163,6 @@ async def test_a_lost_socket_publishes_the_will(dial: Dial) -> None:
         assert await watcher.take() == Publish("gone", b"c", 1, packet_id=1)
 
 
-async def test_a_stalled_subscriber_loses_nothing_that_was_acknowledged(dial: Dial) -> None:
-    async with Broker(limits=BrokerLimits(max_queued_messages=100, max_held_packets=50)) as broker:
-        slow = await dial(broker, "s", V311)
-        await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
-        publisher = await dial(broker, "p", V311)
-        count = 500
-        for number in range(count):
-            await publisher.send(Publish("t", number.to_bytes(2, "big"), 1, packet_id=number + 1))
-        acknowledged = [await publisher.take() for _ in range(64 + 75)]
-        received = [await _take_and_acknowledge(slow) for _ in range(count)]
-        acknowledged += [await publisher.take() for _ in range(count - len(acknowledged))]
-        assert received == list(range(count))
-        assert acknowledged == [Puback(number + 1) for number in range(count)]
-        assert broker.stats.holds >= 1
-
-
 async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
         slow, publisher = await dial(broker, "s"), await dial(broker, "p")
@@ -213,17 +188,6 @@ async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(d
         sizes = [len(message.payload) for message in messages if isinstance(message, Publish)]
         assert sizes == [12_000_000, *[5_000] * 10, 4]
         assert broker.stats.dropped_qos0 == 0
-
-
-async def test_a_large_message_arrives_whole(dial: Dial) -> None:
-    async with Broker() as broker:
-        client = await dial(broker)
-        payload = bytes(range(256)) * 8000
-        await client.call(Subscribe(1, (FilterRequest("t", 0),)))
-        await client.send(Publish("t", payload))
-        assert await client.take() == Publish("t", payload)
-        await client.send_bytes(b"\x30\xff\xff\xff\x7f")
-        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.PACKET_TOO_LARGE]
 
 
 async def test_too_many_sockets_are_cut(dial: Dial) -> None:

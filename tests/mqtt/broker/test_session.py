@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
-
 from homebot.mqtt.packets import (
     Disconnect,
     Pingreq,
@@ -28,19 +26,6 @@ FOREVER = 0xFFFF_FFFF
 
 def payloads(client: MemoryClient) -> list[bytes]:
     return [message.payload for message in client.messages()]
-
-
-@pytest.mark.parametrize("version", [V31, V311, V5])
-@pytest.mark.parametrize("granted", [0, 1, 2])
-@pytest.mark.parametrize("sent", [0, 1, 2])
-def test_a_message_arrives_at_the_lower_of_both_qos(
-    join: Join, version: ProtocolVersion, granted: int, sent: int
-) -> None:
-    subscriber, publisher = join("s", version=version), join("p", version=version)
-    subscriber.subscribe("t", qos=granted)
-    publisher.publish("t", b"hello", sent, packet_id=9 if sent else None)
-    qos = min(granted, sent)
-    assert subscriber.messages() == [Publish("t", b"hello", qos, packet_id=1 if qos else None)]
 
 
 def test_qos_2_takes_four_steps_and_then_is_over(join: Join) -> None:
@@ -73,22 +58,6 @@ def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(
         Publish("t", b"3", 1, dup=True, packet_id=4),
         Publish("t", b"later", 1, packet_id=5),
     ]
-
-
-def test_no_more_than_receive_maximum_is_in_flight(join: Join) -> None:
-    client = join("s", receive_maximum=2)
-    client.subscribe("t")
-    other = join("p")
-    for number in range(4):
-        other.publish("t", str(number).encode(), 1, packet_id=number + 1)
-    first = client.messages()
-    assert [message.payload for message in first] == [b"0", b"1"]
-    other.publish("t", b"unbounded", 0)
-    assert payloads(client) == [b"unbounded"]
-    client.acknowledge(first[0])
-    assert payloads(client) == [b"2"]
-    client.send(Puback(2), Puback(3))
-    assert payloads(client) == [b"3"]
 
 
 def test_what_acknowledgements_make_room_for_is_sent_before_the_answer_to_a_later_packet(join: Join) -> None:

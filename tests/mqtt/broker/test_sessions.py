@@ -22,19 +22,6 @@ def will(delay: int | None = None, *, retain: bool = False, expiry: int | None =
     return Will("will", b"gone", 1, retain, properties)
 
 
-def test_a_session_without_expiry_ends_with_its_connection(join: Join) -> None:
-    join().lose()
-    join(clean=False, present=False)
-
-
-def test_a_session_is_kept_for_its_expiry_interval(join: Join, pass_time: PassTime) -> None:
-    join(session_expiry_interval=5).lose()
-    pass_time(4.9)
-    join(clean=False, present=True, session_expiry_interval=5).lose()
-    pass_time(5)
-    join(clean=False, present=False)
-
-
 def test_a_session_that_never_expires_is_still_there_after_years(join: Join, pass_time: PassTime) -> None:
     join(session_expiry_interval=FOREVER).lose()
     pass_time(1e9)
@@ -58,14 +45,6 @@ def test_before_mqtt_5_a_session_that_is_not_clean_is_kept_for_ever(join: Join, 
     client = join(version=V311, clean=False, present=True)
     client.publish("t")
     assert len(client.messages()) == 1
-
-
-def test_disconnect_may_change_the_expiry(join: Join, pass_time: PassTime) -> None:
-    join(session_expiry_interval=1).leave(properties=Properties(session_expiry_interval=5))
-    pass_time(3)
-    client = join(clean=False, present=True, session_expiry_interval=1)
-    client.leave(properties=Properties(session_expiry_interval=0))
-    join(clean=False, present=False)
 
 
 def test_disconnect_must_not_prolong_a_session_that_was_to_end(join: Join) -> None:
@@ -120,20 +99,6 @@ def test_a_retained_will_stays(join: Join) -> None:
     late = join("l")
     late.subscribe("will")
     assert late.messages() == [Publish("will", b"gone", 1, retain=True, packet_id=1)]
-
-
-@pytest.mark.parametrize(("delay", "expiry", "due"), [(3, 5, 3), (5, 2, 2), (5, 0, 0), (5, 5, 5)])
-def test_a_will_waits_for_its_delay_or_the_end_of_the_session(
-    join: Join, pass_time: PassTime, delay: int, expiry: int, due: int
-) -> None:
-    watcher = join("w")
-    watcher.subscribe("will")
-    join("c", will=will(delay), session_expiry_interval=expiry).lose()
-    if due:
-        pass_time(due - 0.1)
-        assert watcher.messages() == []
-        pass_time(0.1)
-    assert [message.properties.will_delay_interval for message in watcher.messages()] == [None]
 
 
 def test_a_client_that_returns_in_time_cancels_its_will(join: Join, pass_time: PassTime) -> None:

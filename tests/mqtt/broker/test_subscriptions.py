@@ -59,6 +59,6 @@ def test_an_emptied_tree_keeps_nothing() -> None:
 def test_retained_messages_are_found_by_the_same_rule(topics: list[str], name: str) -> None:
     retained = RetainedMessages(100, 10_000)
     for topic in topics:
-        retained.keep(BrokerMessage(topic, b"x"), 0.0)
+        retained.store(BrokerMessage(topic, b"x"), 0.0)
     found = {message.topic for message, _ in owed(retained, name)}
     assert found == {topic for topic in topics if topic_matches(name, topic)}

@@ -28,7 +28,6 @@ from homebot.mqtt.packets import (
     ReasonCode,
     encode,
 )
-from homebot.mqtt.packets import Will as WillPacket
 
 pytestmark = pytest.mark.virtual_time
 
@@ -123,42 +122,6 @@ async def test_an_idle_link_is_kept_alive_for_a_week(broker: MemoryBroker, optio
         await client.publish("t", qos=1)
 
 
-async def test_the_broker_may_ask_for_a_shorter_keep_alive(options: MqttOptions) -> None:
-    async with MemoryBroker(keep_alive=20) as broker:
-        client = broker.make_client(replace(options, keep_alive=600))
-        async with client.connected():
-            await anyio.sleep(3_600)
-            await client.publish("t", qos=1)
-
-
-async def test_a_session_ends_when_its_time_is_over(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(replace(options, session_expiry=8 * 3_600))
-    for away, resumed in ((0, False), (8 * 3_600 - 1, True), (8 * 3_600, False)):
-        await anyio.sleep(away)
-        async with client.connected() as session:
-            assert session.resumed is resumed
-
-
-async def test_a_delayed_will_comes_at_its_time(broker: MemoryBroker, options: MqttOptions) -> None:
-    watcher = broker.make_client(options)
-    will = WillPacket("will", b"gone", properties=Properties(will_delay_interval=3_600))
-    async with watcher.connected():
-        await watcher.subscribe(MqttSubscription("will"))
-        victim = RawClient(broker)
-        victim.say(Connect("victim", will=will, properties=Properties(session_expiry_interval=7_200)))
-        await anyio.sleep(10)
-        victim.socket.abort()
-        assert [message.payload for message in await watcher.receive()] == [b"gone"]
-        assert now() == 3_610.0
-
-
-async def test_who_says_nothing_is_cut_off(broker: MemoryBroker) -> None:
-    silent = RawClient(broker)
-    await silent.ended.wait()
-    assert now() == 10.0
-    assert broker.links == ()
-
-
 async def test_who_breaks_the_protocol_is_told_why(broker: MemoryBroker) -> None:
     client = RawClient(broker)
     client.say(Connect("a"), Connect("a"))
@@ -189,12 +152,9 @@ async def test_a_client_that_does_not_read_loses_only_qos_0(broker: MemoryBroker
         assert broker.stats.dropped_qos0 == 100 - len(got) > 0
 
 
-async def test_a_fast_publisher_of_qos_0_waits_for_the_broker(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(options)
-    async with client.connected():
-        for _ in range(100):
-            await client.publish("t", bytes(10_000))
-        assert broker.stats.messages_received > 50
+async def _publish_in_vain(client: MqttClient) -> None:
+    with pytest.raises(LinkError):
+        await client.publish("t", b"lost", qos=2)
 
 
 async def test_a_window_bounds_what_is_open_and_a_lost_link_sets_those_free_who_wait(options: MqttOptions) -> None:
@@ -225,47 +185,6 @@ async def test_a_window_bounds_what_is_open_and_a_lost_link_sets_those_free_who_
         ] * 10
 
 
-async def test_a_hand_shake_of_qos_2_is_brought_to_its_end_on_the_next_link(
-    broker: MemoryBroker, options: MqttOptions
-) -> None:
-    """Or the broker would take the next message of that number for a repetition."""
-    watcher = broker.make_client(replace(options, client_id="watcher"))
-    client = broker.make_client(replace(options, session_expiry=60))
-    async with watcher.connected():
-        await watcher.subscribe(MqttSubscription("t", 0))
-        async with client.connected(), anyio.create_task_group() as tasks:
-            tasks.start_soon(_publish_in_vain, client)
-            await anyio.lowlevel.checkpoint()
-            link = broker.link_of("hub")
-            link.socket.pause_reading()
-            await watcher.receive()
-            link.abort()
-        async with client.connected() as session:
-            assert session.resumed
-            for number in range(3):
-                await client.publish("t", b"%d" % number, qos=2)
-        got: list[bytes] = []
-        while len(got) < 3:
-            got += [message.payload for message in await watcher.receive()]
-        assert got == [b"0", b"1", b"2"]
-
-
-async def _publish_in_vain(client: MqttClient) -> None:
-    with pytest.raises(LinkError):
-        await client.publish("t", b"lost", qos=2)
-
-
-async def test_an_answer_that_does_not_come_is_overdue(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(replace(options, timeout=3.0))
-    async with client.connected():
-        broker.link_of("hub").freeze()
-        with pytest.raises(LinkError, match="no answer to a publish within 3 s"):
-            await client.publish("t", qos=1)
-        with pytest.raises(LinkError, match="no answer to a subscribe within 3 s"):
-            await client.subscribe(MqttSubscription("t"))
-    assert now() == 6.0
-
-
 async def test_each_answer_is_overdue_in_its_own_time() -> None:
     requests = Requests(Random(1), 3.0)  # noqa: S311 - no secret
     answers = []
@@ -278,15 +197,6 @@ async def test_each_answer_is_overdue_in_its_own_time() -> None:
             await answer
         assert now() == overdue
     assert await answers[1] == (0,)
-
-
-async def test_what_the_broker_does_not_take_is_refused_here(options: MqttOptions) -> None:
-    async with MemoryBroker(limits=BrokerLimits(max_packet_size=2_000)) as broker:
-        client = broker.make_client(options)
-        async with client.connected():
-            with pytest.raises(RefusedError, match="packet too large"):
-                await client.publish("t", bytes(2_000))
-            await client.publish("t", bytes(1_900), qos=1)
 
 
 async def test_only_this_broker_can_be_reached_and_only_while_it_runs(options: MqttOptions) -> None:
@@ -306,14 +216,6 @@ async def test_only_this_broker_can_be_reached_and_only_while_it_runs(options: M
             broker.link_of("x")
         with pytest.raises(UsageError, match="no TLS"):
             broker.make_client(MqttOptions.from_url("mqtts://memory:1883"))
-
-
-async def test_a_client_has_one_link_at_a_time(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(options)
-    async with client.connected():
-        with pytest.raises(UsageError, match="already connected"):
-            async with client.connected():
-                pass
 
 
 async def test_too_many_links_are_turned_away(options: MqttOptions) -> None:

@@ -11,7 +11,7 @@ def test_bytes_come_out_in_order_and_in_portions(chunks: list[bytes], portion: i
         ahead.put(chunk)
     taken = []
     while ahead.size:
-        taken.append(ahead.take())
+        taken.append(ahead.pop())
     assert b"".join(taken) == b"".join(chunks)
     assert all(len(one) <= portion for one in taken)
 
@@ -22,9 +22,9 @@ def test_it_is_full_until_enough_is_taken() -> None:
     assert not ahead.is_full
     ahead.put(b"6")
     assert ahead.is_full
-    assert ahead.take() == b"1234"
+    assert ahead.pop() == b"1234"
     assert not ahead.is_full
 
 
 def test_nothing_is_left_of_nothing() -> None:
-    assert ReadAhead(4, 6).take() == b""
+    assert ReadAhead(4, 6).pop() == b""

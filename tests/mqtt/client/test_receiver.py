@@ -53,7 +53,7 @@ async def test_a_full_inbox_is_told() -> None:
         for number in range(5):
             receiver.publish(Frame(0x30, b"\x00\x01t%d" % number))
         receiver.deliver()
-    assert [message.payload for message in await receiver.take()] == [b"3", b"4"]
+    assert [message.payload for message in await receiver.receive()] == [b"3", b"4"]
     assert receiver.counters.received == 5
     assert receiver.counters.dropped_overflow == 3
     assert len(lines) == 1

@@ -8,15 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.mqtt.packets import (
-    Connect,
-    FilterRequest,
     PacketError,
     PacketReader,
     Properties,
-    ProtocolVersion,
     Publish,
-    Subscribe,
-    Will,
     encode,
 )
 
@@ -93,52 +88,3 @@ def test_what_ours_accepts_of_a_damaged_message_theirs_reads_alike(packet: Publi
         return
     theirs = read(bytes(raw))
     assert theirs is None or (isinstance(ours, Publish) and same(ours, theirs))
-
-
-@given(
-    client_id=TEXT,
-    clean=st.booleans(),
-    keep_alive=st.integers(0, 65_535),
-    username=st.none() | TEXT,
-    password=st.none() | st.binary(max_size=9),
-    topic=TEXT,
-)
-def test_both_read_a_connect_alike(
-    *, client_id: str, clean: bool, keep_alive: int, username: str | None, password: bytes | None, topic: str
-) -> None:
-    will = Will(topic, b"gone", 1, True, Properties(will_delay_interval=5))
-    ours = Connect(
-        client_id,
-        ProtocolVersion.V5,
-        clean,
-        keep_alive,
-        username,
-        password,
-        will,
-        Properties(session_expiry_interval=9),
-    )
-    theirs = read(encode(ours))
-    assert isinstance(theirs, mqtt5.ConnectPacket)
-    assert (theirs.client_id, theirs.clean_start, theirs.keep_alive) == (client_id, clean, keep_alive)
-    assert (theirs.username, theirs.password, theirs.session_expiry_interval) == (username, password, 9)
-    assert theirs.will is not None
-    assert (theirs.will.topic, theirs.will.payload, theirs.will.qos) == (topic, b"gone", 1)
-    assert theirs.will.will_delay_interval == 5
-
-
-@given(
-    packet_id=st.integers(1, 65_535),
-    topic=TEXT,
-    qos=st.integers(0, 2),
-    no_local=st.booleans(),
-    handling=st.integers(0, 2),
-)
-def test_both_read_a_subscribe_alike(*, packet_id: int, topic: str, qos: int, no_local: bool, handling: int) -> None:
-    request = FilterRequest(topic, qos, no_local, False, handling)
-    theirs = read(encode(Subscribe(packet_id, (request,), Properties(subscription_identifiers=(7,)))))
-    if topic.startswith("$share/"):
-        return
-    assert isinstance(theirs, mqtt5.SubscribePacket)
-    (only,) = theirs.topic_filters
-    assert (theirs.packet_id, theirs.subscription_id, only.pattern) == (packet_id, 7, topic)
-    assert (only.max_qos, only.no_local, only.retain_handling) == (qos, no_local, handling)

@@ -13,7 +13,7 @@ async def test_beyond_ten_thousand_the_oldest_message_is_forgotten_and_counted()
     for number in range(10_003):
         journal.record(BrokerMessage("t", b"%d" % number, origin="lamp"))
     assert journal.forgotten == 3
-    first = await journal.take("t", None, 1.0)
+    first = await journal.pop("t", None, 1.0)
     assert first is not None
     assert first.payload == b"3"
 
@@ -29,7 +29,7 @@ async def test_only_one_of_two_that_wait_gets_the_message() -> None:
     got: list[object] = []
 
     async def wait() -> None:
-        got.append(await journal.take("t", None, 0.05))
+        got.append(await journal.pop("t", None, 0.05))
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(wait)

@@ -137,7 +137,7 @@ class ClientSession:
         most = self._settings.max_frames_per_second
         rate = RateLimit(most, at_once=most)
         async for frame in frames:
-            if wait := rate.take(now()):
+            if wait := rate.charge(now()):
                 self._report_slow()
                 await anyio.sleep(wait)
             await self._outbox.room()

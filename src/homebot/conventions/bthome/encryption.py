@@ -16,6 +16,7 @@ from cryptography.hazmat.primitives.ciphers.aead import AESCCM
 
 from homebot.conventions.bthome.packet import BTHomeFrame
 from homebot.errors import WireError
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["BindKey", "seal"]
 
@@ -54,8 +55,8 @@ class BindKey:
         self._counter: int | None = None
         self._last = b""
         self._opened_at = float("-inf")
-        self._low: dict[bytes, None] = {}
-        self._recent: dict[bytes, None] = {}
+        self._low: BoundedMap[bytes, None] = BoundedMap(MAX_REMEMBERED)
+        self._recent: BoundedMap[bytes, None] = BoundedMap(MAX_REMEMBERED)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._address.hex(':')})"
@@ -89,8 +90,6 @@ class BindKey:
         self._counter, self._last, self._opened_at = counter, body, now
         remembered = self._low if counter < RESTARTS_BELOW else self._recent
         remembered[trailer] = None
-        if len(remembered) > MAX_REMEMBERED:
-            del remembered[next(iter(remembered))]
         return opened
 
     def _is_newer(self, counter: int) -> bool:

@@ -82,7 +82,7 @@ class WorkBudget:
 
     def charge(self, work: float, now: float) -> None:
         """Subtract *work* from the budget."""
-        self.limit.take(now, work)
+        self.limit.charge(now, work)
         if self.limit.room(now) <= 0:
             self.spent_at = now
 
@@ -147,7 +147,7 @@ class WorkBudgets:
         payer = self.account_for(source)
         is_own = payer == source and payer in self._accepted
         if is_own:
-            self._total.take(now, work)
+            self._total.charge(now, work)
             if payer not in self._own and not self._has_room(now):
                 self.forgotten += 1
                 return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
+from collections import deque
 from dataclasses import dataclass, field
 
 import anyio
@@ -10,6 +10,7 @@ import anyio
 from homebot.clock import Clock
 from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["BluetoothUnavailableError", "Intake", "IntakeCounts"]
 
@@ -52,7 +53,7 @@ class Intake:
     counts: IntakeCounts = field(default_factory=IntakeCounts)
     heard_at: float = float("-inf")
     _waiting: deque[Advertisement] = field(default_factory=deque)
-    _last: OrderedDict[str, tuple[float, Advertisement]] = field(default_factory=OrderedDict)
+    _last: BoundedMap[str, tuple[float, Advertisement]] = field(default_factory=lambda: BoundedMap(MAX_ADDRESSES))
     _some_wait: anyio.Event = field(default_factory=anyio.Event)
 
     def put(self, advertisement: Advertisement) -> None:
@@ -66,8 +67,6 @@ class Intake:
             self.counts.repeated += 1
             return
         self._last[address] = now, advertisement
-        if len(self._last) > MAX_ADDRESSES:
-            self._last.popitem(last=False)
         if len(self._waiting) >= MAX_WAITING:
             self._waiting.popleft()
             self.counts.dropped += 1

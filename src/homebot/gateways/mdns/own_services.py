@@ -128,7 +128,7 @@ class OwnServices:
         message = f"another program on the network is called {self._name}; this homebot is {got} there"
         self._node.log.info(NAME_TAKEN, message=message, name=got)
         self._name = got
-        await to_thread.run_sync(self._installation.keep_name, self._wanted, got)
+        await to_thread.run_sync(self._installation.store_name, self._wanted, got)
 
     @property
     def _host(self) -> str:

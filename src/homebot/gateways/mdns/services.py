@@ -215,7 +215,7 @@ class Services:
 
     def _wait_for_change(self, one: _Followed) -> float:
         """Count a change; return the seconds to wait before reading it."""
-        wait = one.changes.take(self._clock.monotonic())
+        wait = one.changes.charge(self._clock.monotonic())
         if wait > 0:
             self._handler.delay(one.name)
         return wait

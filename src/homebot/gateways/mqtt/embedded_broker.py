@@ -14,7 +14,7 @@ from homebot.errors import LinkError
 from homebot.gateways.context import HostService
 from homebot.graph import Graph, Node
 from homebot.mqtt.broker import Broker, PortTakenError
-from homebot.mqtt.hosted_broker import HostedBroker
+from homebot.mqtt.clients import HostedBroker
 from homebot.support.logger import get_logger
 
 __all__ = ["EMBEDDED_BROKER", "embedded_broker"]

@@ -30,9 +30,8 @@ from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.choice import client_maker
+from homebot.mqtt.clients import HostedBroker, client_maker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.support.isolation import isolated, run_as
@@ -60,7 +59,7 @@ class MqttGateway(Gateway):
     """Brings the devices on one MQTT broker onto the graph.
 
     Args:
-        context: Services of its host; a :class:`homebot.mqtt.hosted_broker.HostedBroker` in memory makes the client.
+        context: Services of its host; a :class:`homebot.mqtt.clients.HostedBroker` in memory makes the client.
     """
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import secrets
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
@@ -19,6 +18,7 @@ from homebot.clock import Clock
 from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["COMMAND_ID", "ResponseCounters", "Responses"]
 
@@ -66,7 +66,7 @@ class Responses:
         self._gateway = gateway
         self._clock = clock
         self._publish = publish
-        self._awaited: OrderedDict[bytes, _Awaited] = OrderedDict()
+        self._awaited: BoundedMap[bytes, _Awaited] = BoundedMap(MOST_AWAITED)
 
     def request(self, command: Command, properties: MessageProperties) -> MessageProperties:
         """Return *properties* of a message with *command*, which ask for a response if a caller waits for it."""
@@ -75,8 +75,6 @@ class Responses:
         token = secrets.token_hex(_TOKEN).encode()
         until = self._clock.monotonic() + (command.expires_after or math.inf)
         self._awaited[token] = _Awaited(command, until)
-        if len(self._awaited) > MOST_AWAITED:
-            self._awaited.popitem(last=False)
         return self.named(command.id, properties)._replace(response_topic=self.topic, correlation_data=token)
 
     @staticmethod

@@ -13,7 +13,7 @@ from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
 from homebot.gateways.password_settings import PasswordSettings
-from homebot.mqtt.client.choice import MqttClientName
+from homebot.mqtt.clients import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds

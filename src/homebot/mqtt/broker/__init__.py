@@ -1,7 +1,7 @@
 """A real MQTT broker on asyncio, for tests and for homes: 3.1, 3.1.1 and 5, standard library only.
 
-Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without I/O (:class:`BrokerState` and what it
-is made of), and the server (:class:`Broker`).
+Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without I/O (:class:`BrokerState` and its
+parts), and the server (:class:`Broker`).
 """
 
 from homebot.mqtt.broker.limits import BrokerLimits

@@ -12,6 +12,7 @@ from homebot.clock import Clock
 from homebot.mqtt.broker.ports import ConnectedClient
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.addresses import network_of
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Applicant", "Authentication", "LoginThrottle", "WaitingLogins", "host_of"]
 
@@ -93,8 +94,8 @@ class LoginThrottle:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._guessers: dict[str, _Guesser] = {}  # in the order of their last failure
-        self._known: dict[Applicant, None] = {}  # in the order of their last login
+        self._guessers: BoundedMap[str, _Guesser] = BoundedMap(_MOST_HOSTS)
+        self._known: BoundedMap[Applicant, None] = BoundedMap(_MOST_KNOWN)
 
     def __len__(self) -> int:
         return len(self._guessers)
@@ -112,8 +113,6 @@ class LoginThrottle:
         if guesser is None or guesser.failed_at < now - _FORGOTTEN:
             guesser = _Guesser()
         self._guessers[applicant.host] = guesser
-        if len(self._guessers) > _MOST_HOSTS:
-            del self._guessers[next(iter(self._guessers))]
         guesser.failed_at = now
         guesser.failures += 1
         excess = guesser.failures - _FREE
@@ -123,10 +122,7 @@ class LoginThrottle:
 
     def succeeded(self, applicant: Applicant) -> None:
         """Note that a password was right."""
-        self._known.pop(applicant, None)
         self._known[applicant] = None
-        if len(self._known) > _MOST_KNOWN:
-            del self._known[next(iter(self._known))]
 
 
 @final
@@ -134,7 +130,7 @@ class WaitingLogins:
     """The connections that have not logged in, oldest first.
 
     One more than the bound costs the oldest one of the host that has most of them, so that a flood from one host
-    keeps nobody else out.
+    keeps no other host out.
 
     Args:
         most: The bound.

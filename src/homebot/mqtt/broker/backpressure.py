@@ -1,8 +1,8 @@
-"""Holds a publisher back while somebody it publishes to is slow, instead of losing messages. No I/O.
+"""Holds a publisher back while a subscriber is slow, instead of losing messages. No I/O.
 
 While it is held back, its packets wait here in their order; when too many wait, its socket is not read. The wait has
-an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on, to be refused what
-finds no room. One that cannot be refused (before MQTT 5) waits for room as long as the slow session settles at least
+an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on; messages without
+room are refused. One that cannot be refused (before MQTT 5) waits for room as long as the slow session settles at least
 ``limits.max_inflight`` messages in that time; the connection of a session that does not is closed.
 """
 
@@ -65,13 +65,13 @@ class Backpressure:
             self._state.counters.holds += 1
             self._wait_on()
 
-    def keep_first(self, packet: Packet) -> None:
-        """Let *packet* wait before all others."""
+    def push_front(self, packet: Packet) -> None:
+        """Queue *packet* before all others."""
         self.packets.appendleft(packet)
         self._count(packet, 1)
 
-    def keep(self, packet: Packet) -> None:
-        """Let *packet* wait."""
+    def push(self, packet: Packet) -> None:
+        """Queue *packet*."""
         self.packets.append(packet)
         self._count(packet, 1)
         limits = self._state.limits
@@ -79,7 +79,7 @@ class Backpressure:
             self.reading = False
             self._link.pause_reading()
 
-    def take(self) -> Packet | None:
+    def pop(self) -> Packet | None:
         """Return the packet that waited longest, or None while the wait goes on or when nothing waits."""
         if self._slow or self.paused or not self.packets:
             return None
@@ -121,7 +121,7 @@ class Backpressure:
         if self._is_endless:
             self._close_stalled()
         else:
-            self._give_up()
+            self._mark_overrun()
 
     def _close_stalled(self) -> None:
         state = self._state
@@ -140,7 +140,7 @@ class Backpressure:
             )
             state.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
 
-    def _give_up(self) -> None:
+    def _mark_overrun(self) -> None:
         for session in self._slow:
             session.overrun = True
             self._state.warn(

@@ -46,7 +46,7 @@ class ClientPackets:
     Args:
         on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
             :meth:`stop`.
-        on_failure: The same for what it must not have sent, where that had to wait before it was looked at.
+        on_failure: Called with the fault of a packet that had to wait.
     """
 
     def __init__(
@@ -74,8 +74,8 @@ class ClientPackets:
         """True if the client's socket is read."""
         return self._holding.reading
 
-    def take_all(self, reader: PacketReader) -> bool:
-        """Take the packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
+    def handle_all(self, reader: PacketReader) -> bool:
+        """Handle the packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
 
         Returns:
             False if there was no time for all of them in this turn.
@@ -94,7 +94,7 @@ class ClientPackets:
             if freed:
                 self._session.pump()
                 freed = False
-            self.take(packet)
+            self.handle(packet)
             if self._stopped:
                 return True
             unchecked -= 1
@@ -106,8 +106,8 @@ class ClientPackets:
             self._session.pump()
         return packet is None
 
-    def take(self, packet: Packet) -> None:
-        """Take one packet.
+    def handle(self, packet: Packet) -> None:
+        """Handle one packet.
 
         Raises:
             PacketError: The client must not have sent it.
@@ -118,17 +118,17 @@ class ClientPackets:
         elif self._holding.active and not isinstance(packet, _NEVER_HELD):
             if isinstance(packet, Publish):
                 self._inbound.check_quota(packet, self._holding.messages)
-            self._holding.keep(packet)
+            self._holding.push(packet)
         else:
             self._act(packet)
 
     def stop(self) -> PacketError | None:
         """End with the connection: forward the messages that were held back, as far as there is room.
 
-        Nobody can be kept waiting any more.
+        The publisher cannot wait any more.
 
         Returns:
-            What was wrong with one of them.
+            The fault of one of them, or None.
         """
         self._stopped = True
         self._holding.stop()
@@ -137,7 +137,7 @@ class ClientPackets:
         self._filters.stop()
         self._inbound.gone = True
         try:
-            while (packet := self._holding.take()) is not None:
+            while (packet := self._holding.pop()) is not None:
                 if isinstance(packet, Publish):
                     self._inbound.publish(packet)
         except PacketError as error:
@@ -165,7 +165,7 @@ class ClientPackets:
         """Return whether *packet* has to wait because a queue is full."""
         full = self._inbound.must_wait_for(packet)
         if full:
-            self._holding.keep_first(packet)
+            self._holding.push_front(packet)
             self._holding.wait_for(full, endless=not self._inbound.refusable)
         return bool(full)
 
@@ -212,7 +212,7 @@ class ClientPackets:
                 if not self._state.turn.has_time():
                     self._state.turn.defer(self._go_on)
                     return
-                packet = self._holding.take()
+                packet = self._holding.pop()
                 if packet is None:
                     return
                 self._act(packet)

@@ -33,7 +33,7 @@ class Sockets:
     def __init__(self, max_unsent: int) -> None:
         self.read_buffer = memoryview(bytearray(_READ_AT_MOST))
         self._open: dict[BrokerConnection, None] = {}
-        self.unsent = ByteAccount(max_unsent, self._open.keys, BrokerConnection.count_unsent, BrokerConnection.give_up)
+        self.unsent = ByteAccount(max_unsent, self._open.keys, BrokerConnection.count_unsent, BrokerConnection.cut_slow)
         self._ending: dict[BrokerConnection, None] = {}  # the oldest first
         self._empty: anyio.Event | None = None
 
@@ -120,8 +120,8 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._tcp: socket.socket | None = None
         self._out: list[bytes] = []
         self._out_size = 0
-        self._large = 0  # bytes of the one message that fills the socket's buffer
         self._closing = False
+        self._large = 0  # bytes of a message that fills the buffer alone; others have room behind it
         self._counted = 0  # bytes, among those that wait for all sockets
         self._lingering: asyncio.TimerHandle | None = None
 
@@ -134,7 +134,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         if self._closing or not self._sockets.admit(self, self._state):
             self.abort()
             return
-        transport.set_write_buffer_limits(high=self._state.limits.write_buffer)
+        self._limit_writing(0)
         sock = transport.get_extra_info("socket")
         if sock is not None and sock.family in (socket.AF_INET, socket.AF_INET6):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -170,7 +170,6 @@ class BrokerConnection(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         """Go on: the socket's buffer is almost empty again."""
         self.write_blocked = False
-        self._large = 0
         self.count_unsent()
         self.peer.writable()
 
@@ -184,10 +183,6 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._out_size += len(data)
         if self._out_size > _JOIN_AT_MOST:
             self._flush()
-
-    def has_room_for(self, size: int) -> bool:
-        """Return whether *size* bytes have room behind the one message that fills the socket's buffer."""
-        return self._large > 0 and self.unsent + self._out_size + size <= self._state.limits.write_buffer + self._large
 
     def pause_reading(self) -> None:
         """Leave incoming data in the kernel, so that the far side waits."""
@@ -203,7 +198,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         """Send all written data and close.
 
         A socket closed with unread bytes makes the kernel reset the connection, and the peer loses the reason;
-        so with *linger* only the sending half is closed and what comes is thrown away for a moment.
+        so with *linger* only the sending half is closed, and incoming bytes are discarded for a moment.
         """
         if self._closing:
             return
@@ -240,7 +235,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         """The bytes that wait for the socket."""
         return 0 if self._transport is None else self._transport.get_write_buffer_size()
 
-    def give_up(self) -> None:
+    def cut_slow(self) -> None:
         """Cut the connection of a client that takes too little."""
         self._state.counters.clients_stalled += 1
         self._state.warn(
@@ -253,7 +248,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self.abort()
         self._discount_unsent()
 
-    def note_bad_tls(self, reason: str) -> None:
+    def report_tls_failure(self, reason: str) -> None:
         """Log that the client did not speak TLS as it should."""
         self._state.counters.connections_failed += 1
         self._state.warn(
@@ -285,12 +280,20 @@ class BrokerConnection(asyncio.BufferedProtocol):
         if self._tcp is not None and _TCP_QUICKACK is not None and not self._closing:
             self._tcp.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)
 
+    def _limit_writing(self, large: int) -> None:
+        self._large = large
+        if self._transport is not None:
+            self._transport.set_write_buffer_limits(high=self._state.limits.write_buffer + large)
+
     def _flush(self) -> None:
         if self._out and self._transport is not None:
             data = self._out[0] if len(self._out) == 1 else b"".join(self._out)
             self._out.clear()
             self._out_size = 0
-            if len(data) > self._state.limits.write_buffer and not self.write_blocked:
-                self._large = len(data)
+            limit = self._state.limits.write_buffer
+            if len(data) > limit and not self.write_blocked:
+                self._limit_writing(len(data))
+            elif self._large and self.unsent <= limit:
+                self._limit_writing(0)
             self._transport.write(data)
             self.count_unsent()

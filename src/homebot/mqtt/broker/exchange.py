@@ -26,7 +26,7 @@ class Receipt(NamedTuple):
 
     Attributes:
         reason: Success, 0x10 without subscribers, or 0x97 if a subscriber or the retained store had no room.
-        slow: Connected sessions with long queues, whose publishers should wait.
+        slow: Connected sessions with long queues; their publishers should wait.
     """
 
     reason: ReasonCode
@@ -169,7 +169,7 @@ class MessageRouter:
             self._ended.popleft()
 
     def _retain(self, message: BrokerMessage) -> bool:
-        if self.retained.keep(message, self._clock.monotonic()):
+        if self.retained.store(message, self._clock.monotonic()):
             return True
         self._counters.retained_refused += 1
         return False

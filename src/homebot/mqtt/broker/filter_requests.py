@@ -20,8 +20,8 @@ class FilterRequests:
     """Carries out the SUBSCRIBE and UNSUBSCRIBE packets of one client, one after the other.
 
     Args:
-        is_bridge: Whether the client is another broker, which is not sent what it published itself, and is told what is
-            retained; before MQTT 5 it cannot ask for that.
+        is_bridge: Whether the client is another broker: it is not sent its own messages, and the retain flag is kept;
+            it cannot request that before MQTT 5.
     """
 
     def __init__(

@@ -61,7 +61,7 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
     verdict = state.authentication.check(connect.username, connect.password)
     applicant = _applicant(connect, state, address)
     if applicant is not None and verdict.failed:
-        _note_wrong_password(applicant, state)
+        _record_wrong_password(applicant, state)
     elif applicant is not None:
         state.throttle.succeeded(applicant)
     if verdict.failed:
@@ -145,7 +145,7 @@ def _applicant(connect: Connect, state: BrokerState, address: str) -> Applicant 
     return Applicant(host_of(address), connect.username, connect.client_id)
 
 
-def _note_wrong_password(applicant: Applicant, state: BrokerState) -> None:
+def _record_wrong_password(applicant: Applicant, state: BrokerState) -> None:
     state.counters.logins_failed += 1
     failures, delay = state.throttle.failed(applicant)
     if delay:

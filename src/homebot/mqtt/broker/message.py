@@ -33,7 +33,7 @@ class BrokerMessage:
     Attributes:
         properties: Properties for subscribers: no topic alias, no subscription identifiers.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
-        kind: What :attr:`encoded` is for: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
+        kind: The use of :attr:`encoded`: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
             nothing is kept. Receivers alike are served from there without a call.
         encoded: First result of :meth:`parts`, for receivers without subscription identifiers.
         order: Its number among the retained messages; only they have one.
@@ -92,7 +92,7 @@ class BrokerMessage:
     ) -> tuple[bytes, bytes]:
         """Return the PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
 
-        What is sent with the retain flag is not kept: replays come one at a time, and a retained message must
+        Bytes with the retain flag are not kept: replays come one at a time, and a retained message must
         not take several times the memory it is counted with.
 
         Args:
@@ -114,7 +114,7 @@ class BrokerMessage:
             if not qos:
                 parts = (b"".join(parts), b"")
             if not retain and (self.size < BULKY or not self.holders):
-                self._keep(key, parts)
+                self._store(key, parts)
         return parts
 
     def hold(self, count: Callable[[int], None]) -> None:
@@ -144,7 +144,7 @@ class BrokerMessage:
         """Return whether the message has expired by *now*."""
         return self.expires_at is not None and self.expires_at <= now
 
-    def _keep(self, key: object, parts: tuple[bytes, bytes]) -> None:
+    def _store(self, key: object, parts: tuple[bytes, bytes]) -> None:
         if self.kind < 0 and isinstance(key, int):
             self.kind = key
             self.encoded = parts

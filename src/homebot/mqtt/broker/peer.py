@@ -125,8 +125,8 @@ class Peer:
     def _go_on(self) -> None:
         """Handle the packets that have come; those for which there is no time in this turn wait for a later one."""
         try:
-            self._take_login()
-            if self._client is not None and not self._closed and not self._client.packets.take_all(self._reader):
+            self._handle_login()
+            if self._client is not None and not self._closed and not self._client.packets.handle_all(self._reader):
                 self._defer()
                 return
         except PacketError as error:
@@ -157,8 +157,8 @@ class Peer:
             raise PacketError(f"the first byte is 0x{data[0]:02x}, not that of CONNECT", code=ReasonCode.PROTOCOL_ERROR)
         self._started = True
 
-    def _take_login(self) -> None:
-        """Take the CONNECT, unless it has to wait."""
+    def _handle_login(self) -> None:
+        """Handle the CONNECT, unless it has to wait."""
         if self._client is None and self._connect is None and (packet := self._reader.pop()) is not None:
             self._login(packet)
 

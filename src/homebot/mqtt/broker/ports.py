@@ -25,13 +25,6 @@ class Transport(Protocol):
         """True if the far side takes bytes slower than they come: nothing more should be written that can wait."""
         ...
 
-    def has_room_for(self, size: int) -> bool:
-        """Return whether *size* bytes more may be written although the far side is slow.
-
-        True only behind a single message that fills the buffer alone: it must not cost those that follow it.
-        """
-        ...
-
     @property
     def address(self) -> str:
         """The far side as text, for the log."""

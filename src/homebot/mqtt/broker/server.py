@@ -169,7 +169,7 @@ class Broker(EmbeddedBroker):
             return connection
         from homebot.mqtt.broker.tls_socket import TlsSocket  # noqa: PLC0415 - few brokers in a process use TLS
 
-        return TlsSocket(self._tls, connection, connection.note_bad_tls)
+        return TlsSocket(self._tls, connection, connection.report_tls_failure)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
         family, address = await self._resolve(loop)

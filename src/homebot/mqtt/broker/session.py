@@ -1,6 +1,6 @@
 """Session of one client id: its stored messages and their delivery. No I/O.
 
-What is in flight is bounded, the other messages wait in the queue. When the client comes back to its session,
+The messages in flight are bounded, the others wait in the queue. When the client comes back to its session,
 everything in flight is sent again before the queue.
 """
 
@@ -46,8 +46,8 @@ class BrokerSession:
 
     Args:
         limits: Bounds of the queue and of messages in flight.
-        crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
-            reads it strikes it out.
+        crowded: Receives the session when its queue is three quarters full and its client connected; its reader
+            removes it.
     """
 
     def __init__(
@@ -131,15 +131,13 @@ class BrokerSession:
                 return TAKEN
             if queue.holds_qos0 and not queue.full:
                 queue.append(queued)  # not past the retained message it replaces
-            elif queue.holds_qos0 or (
-                outbound.link.write_blocked and not outbound.link.has_room_for(queued.message.size)
-            ):
+            elif queue.holds_qos0 or outbound.link.write_blocked:
                 self._counters.dropped_qos0 += 1
             else:
                 outbound.publish(queued)
             return TAKEN
         if outbound is None:
-            return self._keep(queued)
+            return self._enqueue_offline(queued)
         in_flight = self.in_flight
         if not queue.messages and len(in_flight.messages) < in_flight.window and not outbound.link.write_blocked:
             in_flight.send(outbound, queued)
@@ -216,19 +214,12 @@ class BrokerSession:
                 if not self._go_on_with(outbound, first):
                     break
             else:
-                message, qos, _, _, _ = queued = first
-                if qos and len(sent) >= window:
+                if first.qos and len(sent) >= window:
                     break
-                if message.size >= BULKY:
+                if first.message.size >= BULKY:
                     unchecked = 0
                 queue.popleft()
-                if message.expires_at is not None and message.expires_at <= self._clock.monotonic():
-                    self._counters.dropped_expired += 1
-                elif qos:
-                    in_flight.send(outbound, queued)
-                else:
-                    outbound.publish(queued)
-                    self._settled += 1
+                self._send(outbound, first)
         if (self.overrun or self.held_publishers) and queue.low:
             self.overrun = False
             self._release_publishers()
@@ -257,7 +248,7 @@ class BrokerSession:
             self._queue.popleft()
             self._counters.dropped_offline += 1
 
-    def _keep(self, queued: QueuedMessage) -> DeliveryResult:
+    def _enqueue_offline(self, queued: QueuedMessage) -> DeliveryResult:
         while self._queue and self._queue.full:
             self._queue.popleft()
             self._counters.dropped_offline += 1
@@ -281,12 +272,19 @@ class BrokerSession:
         replay.popleft()
         identifiers = (subscription.identifier,) if subscription.identifier else ()
         queued = QueuedMessage(message, qos, retain=True, identifiers=identifiers)
-        if qos:
+        self._send(outbound, queued)
+        return True
+
+    def _send(self, outbound: Outbound, queued: QueuedMessage) -> None:
+        """Send a message, or drop it if it has expired."""
+        message, qos, _, _, _ = queued
+        if message.expires_at is not None and message.expired(self._clock.monotonic()):
+            self._counters.dropped_expired += 1
+        elif qos:
             self.in_flight.send(outbound, queued)
         else:
             outbound.publish(queued)
             self._settled += 1
-        return True
 
     def _mark_congested(self) -> None:
         if self._queue.high:

@@ -1,7 +1,7 @@
 """TLS on one socket of the broker.
 
-asyncio's own takes 300 KiB for each socket from the moment it is accepted, and does not report those whose
-handshake does not end. Here they count, and go, as all that have not logged in.
+asyncio's own takes 300 KiB for each socket from the moment it is accepted, and does not report an
+unfinished handshake. Here such sockets count, and are closed, as all that have not logged in.
 """
 
 from __future__ import annotations

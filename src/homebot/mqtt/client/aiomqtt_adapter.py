@@ -1,11 +1,11 @@
 """The MQTT client port on aiomqtt 2 and the paho client below it.
 
 A thin adapter: aiomqtt connects, logs in and says good-bye; paho publishes, subscribes and calls back. The native
-client's reader cuts what comes into packets, and takes the messages: paho needs eight times as long for one, and
-answers one of QoS 2 before anybody has it. It takes the answers to subscriptions too, for each filter of which paho
+client's reader cuts the bytes into packets and reads the messages: paho needs eight times as long for one, and
+answers one of QoS 2 too early. It reads the answers to subscriptions too, for each filter of which paho
 makes an object. All other packets are paho's. The keep-alive is that of every link.
 It closes what the two leave open: a message is acknowledged only when it was taken, a refused publish is an error,
-callers that wait for an answer hear at once that the link dropped, and what waits is bounded.
+a lost link ends waiting calls at once, and all queues are bounded.
 
 Promises of the port that it does not keep, and the native client does:
 
@@ -37,14 +37,13 @@ from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import paho_values as values
 from homebot.mqtt.client.base import UNREADABLE, BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.login import MqttVersion, UnansweredError, disconnect_error, early_end, login_error
 from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
-from homebot.mqtt.client.version_choice import MqttVersion, UnansweredError, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode

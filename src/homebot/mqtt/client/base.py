@@ -15,12 +15,11 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, VersionChoice, early_end, reason_text
 from homebot.mqtt.client.port import MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import reason_text
 from homebot.mqtt.client.requests import Answer, Requests, SendWindow
 from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport
-from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion, VersionChoice, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode
@@ -63,7 +62,7 @@ class BaseClient(ABC):
         self._options = options
         self._clock = LoopClock() if clock is None else clock
         self._receiver = Receiver(options, self._clock)
-        self.receive = self._receiver.take
+        self.receive = self._receiver.receive
         self.counters = self._receiver.counters
         self._choice = VersionChoice(options)
         self._link: ClientLink | None = None
@@ -192,7 +191,7 @@ class BaseClient(ABC):
 class ClientLink(ABC):
     """One link from login to end: incoming bytes are cut into packets, and messages go to the receiver.
 
-    Whoever speaks on the link gets all other packets. Fills :class:`homebot.mqtt.client.transport.TransportUser`.
+    The subclass gets all other packets. Implements :class:`homebot.mqtt.client.transport.TransportUser`.
 
     Args:
         options: Login and limits.
@@ -375,7 +374,7 @@ class ClientLink(ABC):
         self._check_alive()
 
     async def _answer(self, packet_id: int, what: str, request: bytes = b"") -> Answer:
-        """Wait for the last answer to *what*; send *request*, the whole packet, before, unless that was done.
+        """Send *request*, a whole packet, unless it is empty; return the last answer.
 
         Raises:
             LinkError: No answer came.

@@ -1,6 +1,6 @@
 """A link without a socket: bytes both ways between one client and the broker, in order, on one event loop.
 
-What is written in one turn of the loop arrives together in the next. No thread, no socket and no waiting, so it also
+Bytes written in one turn of the loop arrive together in the next. No thread, no socket and no waiting, so it also
 runs where time is virtual.
 """
 
@@ -40,22 +40,19 @@ class MemoryLink:
         self._user = user
         self._on_closed = on_closed
         self._down = _Pipe(loop, self._hand_down, self._notify_end)
-        self._up = _Pipe(loop, self._take_up, self.abort)
+        self._up = _Pipe(loop, self._hand_up, self.abort)
         self._closing = False
-        self._large = 0  # bytes of the one message that fills the buffer
+        self._large = 0  # bytes of one message that fills the buffer alone; others have room behind it
         self.socket = MemorySocket(self._up, self._down)
 
     def write(self, data: bytes) -> None:
         """Send *data* with all else of this turn of the loop."""
         if not self._closing:
-            if len(data) > self._state.limits.write_buffer and not self.write_blocked:
+            limit = self._state.limits.write_buffer
+            if len(data) > limit and not self.write_blocked:
                 self._large = len(data)
             self._down.write(data)
-            self.write_blocked = self._down.size > self._state.limits.write_buffer
-
-    def has_room_for(self, size: int) -> bool:
-        """Return whether *size* bytes have room behind the one message that fills the buffer."""
-        return self._large > 0 and self._down.size + size <= self._state.limits.write_buffer + self._large
+            self.write_blocked = self._down.size > limit + self._large
 
     def pause_reading(self) -> None:
         """Let the client's bytes wait at its end."""
@@ -94,7 +91,7 @@ class MemoryLink:
         self.peer.lost()
         self._on_closed(self)
 
-    def _take_up(self, data: bytes) -> None:
+    def _hand_up(self, data: bytes) -> None:
         if self._closing:
             return
         self._state.receive(self.peer, data, self.address)
@@ -106,9 +103,9 @@ class MemoryLink:
 
     def _hand_down(self, data: bytes) -> None:
         self._user.data_received(data)
+        self._large = 0
         if self.write_blocked:
             self.write_blocked = False
-            self._large = 0
             self.peer.writable()
 
 

@@ -15,6 +15,7 @@ from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.base import BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, UnansweredError, disconnect_error, login_error
 from homebot.mqtt.client.packet_values import (
     connect_packet,
     disconnect_packet,
@@ -25,11 +26,9 @@ from homebot.mqtt.client.packet_values import (
 )
 from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
-from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion, UnansweredError
 from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING

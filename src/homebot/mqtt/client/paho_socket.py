@@ -1,7 +1,7 @@
 """The socket of a paho client: below it the native client's transport, beside it the native client's reader.
 
 paho has its TLS context wrap the socket that it connected (`tls_set_context`, `wrap_socket`), and then wants no more
-of it than to send and receive; so what wraps it here carries it in the event loop, with TLS or without.
+of it than to send and receive; so its wrapper here carries it in the event loop, with TLS or without.
 """
 
 # ruff: noqa: ARG002 - paho's callbacks have fixed parameters

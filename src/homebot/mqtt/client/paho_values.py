@@ -15,8 +15,8 @@ from paho.mqtt.properties import Properties
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from homebot.errors import UsageError
+from homebot.mqtt.client.login import MqttVersion
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
-from homebot.mqtt.client.version_choice import MqttVersion
 from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions
 

@@ -126,7 +126,7 @@ class MqttClient(Protocol):
     ) -> PublishResult:
         """Publish, and return when the broker has taken it (QoS 0: when it is on the wire).
 
-        A publish whose link drops is not repeated on the next link, except that a QoS 2 handshake which a resumed
+        A publish whose link drops is not repeated on the next link, except that a QoS 2 handshake that a resumed
         session still holds open is brought to its end, as exactly-once demands.
 
         Raises:

@@ -31,10 +31,10 @@ class Receiver:
 
     Args:
         options: The limits.
-        clock: Paces the log lines about dropped messages, whose number the peer decides.
+        clock: Limits the log lines about dropped messages.
 
     Attributes:
-        take: Returns all messages that are there; see `Inbox.take`.
+        receive: Returns all messages that are there; see `Inbox.receive`.
         settle: Returns the acknowledgements to send for messages; see `DeliveryLedger.settle`.
     """
 
@@ -46,7 +46,7 @@ class Receiver:
         self._reader = PublishReader(has_properties=True)
         self._read: list[MqttMessage] = []
         self.counters = MqttCounters()
-        self.take = self._inbox.take
+        self.receive = self._inbox.receive
         self.settle = self._ledger.settle
 
     def begin_link(self, session: SessionGrant) -> None:
@@ -121,7 +121,7 @@ class Receiver:
 
 @final
 class Inbox:
-    """The bounded store between the link and the one task that reads: `put` never waits, `take` waits for a message.
+    """The bounded store between the link and the one task that reads: `put` never waits, `receive` waits for a message.
 
     Overflow: messages of QoS 0 are bounded in number and bytes, and the oldest of them go first. Messages of QoS 1 and
     2 are never dropped here; the broker holds back more of them until some are acknowledged.
@@ -159,7 +159,7 @@ class Inbox:
         if self._wake is not None:
             self._wake_up(self._wake)
 
-    async def take(self) -> list[MqttMessage]:
+    async def receive(self) -> list[MqttMessage]:
         """Return everything that is there, oldest first.
 
         Raises:

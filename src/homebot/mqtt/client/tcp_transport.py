@@ -1,6 +1,6 @@
 """Links by TCP and TLS, and the meaning of their failures.
 
-Concurrency: everything runs in the loop's own thread. What the broker sends is taken from the socket as fast as it
+Concurrency: everything runs in the loop's own thread. Bytes of the broker are taken from the socket as fast as it
 comes, at most 16 MiB ahead, and understood in portions, so that a burst stops neither the broker nor the loop.
 """
 
@@ -140,7 +140,7 @@ class TcpTransport(asyncio.BufferedProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End with the connection, which is closed."""
-        while portion := self._ahead.take():  # data before the end counts
+        while portion := self._ahead.pop():  # data before the end counts
             self._user.data_received(portion)
         self._drop_held()
         if self._acknowledgement is not None:
@@ -202,25 +202,25 @@ class TcpTransport(asyncio.BufferedProtocol):
 
     def _read_ahead(self, data: bytes) -> None:
         if not self._ahead.size:
-            self._loop.call_soon(self._take_portion)
+            self._loop.call_soon(self._read_portion)
         self._ahead.put(data)
         if self._ahead.is_full and self._transport is not None:
             self._transport.pause_reading()
             self._is_reading = False
 
-    def _take_portion(self) -> None:
-        if portion := self._ahead.take():
+    def _read_portion(self) -> None:
+        if portion := self._ahead.pop():
             self._user.data_received(portion)
         if self._ahead.size:
-            self._loop.call_soon(self._take_portion)
+            self._loop.call_soon(self._read_portion)
         if not self._is_reading and not self._ahead.is_full and self._transport is not None:
             self._is_reading = True
             self._transport.resume_reading()
 
     def _acknowledge(self) -> None:
-        # Have TCP acknowledge what comes without delay: a broker with Nagle's algorithm on, such as Mosquitto, waits up
-        # to 40 ms for it. Linux forgets this wish after a while, so it is repeated; in a burst once in a millisecond,
-        # or the messages come one by one, which costs both ends a third of their speed.
+        # Have TCP acknowledge incoming bytes without delay: a broker with Nagle's algorithm on, such as Mosquitto,
+        # waits up to 40 ms for it. Linux forgets this wish after a while, so it is repeated; in a burst once in a
+        # millisecond, or the messages come one by one, which costs both ends a third of their speed.
         if _TCP_QUICKACK is None or self._acknowledgement is not None:
             return
         wait = self._acknowledged_at + _HOLD - self._loop.time()
@@ -240,8 +240,8 @@ class TcpTransport(asyncio.BufferedProtocol):
 class ReadAhead:
     """Bytes that were read before there was time to understand them, in order.
 
-    A broker sends all the messages it keeps at once, and some drop what the socket does not take in time. So bytes are
-    taken from the socket as fast as they come, and understood in portions. Who fills it bounds it: see `is_full`.
+    A broker sends all the messages it keeps at once, and some drop those that the socket does not take in time. So
+    bytes are read from the socket as fast as they come, and parsed in portions. Its owner bounds it: see `is_full`.
 
     Args:
         portion: How many bytes to hand out at once, at most.
@@ -267,7 +267,7 @@ class ReadAhead:
         self._chunks.append(memoryview(data))
         self.size += len(data)
 
-    def take(self) -> bytes:
+    def pop(self) -> bytes:
         """Remove and return the next portion; empty when nothing waits."""
         if not self._chunks:
             return b""

@@ -39,7 +39,7 @@ class Cursor:
         """Number of bytes not read yet."""
         return self.end - self.position
 
-    def take(self, size: int) -> bytes:
+    def read(self, size: int) -> bytes:
         """Read the next *size* bytes."""
         start = self.position
         stop = start + size
@@ -50,15 +50,15 @@ class Cursor:
 
     def uint8(self) -> int:
         """Read one byte."""
-        return self.take(1)[0]
+        return self.read(1)[0]
 
     def uint16(self) -> int:
         """Read two bytes, big-endian."""
-        return int.from_bytes(self.take(2), "big")
+        return int.from_bytes(self.read(2), "big")
 
     def uint32(self) -> int:
         """Read four bytes, big-endian."""
-        return int.from_bytes(self.take(4), "big")
+        return int.from_bytes(self.read(4), "big")
 
     def varint(self) -> int:
         """Read a variable byte integer, 0 to 268,435,455, in its shortest form."""
@@ -76,7 +76,7 @@ class Cursor:
 
     def binary(self) -> bytes:
         """Read two bytes of length and the data."""
-        return self.take(self.uint16())
+        return self.read(self.uint16())
 
     def text(self) -> str:
         """Read two bytes of length and UTF-8, without U+0000 and surrogates."""

@@ -114,20 +114,11 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         _refuse_topic(topic, version, data[start:end])
     packet_id: int | None = None
     if qos:
-        if position + 2 > end:
-            raise PacketError("PUBLISH ends before its packet id", data[start:end])
-        packet_id = data[position] << 8 | data[position + 1]
-        if not packet_id:
-            raise PacketError("packet id is 0", data[start:end], ReasonCode.PROTOCOL_ERROR)
+        packet_id = _read_packet_id("PUBLISH", data[start:end], position - start)
         position += 2
     properties = NO_PROPERTIES
     if version is ProtocolVersion.V5:
-        if position < end and not data[position]:
-            position += 1
-        else:
-            cursor = Cursor(data[position:end])
-            properties = decode_properties(cursor, PacketType.PUBLISH)
-            position += cursor.position
+        properties, position = _read_properties(data, position, end)
     if not topic and properties.topic_alias is None:
         raise PacketError("PUBLISH has no topic", data[start:end], ReasonCode.PROTOCOL_ERROR)
     return Publish(topic, data[position:end], qos, flags & 1 == 1, flags & 8 == 8, packet_id, properties)
@@ -188,11 +179,7 @@ def decode_acknowledgement(packet_type: PacketType, body: bytes, version: Protoc
         PacketError: 0x81 malformed, 0x82 packet id 0 or a reason that this packet must not carry.
     """
     kind, reasons = _KINDS[packet_type]
-    if len(body) < 2:
-        raise PacketError(f"{packet_type.name} ends before its packet id", body)
-    packet_id = body[0] << 8 | body[1]
-    if not packet_id:
-        raise PacketError("packet id is 0", body, ReasonCode.PROTOCOL_ERROR)
+    packet_id = _read_packet_id(packet_type.name, body, 0)
     if len(body) == 2:
         return kind(packet_id)
     if version != ProtocolVersion.V5:
@@ -234,6 +221,23 @@ _FIRST_BYTES: dict[type[Acknowledgement], tuple[bytes, PacketType]] = {
     Pubrel: (b"\x62", PacketType.PUBREL),
     Pubcomp: (b"\x70", PacketType.PUBCOMP),
 }
+
+
+def _read_packet_id(name: str, body: bytes, position: int) -> int:
+    packet_id = int.from_bytes(body[position : position + 2], "big")
+    if position + 2 > len(body):
+        raise PacketError(f"{name} ends before its packet id", body)
+    if not packet_id:
+        raise PacketError("packet id is 0", body, ReasonCode.PROTOCOL_ERROR)
+    return packet_id
+
+
+def _read_properties(data: bytes, position: int, end: int) -> tuple[Properties, int]:
+    """Return the properties of a PUBLISH and their end; most have none."""
+    if position < end and not data[position]:
+        return NO_PROPERTIES, position + 1
+    cursor = Cursor(data[position:end])
+    return decode_properties(cursor, PacketType.PUBLISH), position + cursor.position
 
 
 def _refuse_topic(topic: str, version: ProtocolVersion, body: bytes) -> None:

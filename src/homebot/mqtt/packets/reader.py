@@ -24,7 +24,7 @@ _OF_ANY_SIZE = (PacketType.CONNECT << 4, PacketType.PUBLISH << 4)
 class PacketReader:
     """An incremental reader: give it bytes as they come, take packets as they are complete.
 
-    Holds what was fed and not taken yet; one who takes all packets after each :meth:`feed` never holds more
+    If all packets are popped after each :meth:`feed`, it never holds more
     than one packet of *max_packet_size*. After a :class:`PacketError` the stream is lost: every later
     :meth:`pop` raises the same error.
 
@@ -32,7 +32,7 @@ class PacketReader:
         missing: How many bytes of a packet that has begun are still to come, as far as that is known.
 
     Args:
-        version: What the connection speaks. May be set later, but not while packets are waiting; a server
+        version: The protocol version. May be set later, but not while packets are waiting; a server
             sets it from CONNECT, which needs none.
         max_packet_size: A larger packet is refused (0x95) as soon as its length is known, in bytes.
         max_control_size: The same for all packets but CONNECT and PUBLISH, which are read in one piece.
@@ -94,9 +94,7 @@ class PacketReader:
         position = self._position
         left = len(data) - position
         if left < 2 or self.missing:
-            if position:
-                self._data = data[position:]  # no packet is kept in memory for the sake of the few bytes behind it
-                self._position = 0
+            self._forget_taken()
             return None
         size = data[position + 1]
         body = position + 2
@@ -108,8 +106,6 @@ class PacketReader:
                 self._forget_taken()
                 return None
             size, body = long_form
-            if size > self.max_control_size and data[position] & 0xF0 not in _OF_ANY_SIZE:
-                raise self._fail(f"a packet of {size} bytes is too large for its type", ReasonCode.PACKET_TOO_LARGE)
         end = body + size
         if end - position > self.max_packet_size:
             raise self._fail(f"a packet of {end - position} bytes is too large", ReasonCode.PACKET_TOO_LARGE)
@@ -148,6 +144,8 @@ class PacketReader:
             if byte < 0x80:
                 if byte == 0:
                     raise self._fail("the remaining length is longer than needed")
+                if size > self.max_control_size and data[self._position] & 0xF0 not in _OF_ANY_SIZE:
+                    raise self._fail(f"a packet of {size} bytes is too large for its type", ReasonCode.PACKET_TOO_LARGE)
                 return size, position
         raise self._fail("the remaining length is longer than four bytes")
 

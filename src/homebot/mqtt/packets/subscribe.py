@@ -250,7 +250,7 @@ def _encode_options(request: FilterRequest, version: ProtocolVersion) -> bytes:
 
 
 def _reasons(cursor: Cursor, known: dict[int, ReasonCode]) -> tuple[ReasonCode, ...]:
-    numbers = cursor.take(cursor.left)
+    numbers = cursor.read(cursor.left)
     if not numbers or not known.keys() >= set(numbers):
         raise PacketError("there is no reason, or an unknown one", cursor.body, ReasonCode.PROTOCOL_ERROR)
     return tuple([known[number] for number in numbers])

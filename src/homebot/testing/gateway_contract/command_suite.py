@@ -75,7 +75,7 @@ class CommandSuite(GatewayWorld):
             assert await lamp.told() is None
 
     async def test_in_a_dry_run_no_command_comes_to_it_although_it_would_act(self) -> None:
-        # As one of somebody else may, which ignores `act`
+        # As a gateway of another project may, which ignores `act`
         async with self.house(is_muted=True) as (lamp, watcher):
             await announced(lamp, watcher)
             assert lamp.gateway.acts

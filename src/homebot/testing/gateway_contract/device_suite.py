@@ -1,4 +1,4 @@
-"""The suite of what a gateway publishes of its devices: sightings, reports, and their end."""
+"""The suite of devices: sightings, reports, and their end."""
 
 from __future__ import annotations
 

@@ -54,13 +54,13 @@ class Lamp(ABC):
 
     @abstractmethod
     async def told(self) -> bool | None:
-        """Return whether what it was told last makes it be on or off; None if it was told nothing.
+        """Return whether its last command turns it on or off; None without a command.
 
         A brightness or a colour counts as far as it turns the device on in its protocol.
         """
 
     async def told_value(self, capability: str) -> PlainValue:
-        """Return what it was told last of one of its :attr:`settings`, in the unit of the vocabulary; None for nothing.
+        """Return the last received value of one of its :attr:`settings`, in the unit of the vocabulary, or None.
 
         A value may be rounded as the device rounds it.
         """
@@ -75,7 +75,7 @@ class Lamp(ABC):
         """Give it back."""
 
     async def meet_again(self) -> None:  # noqa: B027 - no duty: most networks keep what their devices announced
-        """Do what a device does by itself when a gateway was restarted."""
+        """Simulate the reaction of the device to a restart of its gateway."""
 
 
 class Neighbour(ABC):

@@ -62,7 +62,7 @@ class LinkSuite(GatewayWorld):
                     await announced(lamp, watcher)
 
     async def test_after_a_restart_it_finds_its_devices_again_by_the_same_keys(self) -> None:
-        # Its topics were empty; nobody else announces them for it
+        # Its topics were empty; no other peer announces them
         graph = Graph()
         async with self.lamp() as lamp, Node(graph, "watcher") as watcher:
             async with self.started(lamp, graph, {}):

@@ -1,4 +1,4 @@
-"""The suite of raw messages, of peers that break the rules, and of what homebot exposes."""
+"""The suite of raw messages, of peers that break the rules, and of exposed devices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that the suites have in common: listen, announce, command, and wait for what follows."""
+"""Steps that the suites have in common: listen, announce, command, and wait for effects."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 MessageT = TypeVar("MessageT", bound=Message)
 
 PATIENCE: Final = 60.0
-"""Seconds for what mostly takes milliseconds: only what is broken takes as long, on however slow or busy a machine."""
+"""Seconds for steps of milliseconds: only a broken gateway takes as long, on however slow or busy a machine."""
 
 KEPT: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ROBOT: Final = ExposedDevice(
@@ -31,12 +31,12 @@ ROBOT: Final = ExposedDevice(
 
 
 def listen(watcher: Node, kind: type[MessageT], topic: str) -> Subscription[MessageT]:
-    """Subscribe to *topic*, with what is kept for late joiners."""
+    """Subscribe to *topic*, with its history."""
     return watcher.create_subscription(kind, topic, qos_profile=KEPT)
 
 
 def kept(subscription: Subscription[MessageT]) -> list[MessageT]:
-    """Return what late joiners get."""
+    """Return the history of *topic*."""
     return list(iter(subscription.take, None))
 
 
@@ -104,7 +104,7 @@ async def becomes_told(lamp: Lamp, *, on: bool) -> None:
 
 
 async def becomes_set(lamp: Lamp, capability: str, wanted: PlainValue) -> None:
-    """Wait until the lamp was told *wanted*, or what it rounds that to."""
+    """Wait until the lamp has received *wanted*, perhaps rounded."""
     with anyio.fail_after(PATIENCE):
         while not _is_about(await lamp.told_value(capability), wanted):
             await anyio.sleep(0.02)

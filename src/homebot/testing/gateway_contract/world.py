@@ -58,7 +58,7 @@ class GatewayWorld:
 
     @asynccontextmanager
     async def house(self, *, is_muted: bool = False, **settings: object) -> AsyncIterator[tuple[Lamp, Node]]:
-        """Run the gateway with its lamp, and another node on its graph, whose clock is a :class:`HeldClock`."""
+        """Run the gateway with its lamp, and another node on its graph with a :class:`HeldClock`."""
         graph = Graph(HeldClock())
         async with (
             self.lamp() as lamp,

@@ -142,7 +142,7 @@ class TestBroker(BrokerView):
         """
         validate_filter(filter)
         journal = self._core.journal
-        found = await self._thread.run(journal.take, filter, payload, timeout)
+        found = await self._thread.run(journal.pop, filter, payload, timeout)
         if found is None:
             __tracebackhide__ = True  # pytest then points at the test's line
             raise AssertionError(journal.near_misses(filter, payload, timeout))
@@ -207,7 +207,7 @@ class BlockingTestBroker(BrokerView):
         """Return as :meth:`TestBroker.expect` does."""
         validate_filter(filter)
         journal = self._core.journal
-        found = self._thread.call(journal.take, filter, payload, timeout)
+        found = self._thread.call(journal.pop, filter, payload, timeout)
         if found is None:
             __tracebackhide__ = True  # as above
             raise AssertionError(journal.near_misses(filter, payload, timeout))

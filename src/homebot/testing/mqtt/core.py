@@ -79,7 +79,7 @@ class BrokerCore:
         self._loop = loop
         self._stir = PulseEvent()
         self._taps: set[Tap] = set()
-        duties = TapDuties(self.rules, self._note, self.breaches.record, self._taps)
+        duties = TapDuties(self.rules, self._record, self.breaches.record, self._taps)
 
         def endpoint(state: BrokerState, link: Transport) -> Tap:
             return Tap(duties, state, link)
@@ -114,7 +114,7 @@ class BrokerCore:
         interval = properties.message_expiry_interval
         expires_at = None if interval is None else state.clock.monotonic() + interval
         message = BrokerMessage(topic, encode_payload(payload), qos, retain, properties, "", expires_at)
-        self._note("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
+        self._record("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
         receipt = state.exchange.publish(message)
         if receipt.reason.failed:
             raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.text}")
@@ -134,7 +134,7 @@ class BrokerCore:
 
     async def restart(self, keep_sessions: bool) -> None:  # noqa: FBT001 - handed on by position
         """Stop and start on the same port."""
-        self._note("note", "the broker", f"restarts, sessions {'kept' if keep_sessions else 'forgotten'}")
+        self._record("note", "the broker", f"restarts, sessions {'kept' if keep_sessions else 'forgotten'}")
         await self.broker.restart(keep_sessions=keep_sessions)
 
     async def drop(self, client: str) -> None:
@@ -152,7 +152,7 @@ class BrokerCore:
         for tap in [each for each in self._taps if each.client_id == client]:
             act(tap)
 
-    def _note(self, direction: Literal["in", "out", "note"], client: str, what: Packet | str) -> None:
+    def _record(self, direction: Literal["in", "out", "note"], client: str, what: Packet | str) -> None:
         self.log.add(direction, client, what)
         self._stir.ring()
 

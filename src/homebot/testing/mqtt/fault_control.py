@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import final
 
 from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import validate_filter
 from homebot.testing.mqtt.core import BrokerCore
-from homebot.testing.mqtt.faults import (
-    DelayedAcks,
-    DroppedAcks,
-    Fault,
-    HalfPacket,
-    RefusedPublish,
-    RefusedSubscribe,
-    SlowReader,
-)
+from homebot.testing.mqtt.faults import Fault, FaultKind
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingFaults", "Faults"]
@@ -32,7 +23,7 @@ class _Rules:
 
     def drop_acks(self, client: str | None = None) -> Fault:
         """Let PUBACK, PUBREC and PUBCOMP vanish on their way to the client (None: to everybody)."""
-        return self._core.rules.add(partial(DroppedAcks, client))
+        return self._core.rules.add(FaultKind.DROPPED_ACKS, client)
 
     def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
         """Let PUBACK, PUBREC and PUBCOMP come *seconds* late.
@@ -42,15 +33,15 @@ class _Rules:
         """
         if not seconds > 0:
             raise UsageError(f"an acknowledgement cannot be {seconds} s late")
-        return self._core.rules.add(partial(DelayedAcks, client, seconds=seconds))
+        return self._core.rules.add(FaultKind.DELAYED_ACKS, client, seconds=seconds)
 
     def half_packet(self, client: str | None = None) -> Fault:
         """Cut the next packet to the client in the middle and close its connection."""
-        return self._core.rules.add(partial(HalfPacket, client))
+        return self._core.rules.add(FaultKind.HALF_PACKET, client)
 
     def slow_reader(self, client: str | None = None) -> Fault:
         """Let the client take no bytes until the fault is lifted; then it gets all that waited."""
-        return self._core.rules.add(partial(SlowReader, client))
+        return self._core.rules.add(FaultKind.SLOW_READER, client)
 
     def refuse_subscribe(
         self,
@@ -63,7 +54,7 @@ class _Rules:
         Raises:
             UsageError: *reason* is no failure, or the filter is not valid.
         """
-        return self._refuse(RefusedSubscribe, client, filter, reason)
+        return self._refuse(FaultKind.REFUSED_SUBSCRIBE, client, filter, reason)
 
     def refuse_publish(
         self,
@@ -76,17 +67,17 @@ class _Rules:
         Raises:
             UsageError: *reason* is no failure, or the filter is not valid.
         """
-        return self._refuse(RefusedPublish, client, filter, reason)
+        return self._refuse(FaultKind.REFUSED_PUBLISH, client, filter, reason)
 
     def lift_all(self) -> None:
         """End every fault."""
         self._core.rules.lift_all()
 
-    def _refuse(self, kind: type[RefusedSubscribe], client: str | None, filter: str, reason: ReasonCode) -> Fault:  # noqa: A002 - as above
+    def _refuse(self, kind: FaultKind, client: str | None, filter: str, reason: ReasonCode) -> Fault:  # noqa: A002 - as above
         validate_filter(filter)
         if not reason.failed:
             raise UsageError(f"0x{reason:02x} ({reason.text}) refuses nothing")
-        return self._core.rules.add(partial(kind, client, filter=filter, reason=reason))
+        return self._core.rules.add(kind, client, filter=filter, reason=reason)
 
 
 @final

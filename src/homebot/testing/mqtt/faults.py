@@ -1,40 +1,59 @@
 """Faults between a broker and its clients.
 
 A fault begins with the call that makes it, and ends with :meth:`Fault.lift` or at the end of its ``with`` block.
-Rules may be made and lifted in any thread; they hold for the next packet.
+Faults may be made and lifted in any thread; they hold for the next packet.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Self, TypeVar, final
+from enum import Enum
+from typing import Self, final
 
 from homebot.mqtt.broker import BrokerPolicy
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches
 
-__all__ = [
-    "DelayedAcks",
-    "DroppedAcks",
-    "Fault",
-    "FaultPolicy",
-    "FaultRules",
-    "HalfPacket",
-    "RefusedPublish",
-    "RefusedSubscribe",
-    "SlowReader",
-]
+__all__ = ["Fault", "FaultKind", "FaultPolicy", "FaultRules"]
 
 
+class FaultKind(Enum):
+    """Kinds of faults; acknowledgements are PUBACK, PUBREC and PUBCOMP."""
+
+    DROPPED_ACKS = "acknowledgements vanish on their way to the client"
+    DELAYED_ACKS = "acknowledgements come late; other packets overtake them"
+    HALF_PACKET = "the next packet to the client is cut in the middle and the connection closed"
+    SLOW_READER = "the client accepts no bytes; written ones follow when the fault is lifted"
+    REFUSED_SUBSCRIBE = "subscriptions to exactly this filter are refused"
+    REFUSED_PUBLISH = "messages on topics that match the filter are refused and not forwarded"
+
+
+@final
 class Fault:
-    """One thing that goes wrong until it is lifted.
+    """A fault in force until it is lifted.
 
     Args:
         client: Client id of the concerned connection, or None for all.
+        on_lift: Called once, in the thread that lifts it.
+        seconds: The delay of acknowledgements.
+        reason: The answer to a refused packet.
     """
 
-    def __init__(self, client: str | None, on_lift: Callable[[Fault], None]) -> None:
+    def __init__(
+        self,
+        kind: FaultKind,
+        client: str | None,
+        on_lift: Callable[[Fault], None],
+        *,
+        seconds: float = 0.0,
+        filter: str = "",  # noqa: A002 - the protocol's own word
+        reason: ReasonCode = ReasonCode.SUCCESS,
+    ) -> None:
+        self.kind = kind
         self.client = client
+        self.seconds = seconds
+        self.filter = filter
+        self.reason = reason
         self.hits = 0
         self._on_lift: Callable[[Fault], None] | None = on_lift
 
@@ -45,46 +64,17 @@ class Fault:
         self.lift()
 
     def lift(self) -> None:
-        """End the fault; nothing where it has ended."""
+        """End the fault. Idempotent."""
         on_lift, self._on_lift = self._on_lift, None
         if on_lift is not None:
             on_lift(self)
 
-
-class DroppedAcks(Fault):
-    """PUBACK, PUBREC and PUBCOMP vanish on their way to the client."""
-
-
-class DelayedAcks(Fault):
-    """PUBACK, PUBREC and PUBCOMP come *seconds* late; other packets overtake them."""
-
-    def __init__(self, client: str | None, on_lift: Callable[[Fault], None], seconds: float) -> None:
-        super().__init__(client, on_lift)
-        self.seconds = seconds
-
-
-class HalfPacket(Fault):
-    """The next packet to the client is cut in the middle and the connection closed; then the fault is over."""
-
-
-class SlowReader(Fault):
-    """The client accepts no bytes; written ones follow when the fault is lifted."""
-
-
-class RefusedSubscribe(Fault):
-    """Subscriptions to exactly this filter are answered with *reason*."""
-
-    def __init__(self, client: str | None, on_lift: Callable[[Fault], None], filter: str, reason: ReasonCode) -> None:  # noqa: A002 - the protocol's own word
-        super().__init__(client, on_lift)
-        self.filter = filter
-        self.reason = reason
-
-
-class RefusedPublish(RefusedSubscribe):
-    """Messages on topics that match the filter are not forwarded, and answered with *reason*."""
-
-
-_Kind = TypeVar("_Kind", bound=Fault)
+    def concerns(self, kind: FaultKind, client: str | None, topic: str) -> bool:
+        """Return whether it is of *kind*, for *client*, and for *topic*."""
+        if self.kind is not kind or self.client not in (None, client):
+            return False
+        is_publish = kind is FaultKind.REFUSED_PUBLISH
+        return topic_matches(self.filter, topic) if is_publish else self.filter == topic
 
 
 @final
@@ -99,34 +89,21 @@ class FaultRules:
         self._faults: tuple[Fault, ...] = ()  # replaced as a whole: the broker's thread reads it at any time
         self._on_lift = on_lift
 
-    def find(self, kind: type[_Kind], client: str | None) -> _Kind | None:
-        """Return the first fault of exactly this kind that concerns *client*."""
-        for fault in self._faults:
-            if type(fault) is kind and fault.client in (None, client):
-                return fault
-        return None
+    def find(self, kind: FaultKind, client: str | None, topic: str = "") -> Fault | None:
+        """Return the first fault of this kind that concerns *client*; a refusal concerns a filter or topic."""
+        return next((fault for fault in self._faults if fault.concerns(kind, client, topic)), None)
 
-    def subscribe_refusal(self, client: str, filter: str) -> RefusedSubscribe | None:  # noqa: A002 - the protocol's own word
-        """Return the fault that refuses *client* a subscription."""
-        for fault in self._faults:
-            if type(fault) is RefusedSubscribe and fault.client in (None, client) and fault.filter == filter:
-                return fault
-        return None
-
-    def publish_refusal(self, client: str, topic: str) -> RefusedPublish | None:
-        """Return the fault that refuses a message of *client*."""
-        for fault in self._faults:
-            if (
-                isinstance(fault, RefusedPublish)
-                and fault.client in (None, client)
-                and topic_matches(fault.filter, topic)
-            ):
-                return fault
-        return None
-
-    def add(self, kind: Callable[[Callable[[Fault], None]], Fault]) -> Fault:
-        """Put in force the fault that *kind* makes of the call for its lifting."""
-        fault = kind(self._lifted)
+    def add(
+        self,
+        kind: FaultKind,
+        client: str | None,
+        *,
+        seconds: float = 0.0,
+        filter: str = "",  # noqa: A002 - as above
+        reason: ReasonCode = ReasonCode.SUCCESS,
+    ) -> Fault:
+        """Put a fault in force."""
+        fault = Fault(kind, client, self._remove, seconds=seconds, filter=filter, reason=reason)
         self._faults = (*self._faults, fault)
         return fault
 
@@ -135,32 +112,31 @@ class FaultRules:
         for fault in self._faults:
             fault.lift()
 
-    def _lifted(self, fault: Fault) -> None:
+    def _remove(self, fault: Fault) -> None:
         self._faults = tuple(each for each in self._faults if each is not fault)
         self._on_lift(fault)
 
 
 @final
 class FaultPolicy:
-    """Fills the broker's :class:`BrokerPolicy` port from the faults in force."""
+    """A :class:`BrokerPolicy` that refuses by the faults in force, and otherwise by the policy below."""
 
     def __init__(self, rules: FaultRules, otherwise: BrokerPolicy) -> None:
         self._rules = rules
         self._otherwise = otherwise
 
-    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
-        """Return the refusal reason of the fault, or the decision of the policy below."""
-        return _apply_fault(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(
-            client_id, filter
-        )
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the port's own word
+        """Return success or the reason of a refusal."""
+        refusal = self._refusal(FaultKind.REFUSED_SUBSCRIBE, client_id, filter)
+        return refusal or self._otherwise.subscribe(client_id, filter)
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """Return the refusal reason of the fault, or the decision of the policy below."""
-        return _apply_fault(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
+        """Return success or the reason of a refusal."""
+        return self._refusal(FaultKind.REFUSED_PUBLISH, client_id, topic) or self._otherwise.publish(client_id, topic)
 
-
-def _apply_fault(fault: RefusedSubscribe | None) -> ReasonCode:
-    if fault is None:
-        return ReasonCode.SUCCESS
-    fault.hits += 1
-    return fault.reason
+    def _refusal(self, kind: FaultKind, client_id: str, topic: str) -> ReasonCode:
+        fault = self._rules.find(kind, client_id, topic)
+        if fault is None:
+            return ReasonCode.SUCCESS
+        fault.hits += 1
+        return fault.reason

@@ -145,10 +145,10 @@ class Journal:
         self._entries.clear()
         self.forgotten = 0
 
-    async def take(self, filter: str, wanted: Wanted, timeout: float) -> RecordedMessage | None:  # noqa: A002, ASYNC109 - the user's words
+    async def pop(self, filter: str, wanted: Wanted, timeout: float) -> RecordedMessage | None:  # noqa: A002, ASYNC109 - the user's words
         """Take the first message that fits and was not taken before; wait for it if need be; None if none came."""
         with anyio.move_on_after(timeout):
-            while (found := self._take(filter, wanted)) is None:
+            while (found := self._pop(filter, wanted)) is None:
                 await self._grown.wait()
             return found
         return None
@@ -184,7 +184,7 @@ class Journal:
             lines.append("no client published anything at all")
         return "\n".join(lines)
 
-    def _take(self, filter: str, wanted: Wanted) -> RecordedMessage | None:  # noqa: A002 - as above
+    def _pop(self, filter: str, wanted: Wanted) -> RecordedMessage | None:  # noqa: A002 - as above
         for entry in self._entries:
             message = entry.message
             if not entry.taken and topic_matches(filter, message.topic) and payload_matches(wanted, message):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Literal, final
+from typing import Any, Final, Literal, final
 
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
+    Acknowledgement,
     Connack,
     Connect,
     Disconnect,
@@ -40,31 +41,7 @@ _SECRET = ("authentication_data",)
 def packet_text(packet: Packet) -> str:
     """Return one line about *packet*; passwords are left out, long payloads cut."""
     properties = getattr(packet, "properties", NO_PROPERTIES)
-    return f"{type(packet).__name__.upper()}{_facts(packet)}{_property_text(properties)}"
-
-
-def _facts(packet: Packet) -> str:
-    match packet:
-        case Publish():
-            return _publish(packet)
-        case Connect():
-            return _connect(packet)
-        case Connack(session_present=present, reason=reason):
-            return f" {reason.text}{', session present' if present else ''}"
-        case Puback() | Pubrec() | Pubrel() | Pubcomp():
-            return f" id {packet.packet_id}{f' {packet.reason.text}' if packet.reason else ''}"
-        case Subscribe(packet_id=number, filters=requests):
-            return f" id {number}: {', '.join(f'{each.filter} QoS {each.qos}' for each in requests)}"
-        case Unsubscribe(packet_id=number, filters=filters):
-            return f" id {number}: {', '.join(filters)}"
-        case Suback(packet_id=number, reasons=reasons):
-            return f" id {number}: {', '.join(each.text if each.failed else f'QoS {int(each)}' for each in reasons)}"
-        case Unsuback(packet_id=number, reasons=reasons):
-            return f" id {number}: {', '.join(each.text for each in reasons)}".rstrip(": ")
-        case Disconnect(reason=reason):
-            return f" {reason.text}" if reason else ""
-        case _:
-            return ""
+    return f"{type(packet).__name__.upper()}{_FACTS.get(type(packet), _no_facts)(packet)}{_property_text(properties)}"
 
 
 def _publish(packet: Publish) -> str:
@@ -81,6 +58,37 @@ def _connect(packet: Connect) -> str:
     clean = "clean start" if packet.clean_start else "persistent session"
     name = f"{packet.client_id!r} MQTT {PROTOCOL_NAMES[packet.version]}"
     return f" {name}, {clean}, keep-alive {packet.keep_alive} s{user}{will}"
+
+
+def _acknowledgement(packet: Acknowledgement) -> str:
+    return f" id {packet.packet_id}{f' {packet.reason.text}' if packet.reason else ''}"
+
+
+def _suback(packet: Suback) -> str:
+    reasons = ", ".join(each.text if each.failed else f"QoS {int(each)}" for each in packet.reasons)
+    return f" id {packet.packet_id}: {reasons}"
+
+
+def _no_facts(_packet: Packet) -> str:
+    return ""
+
+
+_FACTS: Final[Mapping[type, Callable[[Any], str]]] = {
+    Publish: _publish,
+    Connect: _connect,
+    Connack: lambda packet: f" {packet.reason.text}{', session present' if packet.session_present else ''}",
+    Puback: _acknowledgement,
+    Pubrec: _acknowledgement,
+    Pubrel: _acknowledgement,
+    Pubcomp: _acknowledgement,
+    Subscribe: lambda packet: (
+        f" id {packet.packet_id}: {', '.join(f'{each.filter} QoS {each.qos}' for each in packet.filters)}"
+    ),
+    Suback: _suback,
+    Unsubscribe: lambda packet: f" id {packet.packet_id}: {', '.join(packet.filters)}",
+    Unsuback: lambda packet: f" id {packet.packet_id}: {', '.join(each.text for each in packet.reasons)}".rstrip(": "),
+    Disconnect: lambda packet: f" {packet.reason.text}" if packet.reason else "",
+}
 
 
 def _property_text(properties: Properties) -> str:

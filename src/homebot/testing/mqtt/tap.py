@@ -9,7 +9,7 @@ from typing import Literal, final
 
 from homebot.mqtt.broker import BrokerState, Peer, Transport
 from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, PacketType, ProtocolVersion, ReasonCode
-from homebot.testing.mqtt.faults import DelayedAcks, DroppedAcks, Fault, FaultRules, HalfPacket, SlowReader
+from homebot.testing.mqtt.faults import Fault, FaultKind, FaultRules
 
 __all__ = ["Tap", "TapDuties"]
 
@@ -26,7 +26,7 @@ class TapDuties:
     """
 
     rules: FaultRules
-    note: Callable[[Literal["in", "out", "note"], str, Packet | str], None]
+    record: Callable[[Literal["in", "out", "note"], str, Packet | str], None]
     failed: Callable[[str, PacketError], None]
     taps: set[Tap]
 
@@ -70,15 +70,11 @@ class Tap:
         """True if nothing more should be written that can wait."""
         return self._stalled or self._link.write_blocked
 
-    def has_room_for(self, size: int) -> bool:
-        """Return whether *size* bytes more may be written although the far side is slow."""
-        return not self._stalled and self._link.has_room_for(size)
-
     def receive(self, data: bytes) -> None:
         """Record received bytes and pass them on."""
         if self._in is not None and not self._begun and data[0] >> 4 != PacketType.CONNECT:
             self._in = None
-            self._note("note", f"sent invalid MQTT: {data[:40]!r}")
+            self._record("note", f"sent invalid MQTT: {data[:40]!r}")
         self._begun = True
         if self._in is not None:
             self._read(self._in, data)
@@ -91,7 +87,7 @@ class Tap:
 
     def lost(self) -> None:
         """Note that the socket is closed."""
-        self._note("note", "connection closed")
+        self._record("note", "connection closed")
         self._duties.taps.discard(self)
         self._peer.lost()
         self._report_failure()
@@ -102,7 +98,7 @@ class Tap:
 
     def drop(self) -> None:
         """Close the connection without a DISCONNECT."""
-        self._note("note", "fault: connection dropped")
+        self._record("note", "fault: connection dropped")
         self._cut = True
         self._link.close(linger=False)
 
@@ -141,7 +137,7 @@ class Tap:
 
     @property
     def _stalled(self) -> bool:
-        return self._duties.rules.find(SlowReader, self.client_id) is not None
+        return self._duties.rules.find(FaultKind.SLOW_READER, self.client_id) is not None
 
     def _read(self, reader: PacketReader, data: bytes) -> None:
         try:
@@ -149,32 +145,32 @@ class Tap:
                 if isinstance(packet, Connect):
                     reader.version = self._version = packet.version
                     self._name = packet.client_id
-                self._note("in", packet)
+                self._record("in", packet)
         except PacketError as error:
             self._in = None  # the peer finds the same
-            self._note("note", f"sent invalid MQTT: {error.problem}")
+            self._record("note", f"sent invalid MQTT: {error.problem}")
 
     def _write_packet(self, piece: bytes) -> None:
         rules = self._duties.rules
-        self._note("out", _read_own(piece, self._version))
-        half = rules.find(HalfPacket, self.client_id)
+        self._record("out", _read_own(piece, self._version))
+        half = rules.find(FaultKind.HALF_PACKET, self.client_id)
         if half is not None:
             self._apply_fault(half)
             half.lift()
             self._put(piece[: len(piece) // 2])
-            self._note("note", "fault: only half of that was sent")
+            self._record("note", "fault: only half of that was sent")
             self.drop()
             return
         if piece[0] >> 4 in _ACKS:
-            dropped = rules.find(DroppedAcks, self.client_id)
+            dropped = rules.find(FaultKind.DROPPED_ACKS, self.client_id)
             if dropped is not None:
                 self._apply_fault(dropped)
-                self._note("note", "fault: that acknowledgement was dropped")
+                self._record("note", "fault: that acknowledgement was dropped")
                 return
-            delayed = rules.find(DelayedAcks, self.client_id)
+            delayed = rules.find(FaultKind.DELAYED_ACKS, self.client_id)
             if delayed is not None:
                 self._apply_fault(delayed)
-                self._note("note", f"fault: that acknowledgement is {delayed.seconds:g} s late")
+                self._record("note", f"fault: that acknowledgement is {delayed.seconds:g} s late")
                 asyncio.get_running_loop().call_later(delayed.seconds, self._put, piece)
                 return
         self._put(piece)
@@ -182,7 +178,7 @@ class Tap:
     def _put(self, piece: bytes) -> None:
         if self._cut:
             return
-        slow = self._duties.rules.find(SlowReader, self.client_id)
+        slow = self._duties.rules.find(FaultKind.SLOW_READER, self.client_id)
         if slow is None and not self._held:
             self._link.write(piece)
             return
@@ -209,8 +205,8 @@ class Tap:
             self._held.clear()
             self._link.write(data)
 
-    def _note(self, direction: Literal["in", "out", "note"], what: Packet | str) -> None:
-        self._duties.note(direction, self._display_name, what)
+    def _record(self, direction: Literal["in", "out", "note"], what: Packet | str) -> None:
+        self._duties.record(direction, self._display_name, what)
 
 
 def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:

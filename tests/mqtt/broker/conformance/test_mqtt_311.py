@@ -1,4 +1,4 @@
-"""The ground of the Paho suite's ten tests of MQTT 3.1.1; MQTT 3.1 behaves alike but for what its own tests say."""
+"""The Paho suite's ten tests of MQTT 3.1.1, for MQTT 3.1 as well, and for MQTT 5 if it behaves alike."""
 
 from __future__ import annotations
 
@@ -7,14 +7,25 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conformance.conftest import Talker
 
-from homebot.mqtt.packets import Connack, Connect, ProtocolVersion, ReasonCode, Unsuback, Unsubscribe, Will
+from homebot.mqtt.packets import (
+    NO_PROPERTIES,
+    Connack,
+    Connect,
+    Properties,
+    ProtocolVersion,
+    ReasonCode,
+    Unsuback,
+    Unsubscribe,
+    Will,
+)
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conformance.conftest import Meet
     from tests.mqtt.broker.conftest import Stranger
 
-V31, V311 = ProtocolVersion.V31, ProtocolVersion.V311
+V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 
 
 @pytest.fixture(params=[V31, V311], ids=["3.1", "3.1.1"])
@@ -23,9 +34,28 @@ def meet(request: pytest.FixtureRequest, meet: Meet) -> Meet:
     return partial(meet, version=request.param)
 
 
-def test_basic_a_client_hears_itself_at_every_qos(meet: Meet) -> None:
-    meet().leave()
-    client = meet()
+@pytest.fixture(params=[V31, V311, V5], ids=["3.1", "3.1.1", "5"])
+def any_version(request: pytest.FixtureRequest) -> ProtocolVersion:
+    return request.param  # type: ignore[no-any-return] # a parameter
+
+
+@pytest.fixture
+def meet_any(stranger: Stranger, any_version: ProtocolVersion) -> Meet:
+    """Of any version; a session that is not clean lasts."""
+
+    def make(client_id: str = "a", *, clean: bool = True) -> Talker:
+        lasting = 0 if clean or any_version is not V5 else 99_999
+        properties = Properties(session_expiry_interval=lasting) if lasting else NO_PROPERTIES
+        talker = Talker(stranger(any_version))
+        talker.send(Connect(client_id, any_version, clean, properties=properties))
+        return talker
+
+    return make
+
+
+def test_basic_a_client_hears_itself_at_every_qos(meet_any: Meet) -> None:
+    meet_any().leave()
+    client = meet_any()
     assert not client.connack.session_present
     client.subscribe("hall")
     client.publish_each_qos("hall")
@@ -69,12 +99,12 @@ def test_zero_length_client_id_needs_a_clean_session(meet: Meet) -> None:
     assert meet("", version=V311).connack.reason is ReasonCode.SUCCESS
 
 
-def test_offline_message_queueing_keeps_qos_1_and_2(meet: Meet) -> None:
-    client = meet("a", clean=False)
+def test_offline_message_queueing_keeps_qos_1_and_2(meet_any: Meet) -> None:
+    client = meet_any("a", clean=False)
     client.subscribe("+/+")
     client.leave()
-    meet("b").publish_each_qos("hall/lamp")
-    client = meet("a", clean=False)
+    meet_any("b").publish_each_qos("hall/lamp")
+    client = meet_any("a", clean=False)
     assert [message.qos for message in client.messages] == [1, 2]
 
 
@@ -83,8 +113,8 @@ def test_offline_message_queueing_says_that_the_session_is_there(meet: Meet) -> 
     assert meet("a", version=V311, clean=False).connack.session_present
 
 
-def test_overlapping_subscriptions_give_one_copy_at_the_highest_qos(meet: Meet) -> None:
-    client = meet()
+def test_overlapping_subscriptions_give_one_copy_at_the_highest_qos(meet_any: Meet) -> None:
+    client = meet_any()
     client.subscribe("hall/#", qos=2)
     client.subscribe("hall/+", qos=1)
     client.publish("hall/lamp", b"on", 2)
@@ -104,31 +134,31 @@ def test_keepalive_a_silent_client_is_cut_off_and_its_will_published(
     assert watcher.payloads == [b"a"]
 
 
-def test_redelivery_on_reconnect_repeats_what_was_not_acknowledged(meet: Meet) -> None:
-    client = meet("b", clean=False)
+def test_redelivery_on_reconnect_repeats_what_was_not_acknowledged(meet_any: Meet) -> None:
+    client = meet_any("b", clean=False)
     client.subscribe("hall/#")
     client.deaf = True
     client.publish("hall/1", b"1", 1)
     client.publish("hall/2", b"2", 2)
     client.leave()
-    client = meet("b", clean=False)
+    client = meet_any("b", clean=False)
     assert [(each.payload, each.qos, each.dup) for each in client.messages] == [(b"1", 1, True), (b"2", 2, True)]
 
 
-def test_subscribe_failure_is_0x80(meet: Meet) -> None:
-    assert meet().subscribe("test/nosubscribe").reasons == (0x80,)
+def test_subscribe_failure_is_0x80(meet_any: Meet) -> None:
+    assert meet_any().subscribe("test/nosubscribe").reasons == (0x80,)
 
 
-def test_dollar_topics_are_not_matched_by_a_leading_wildcard(meet: Meet) -> None:
-    client = meet()
+def test_dollar_topics_are_not_matched_by_a_leading_wildcard(meet_any: Meet) -> None:
+    client = meet_any()
     client.subscribe("+/+", "#", "/+")
     client.publish("$hall/lamp", b"", 1)
     client.settle()
     assert client.messages == []
 
 
-def test_unsubscribe_ends_one_subscription_only(meet: Meet) -> None:
-    client, other = meet("b"), meet("a")
+def test_unsubscribe_ends_one_subscription_only(meet_any: Meet) -> None:
+    client, other = meet_any("b"), meet_any("a")
     for topic in ("hall", "hall/lamp", "stairs"):
         client.subscribe(topic)
     client.send(Unsubscribe(9, ("hall",)))

@@ -18,8 +18,6 @@ from homebot.mqtt.packets import (
     Publish,
     Pubrec,
     ReasonCode,
-    Unsuback,
-    Unsubscribe,
     Will,
 )
 
@@ -30,15 +28,6 @@ if TYPE_CHECKING:
     PassTime = Callable[[float], None]
 
 PAIRS = (("a", "2"), ("c", "3"))
-
-
-def test_basic_a_client_hears_itself_at_every_qos(meet: Meet) -> None:
-    meet().leave()
-    client = meet()
-    assert client.connack.reason is ReasonCode.SUCCESS
-    client.subscribe("hall")
-    client.publish_each_qos("hall")
-    assert [(message.qos, message.payload) for message in client.messages] == [(0, b"0"), (1, b"1"), (2, b"2")]
 
 
 def test_basic_a_second_connect_and_a_wrong_protocol_name_end_the_connection(meet: Meet, stranger: Stranger) -> None:
@@ -81,67 +70,6 @@ def test_assigned_client_id_is_told(meet: Meet) -> None:
     assert len(names) == 2
     assert None not in names
     assert "" not in names
-
-
-def test_offline_message_queueing_keeps_qos_1_and_2(meet: Meet) -> None:
-    client = meet("a", session_expiry_interval=99_999)
-    client.subscribe("+/+")
-    client.leave()
-    meet("b").publish_each_qos("hall/lamp")
-    client = meet("a", clean=False)
-    assert client.connack.session_present
-    assert [message.qos for message in client.messages] == [1, 2]
-
-
-def test_overlapping_subscriptions_give_one_copy_at_the_highest_qos(meet: Meet) -> None:
-    client = meet()
-    client.subscribe(FilterRequest("hall/#", 2), FilterRequest("hall/+", 1))
-    client.publish("hall/lamp", b"on", 2)
-    assert [message.qos for message in client.messages] == [2]
-
-
-def test_keepalive_a_silent_client_is_cut_off_and_one_without_stays(meet: Meet, pass_time: PassTime) -> None:
-    """The imposed 60 s hold for the one that asked for none."""
-    silent, watcher = meet("a", keep_alive=5, will=Will("/gone", b"a")), meet("b")
-    watcher.subscribe("/gone")
-    pass_time(15)
-    watcher.settle()
-    assert silent.client.link.closed
-    assert watcher.payloads == [b"a"]
-
-
-def test_redelivery_on_reconnect_repeats_what_was_not_acknowledged(meet: Meet) -> None:
-    client = meet("b", clean=False, session_expiry_interval=99_999)
-    client.subscribe("hall/#")
-    client.deaf = True
-    client.publish("hall/1", b"1", 1)
-    client.publish("hall/2", b"2", 2)
-    client.leave()
-    client = meet("b", clean=False, session_expiry_interval=99_999)
-    assert [(each.payload, each.qos, each.dup) for each in client.messages] == [(b"1", 1, True), (b"2", 2, True)]
-
-
-def test_subscribe_failure_is_0x80(meet: Meet) -> None:
-    assert meet().subscribe("test/nosubscribe").reasons == (0x80,)
-
-
-def test_dollar_topics_are_not_matched_by_a_leading_wildcard(meet: Meet) -> None:
-    client = meet()
-    client.subscribe("+/+", "#", "/+")
-    client.publish("$hall/lamp", b"", 1)
-    client.settle()
-    assert client.messages == []
-
-
-def test_unsubscribe_ends_one_subscription_only(meet: Meet) -> None:
-    client, other = meet("b"), meet("a")
-    client.subscribe("hall", "hall/lamp", "stairs")
-    client.send(Unsubscribe(9, ("hall",)))
-    assert client.others[-1] == Unsuback(9, (ReasonCode.SUCCESS,))
-    for topic in ("hall", "hall/lamp", "stairs"):
-        other.publish(topic, topic.encode(), 1)
-    client.settle()
-    assert client.payloads == [b"hall/lamp", b"stairs"]
 
 
 def test_session_expiry_counts_from_the_disconnect_which_may_change_it(meet: Meet, pass_time: PassTime) -> None:

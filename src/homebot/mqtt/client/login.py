@@ -1,16 +1,25 @@
-"""Choice of the version of MQTT that a client speaks with its broker."""
+"""Login of a client: the MQTT version that it speaks, and the meaning of a refusal or an early end."""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Literal, TypeAlias, TypeVar, final
+from typing import Final, Literal, TypeAlias, TypeVar, final
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 from homebot.support.logger import get_logger
 
-__all__ = ["ClosedEarlyError", "MqttVersion", "UnansweredError", "VersionChoice", "early_end"]
+__all__ = [
+    "ClosedEarlyError",
+    "MqttVersion",
+    "UnansweredError",
+    "VersionChoice",
+    "disconnect_error",
+    "early_end",
+    "login_error",
+    "reason_text",
+]
 
 MqttVersion: TypeAlias = Literal["5", "3.1.1"]
 T = TypeVar("T")
@@ -22,15 +31,15 @@ class ClosedEarlyError(LinkError):
 
 
 class UnansweredError(LinkError):
-    """The broker said nothing to CONNECT in time."""
+    """The broker did not answer CONNECT in time."""
 
 
 @final
 class VersionChoice:
     """The version for the next link: of "auto" 5, and 3.1.1 once a broker that never spoke 5 wanted it so.
 
-    A broker that says nothing to 5 is asked with 3.1.1 the next time, and then with 5 again: it is too old to tell what
-    it reads, or it was only slow. One that does not take 3.1.1 is asked with 5 at once.
+    A broker that does not answer 5 in time, as amqtt does not, is asked with 3.1.1 the next time, and then with 5
+    again, because it may only be slow. One that refuses 3.1.1 is asked with 5 at once.
     """
 
     def __init__(self, options: MqttOptions) -> None:
@@ -63,7 +72,7 @@ class VersionChoice:
         opened = await open_as("3.1.1")
         self._version = "3.1.1"  # from now on the first, so this is said once
         self._has_answered = True
-        self._tell("supports MQTT 3.1.1, not 5", reason)
+        self._log_version("supports MQTT 3.1.1, not 5", reason)
         return opened
 
     async def _open_after_silence(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
@@ -74,10 +83,10 @@ class VersionChoice:
             if isinstance(error, RefusedError) and not _is_about_version(error):
                 raise
             return await self.open(open_as)  # so it was only slow
-        self._tell("says nothing to MQTT 5, and speaks 3.1.1", "")
+        self._log_version("says nothing to MQTT 5, and speaks 3.1.1", "")
         return opened
 
-    def _tell(self, what: str, reason: str) -> None:
+    def _log_version(self, what: str, reason: str) -> None:
         url = self._options.url
         _log.info("mqtt.fell_back", message=f"{url} {what}", broker=url, reason=reason)
 
@@ -106,3 +115,43 @@ def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkErr
         else "is this a port for TLS (mqtts://)?"
     )
     return ClosedEarlyError(f"{reason} instead of answering; {hint}")
+
+
+_TRY_LATER: Final = {
+    ReasonCode.SERVER_UNAVAILABLE,
+    ReasonCode.SERVER_BUSY,
+    ReasonCode.QUOTA_EXCEEDED,
+    ReasonCode.CONNECTION_RATE_EXCEEDED,
+}
+_WRONG_LOGIN: Final = {ReasonCode.BAD_USER_NAME_OR_PASSWORD, ReasonCode.NOT_AUTHORIZED}
+_THROWN_OUT: Final = {
+    ReasonCode.NOT_AUTHORIZED,
+    ReasonCode.BANNED,
+    ReasonCode.SESSION_TAKEN_OVER,
+    ReasonCode.ADMINISTRATIVE_ACTION,
+}
+
+
+def reason_text(code: int) -> str:
+    """Return a reason code in words, such as ``not authorized``."""
+    try:
+        return ReasonCode(code).text
+    except ValueError:
+        return f"reason 0x{code:02x}"
+
+
+def login_error(code: int) -> LinkError | RefusedError:
+    """Return the error for a CONNACK with *code* (0x80 or more)."""
+    if code in _TRY_LATER:
+        return LinkError(f"the broker answered: {reason_text(code)}")
+    hint = "; check user and password_file" if code in _WRONG_LOGIN else ""
+    return RefusedError("the login", f"{reason_text(code)}{hint}", code)
+
+
+def disconnect_error(code: int) -> LinkError | RefusedError:
+    """Return the error for a DISCONNECT with *code* from the broker."""
+    if code == ReasonCode.SESSION_TAKEN_OVER:
+        return RefusedError("the connection", "session taken over, another client uses this client id", code)
+    if code in _THROWN_OUT:
+        return RefusedError("the connection", reason_text(code), code)
+    return LinkError(f"the broker disconnected: {reason_text(code) if code else 'no reason given'}")

@@ -1,18 +1,30 @@
-"""A broker that runs in this process, as its clients see it."""
+"""Clients by their names in a configuration, and a broker in this process as its clients see it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from homebot.mqtt.client import MqttClient
+from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.options import MqttOptions
 
 if TYPE_CHECKING:
     from homebot.mqtt.memory_broker import MemoryBroker
 
-__all__ = ["HostedBroker"]
+__all__ = ["HostedBroker", "MqttClientName", "client_maker"]
+
+MqttClientName: TypeAlias = Literal["aiomqtt", "native"]
+
+
+def client_maker(name: MqttClientName) -> Callable[[MqttOptions], MqttClient]:
+    """Return the factory for clients of this name."""
+    if name == "native":
+        return NativeClient
+    from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient  # noqa: PLC0415 - its libraries take long to import
+
+    return AiomqttClient
 
 
 @dataclass(frozen=True, slots=True, eq=False)
