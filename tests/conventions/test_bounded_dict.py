@@ -13,7 +13,7 @@ def test_a_new_one_takes_the_place_of_the_oldest_that_is_not_kept() -> None:
     assert room.dropped == 1
 
 
-def test_what_is_kept_is_not_pushed_out() -> None:
+def test_a_pinned_value_is_not_dropped() -> None:
     room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
     room.pin("a")
@@ -22,7 +22,7 @@ def test_what_is_kept_is_not_pushed_out() -> None:
     assert room.dropped == 1
 
 
-def test_what_is_removed_makes_room() -> None:
+def test_a_removed_value_makes_room() -> None:
     room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
     room.pin("a")

@@ -76,7 +76,7 @@ def test_documents_are_read_as_rfc_8949_spells_them(payload: str, document: obje
         (b"\x00" * 300_000, "longer than"),
     ],
 )
-def test_what_is_no_cbor_or_too_much_of_it_is_refused(payload: bytes, problem: str) -> None:
+def test_invalid_or_long_cbor_is_refused(payload: bytes, problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         decode_cbor(payload)
 
@@ -93,7 +93,7 @@ _documents: st.SearchStrategy[Any] = st.recursive(
 
 
 @given(_documents)
-def test_another_implementation_understands_what_is_written_and_is_understood(document: Any) -> None:
+def test_another_implementation_reads_and_is_read(document: Any) -> None:
     assert cbor2.loads(encode_cbor(document)) == document
     assert decode_cbor(cbor2.dumps(document)) == document
 
@@ -105,7 +105,7 @@ def test_any_bytes_are_a_document_or_a_clear_error(payload: bytes) -> None:
         assert not isinstance(document, float) or math.isfinite(document)
 
 
-def test_what_is_no_document_cannot_be_written() -> None:
+def test_a_value_that_is_no_document_is_refused() -> None:
     with pytest.raises(TypeError):
         encode_cbor({1, 2})
     with pytest.raises(TypeError):

@@ -21,7 +21,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 
-def test_what_fits_is_returned() -> None:
+def test_a_valid_value_is_returned() -> None:
     assert require_bool("on_off", value=False) is False
     assert require_number("level", 50, 0, 100, "%") == 50.0
     assert require_option("movement", "open", ("open", "closed")) == "open"
@@ -64,7 +64,7 @@ def test_a_transition_has_an_end_and_perhaps_a_longest() -> None:
         require_transition(11.0, most=10.0)
 
 
-def test_a_writer_publishes_what_its_check_let_pass() -> None:
+def test_a_writer_publishes_valid_values() -> None:
     def publish(value: object) -> Publications:
         return (Publication("t", str(value).encode()),)
 
@@ -83,6 +83,6 @@ def test_a_writer_publishes_what_its_check_let_pass() -> None:
         (push_writer("push", lambda: ()), False),
     ],
 )
-def test_a_writer_refuses_what_its_check_refuses(writer: Writer, value: PlainValue) -> None:
+def test_a_writer_refuses_invalid_values(writer: Writer, value: PlainValue) -> None:
     with pytest.raises(RefusedError, match="it takes"):
         writer(value, 0.0)

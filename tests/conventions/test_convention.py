@@ -36,7 +36,7 @@ def test_only_the_convention_that_hears_something_loads_its_reader() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_what_is_rejected_is_counted_from_the_first_message_on() -> None:
+def test_rejected_messages_are_counted_from_the_first_on() -> None:
     """The message that loads the reader counts too."""
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     assert (convention.is_loaded, convention.rejected) == (False, 0)

@@ -51,7 +51,7 @@ def test_every_spelling_is_read(mode: str, channels: Channels, color: Channels) 
 
 
 @given(st.sampled_from(MODES), st.floats(0, 360), st.floats(0, 100))
-def test_a_colour_that_is_told_comes_back_much_the_same(mode: str, hue: float, saturation: float) -> None:
+def test_a_colour_is_nearly_the_same_after_both_conversions(mode: str, hue: float, saturation: float) -> None:
     channels = from_hue_saturation(mode, hue, saturation, WHITE)
     assert len(channels) == len(CHANNELS[mode])
     back, strength = to_hue_saturation(mode, channels, WHITE)

@@ -93,7 +93,7 @@ def test_a_broken_text_is_refused_in_slices_as_in_one_go(value: object, seed: in
         b'["' + b"x" * 55 + b'",1e-]',
     ],
 )
-def test_what_is_no_json_is_refused(text: bytes) -> None:
+def test_invalid_json_is_refused(text: bytes) -> None:
     with pytest.raises(WireError):
         parsed(text)
 

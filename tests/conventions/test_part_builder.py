@@ -29,7 +29,7 @@ def part() -> JsonPart:
     return made
 
 
-def test_a_part_has_what_was_collected() -> None:
+def test_a_part_has_the_collected_capabilities() -> None:
     described = part().build()
     about = described.part
     assert (about.id, about.service_type, about.name, about.advertised) == ("id", "light", "n", "lamp")
@@ -43,7 +43,7 @@ def test_a_part_has_what_was_collected() -> None:
     assert described.codec.topics() == about.reads
 
 
-def test_a_part_reads_and_is_told_as_its_tables_say() -> None:
+def test_a_part_reads_and_writes_by_its_tables() -> None:
     codec = part().build().codec
     assert codec.read("t", b'{"state":"ON"}', retained=True) == {"on_off": True}
     assert codec.write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
@@ -64,7 +64,7 @@ def test_many_options_are_not_kept_for_others() -> None:
     assert first is not second
 
 
-def test_a_part_that_can_do_nothing_says_so() -> None:
+def test_a_part_without_capabilities_is_empty() -> None:
     assert JsonPart("", "x_unknown").is_empty
     assert not part().is_empty
 

@@ -44,7 +44,7 @@ def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
 
 
 @given(json_values)
-def test_what_json_says_comes_back(value: object) -> None:
+def test_json_is_parsed(value: object) -> None:
     assert parse_json(json.dumps(value).encode()) == value
 
 
@@ -65,7 +65,7 @@ odd_numbers = st.from_regex(r"-?(0|[1-9][0-9]{0,30})(\.[0-9]{1,30})?([eE][+-]?[0
 
 
 @given(json_texts | odd_numbers | odd_numbers.map(lambda number: f'{{"a": [{number}]}}') | json_values.map(json.dumps))
-def test_the_fast_parser_reads_what_the_strict_one_reads(text: str) -> None:
+def test_both_parsers_read_the_same(text: str) -> None:
     for payload in (text, text.encode()):
         assert _parsed(payload) == _parsed_strictly(payload)
 
@@ -98,7 +98,7 @@ def test_of_a_key_that_is_there_twice_the_last_counts() -> None:
         (b" " * 300_000, "longer than"),
     ],
 )
-def test_what_is_no_sane_json_is_refused(payload: bytes, problem: str) -> None:
+def test_invalid_json_is_refused(payload: bytes, problem: str) -> None:
     with pytest.raises(WireError, match=problem) as refused:
         parse_json(payload)
     assert len(str(refused.value)) < 300
@@ -146,7 +146,7 @@ def test_a_name_is_one_short_visible_line(text: str, clean: str) -> None:
 @pytest.mark.parametrize(
     ("value", "text"), [(" Hall\n", "Hall"), ("Hallway", "Hall"), (7, ""), (None, ""), (["Hall"], "")]
 )
-def test_what_is_no_text_is_shown_as_an_empty_one(value: object, text: str) -> None:
+def test_a_value_that_is_no_text_is_an_empty_text(value: object, text: str) -> None:
     assert text_of(value, 4) == text
 
 
@@ -163,14 +163,14 @@ def test_an_error_shows_any_value_on_one_short_line(value: object) -> None:
     assert "\n" not in shown(value)
 
 
-def test_what_is_no_text_or_json_is_none() -> None:
+def test_invalid_text_and_json_are_none() -> None:
     assert to_text(b"\xff") is None
     assert to_text(b"x" * 300_000) is None
     assert to_json(b"NaN") is None
     assert to_json(b'{"a":1}') == {"a": 1}
 
 
-def test_a_table_of_meanings_reads_what_it_has_and_nothing_else() -> None:
+def test_a_table_of_meanings_reads_only_its_entries() -> None:
     read = meaning_reader("on_off", {"ON": True, "OFF": False, "unknown": None})
     assert [read(text) for text in ("ON", "OFF", "unknown", "on")] == [
         {"on_off": True},
@@ -187,7 +187,7 @@ def test_a_percentage_outside_of_the_whole_is_unknown(value: object, percent: fl
     assert percent_of(value) == percent
 
 
-def test_what_is_no_object_has_no_fields() -> None:
+def test_a_value_that_is_no_object_has_no_fields() -> None:
     assert as_fields({"a": 1}) == {"a": 1}
     assert [dict(as_fields(value)) for value in (None, [1], "a", 1)] == [{}, {}, {}, {}]
 

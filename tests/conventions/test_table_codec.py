@@ -58,7 +58,7 @@ def test_an_object_is_opened_for_its_readers() -> None:
 
 
 @pytest.mark.parametrize("payload", [b"", b"ON", b"[1]", b"\xff", b"{" * 9_999, b"{}" + b" " * 300_000])
-def test_what_is_no_short_object_says_nothing(payload: bytes) -> None:
+def test_another_response_is_no_refusal(payload: bytes) -> None:
     assert of_objects().read("t", payload, retained=False) == {}
 
 
@@ -66,7 +66,7 @@ def test_a_command_goes_to_the_writer_of_its_capability() -> None:
     assert of_bytes().write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
 
 
-def test_what_it_cannot_be_told_is_refused_with_what_it_can() -> None:
+def test_an_unknown_capability_is_refused_with_the_known_ones() -> None:
     with pytest.raises(RefusedError, match="this part takes on_off"):
         of_bytes().write("level", 1.0)
     with pytest.raises(RefusedError, match="this part takes nothing"):

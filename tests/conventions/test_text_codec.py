@@ -33,18 +33,18 @@ def test_the_same_text_again_is_no_news_until_another_one_came() -> None:
     ]
 
 
-def test_what_the_broker_had_kept_is_news_when_the_device_says_it() -> None:
+def test_a_retained_text_is_read_again_when_it_is_live() -> None:
     lamp = codec("lights")
     told = [read(lamp, b"on", retained=one) for one in (True, True, False, False, True)]
     assert [bool(one) for one in told] == [True, False, True, False, False]
 
 
 @pytest.mark.parametrize("payload", [b"2" * 5000, b"\xff", b"purple", b"1e999"])
-def test_what_is_no_text_of_the_part_tells_nothing(payload: bytes) -> None:
+def test_an_unknown_text_is_ignored(payload: bytes) -> None:
     assert read(codec("lights"), payload) == {}
 
 
-def test_a_part_of_no_known_type_tells_nothing_and_takes_nothing() -> None:
+def test_a_part_of_unknown_type_has_no_capabilities() -> None:
     coffee = codec("coffee")
     assert read(coffee, b"on") == {}
     with pytest.raises(RefusedError, match="this part takes nothing"):
@@ -55,7 +55,7 @@ def test_a_command_is_its_text_on_the_topic_where_the_part_listens() -> None:
     assert codec("lights").write("level", 40.0, transition=3.0) == (Publication("x/in", b"0.4", qos=1),)
 
 
-def test_the_number_that_a_thermostat_was_just_told_is_its_target_once() -> None:
+def test_the_answer_of_a_thermostat_is_its_target_once() -> None:
     hall = codec("thermostats")
     hall.write("heating_setpoint", 21.0)
     assert [read(hall, one) for one in (b"18.5", b"21", b"20", b"21")] == [

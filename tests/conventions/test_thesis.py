@@ -34,7 +34,7 @@ def test_other_channels_are_no_devices(layout: Thesis, channel: str) -> None:
     assert layout.announced(f"home425/lights/lamp/{channel}") is None
 
 
-def test_another_home_is_nobodys_mistake(layout: Thesis) -> None:
+def test_another_home_is_ignored(layout: Thesis) -> None:
     """Nor is one whose name only begins like ours."""
     assert layout.announced("home426/lights/lamp/out") is None
     assert layout.announced("home4257/lights/lamp/out") is None
@@ -67,7 +67,7 @@ def test_odd_device_ids_are_devices_all_the_same(layout: Thesis, device_id: str)
     assert device.name == device_id
 
 
-def test_without_a_root_every_home_is_heard_and_named_in_the_key() -> None:
+def test_without_a_root_every_home_is_read_and_part_of_the_key() -> None:
     """Two homes on one broker may have lamps of the same name."""
     device = Thesis(ThesisSettings()).announced("villa/lights/lamp/out")
     assert device is not None

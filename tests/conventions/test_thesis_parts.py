@@ -44,7 +44,7 @@ from homebot.house.simulated_device import SimulatedDevice
         ("robots", "x_robot", "", [], ["value"]),
     ],
 )
-def test_the_word_of_the_topic_says_what_a_device_is(
+def test_the_level_of_the_topic_determines_the_type(
     word: str, kind: str, tag: str, settable: list[str], read_only: list[str]
 ) -> None:
     part = thesis_part(word, "home/x/y/out", "home/x/y/in")
@@ -57,13 +57,13 @@ def test_the_word_of_the_topic_says_what_a_device_is(
 
 
 @pytest.mark.parametrize("word", ["coffee", "", "type7", "x", "Küchen", "lights\0"])
-def test_an_unknown_word_says_nothing(word: str) -> None:
+def test_an_unknown_word_has_no_type(word: str) -> None:
     part = thesis_part(word, "out", "in")
     assert (part.service_type, part.capabilities, part.writes) == ("", (), ())
 
 
 @given(st.text() | st.sampled_from([word for one in DEVICE_TYPES.values() for word in (one.name, *one.words)]))
-def test_whatever_the_word_the_part_is_of_the_vocabulary(word: str) -> None:
+def test_for_any_word_the_part_is_of_the_vocabulary(word: str) -> None:
     part = thesis_part(word, "out", "in")
     assert part.service_type in {"", *DEVICE_TYPES}
     assert all(one.name in CAPABILITIES for one in part.capabilities)
@@ -84,7 +84,7 @@ def test_whatever_the_word_the_part_is_of_the_vocabulary(word: str) -> None:
     ],
     ids=lambda device: device.kind,
 )
-def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(device: SimulatedDevice) -> None:
+def test_every_simulated_device_reports_and_obeys_its_capabilities(device: SimulatedDevice) -> None:
     """The house's own words, which are the reference for what the layout speaks."""
     part = thesis_part(device.service_type, "out", "in")
     assert decode_text(device.state(), part)

@@ -43,7 +43,7 @@ def test_every_sensor_is_in_the_vocabulary() -> None:
     assert set(SENSOR_TYPES.values()) <= DEVICE_TYPES.keys()
 
 
-def test_a_sensor_is_of_the_type_that_its_capability_says_or_of_its_kind() -> None:
+def test_the_capability_determines_the_type_of_a_sensor() -> None:
     assert sensor_type("temperature") == "temperature_sensor"
     assert [sensor_type(name) for name in ("tamper", "signal_strength", "value")] == [
         "x_binary_sensor",

@@ -71,7 +71,7 @@ def test_a_base_topic_stands_in_at_the_beginning_or_the_end_of_topics_alone() ->
     }
 
 
-def test_the_components_of_a_whole_device_inherit_what_is_shared() -> None:
+def test_the_components_of_a_whole_device_inherit_shared_fields() -> None:
     told = announced(
         {
             "dev": {"ids": "0AFFD2"},
@@ -120,7 +120,7 @@ def test_a_move_to_another_form_announces_nothing(key: str) -> None:
         ({"~": ["x"]}, "~ is list of 1"),
     ],
 )
-def test_what_has_no_right_form_is_refused(fields: object, problem: str) -> None:
+def test_an_invalid_config_is_refused(fields: object, problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         announced(fields)
 
@@ -135,6 +135,6 @@ def test_what_has_no_right_form_is_refused(fields: object, problem: str) -> None
         ({"cmps": {f"c{n}": {"p": "light"} for n in range(MAX_COMPONENTS + 1)}}, "more than 300"),
     ],
 )
-def test_a_whole_device_of_no_right_form_is_refused(fields: object, problem: str) -> None:
+def test_an_invalid_whole_device_is_refused(fields: object, problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         announced(fields, WHOLE)

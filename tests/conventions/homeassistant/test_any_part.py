@@ -75,7 +75,7 @@ def is_ours(part: DescribedPart, capability: str, value: PlainValue) -> bool:
 
 
 @given(st.sampled_from(REAL + MORE), changes, said)
-def test_what_it_reads_is_of_its_capabilities_and_their_kinds(
+def test_readings_are_of_the_capabilities_and_their_kinds(
     one: dict[str, Any], changed: dict[str, Any], payload: bytes
 ) -> None:
     for part in described(one, changed):
@@ -86,7 +86,7 @@ def test_what_it_reads_is_of_its_capabilities_and_their_kinds(
 
 
 @given(st.sampled_from(REAL + MORE), changes, values)
-def test_what_it_is_told_is_published_where_it_listens(
+def test_commands_are_published_on_the_command_topics(
     one: dict[str, Any], changed: dict[str, Any], value: PlainValue
 ) -> None:
     for part in described(one, changed):

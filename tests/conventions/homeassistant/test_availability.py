@@ -12,12 +12,12 @@ def availability(fields: Mapping[str, object]) -> Availability | None:
     return read_availability(DiscoveryConfig("light", "x", fields))
 
 
-def test_without_topics_nobody_tells() -> None:
+def test_without_topics_there_is_no_availability() -> None:
     assert availability({}) is None
     assert availability({"availability": []}) is None
 
 
-def test_one_topic_says_two_words_and_any_other_means_neither() -> None:
+def test_one_topic_has_two_payloads_and_others_are_ignored() -> None:
     told = availability({"availability_topic": "a/av", "payload_available": True, "payload_not_available": "no"})
     assert told is not None
     (source,) = told.sources
@@ -64,19 +64,19 @@ def test_one_entry_need_not_be_in_a_list() -> None:
         {"availability_topic": "a", "payload_available": {}},
     ],
 )
-def test_what_cannot_tell_is_refused(fields: Mapping[str, object]) -> None:
+def test_an_invalid_availability_is_refused(fields: Mapping[str, object]) -> None:
     with pytest.raises(WireError):
         availability(fields)
 
 
-def test_words_that_python_finds_equal_are_told_apart() -> None:
+def test_payloads_that_are_equal_in_python_differ() -> None:
     for word, said in ((1, b"1"), (True, b"True"), (1.0, b"1.0")):
         told = availability({"availability": {"topic": "same", "payload_available": word}})
         assert told is not None
         assert told.sources[0].read(said) is True
 
 
-def test_devices_of_a_bridge_share_what_they_answer() -> None:
+def test_devices_of_a_bridge_share_its_payloads() -> None:
     """Entries that are alike but for the topic: a house has one for each device."""
     template = "{{ value_json.state }}"
     entries = [{"topic": f"z/{name}/availability", "value_template": template} for name in ("a", "b")]

@@ -113,7 +113,7 @@ def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None
         ("{% if value_json.a.b %}1{% endif %}", b"ON", "ON"),
     ],
 )
-def test_what_a_template_lacks_is_made_up_for_by_the_payload(template: str, payload: bytes, text: str | None) -> None:
+def test_without_its_variables_a_template_yields_the_payload(template: str, payload: bytes, text: str | None) -> None:
     """As in Home Assistant, which passes the message over only where the values do not fit the template."""
     source = config(state_topic="a", value_template=template).required_source("state_topic")
     assert source.text(StateMessage(payload)) == text
@@ -128,7 +128,7 @@ def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:
         command.publication("灯")
 
 
-def test_a_command_is_never_retained_unless_the_config_says_so() -> None:
+def test_a_command_is_retained_only_if_the_config_requires_it() -> None:
     assert config(command_topic="a").required_command().publication(21.0) == Publication("a", b"21.0")
 
 

@@ -51,12 +51,12 @@ def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
 
 
 @pytest.mark.parametrize("answer", TAKEN, ids=name)
-def test_a_part_is_what_home_assistant_takes_it_for(answer: Answer) -> None:
+def test_a_part_has_the_type_of_home_assistant(answer: Answer) -> None:
     assert described(answer).part.service_type == answer["service_type"]
 
 
 @pytest.mark.parametrize("answer", [one for one in TAKEN if one["says"]], ids=name)
-def test_what_it_says_is_understood_as_home_assistant_does(answer: Answer) -> None:
+def test_messages_are_read_as_by_home_assistant(answer: Answer) -> None:
     part = described(answer)
     readable = {one.name for one in part.part.capabilities if one.readable}
     known: dict[str, PlainValue] = {}
@@ -67,7 +67,7 @@ def test_what_it_says_is_understood_as_home_assistant_does(answer: Answer) -> No
 
 
 @pytest.mark.parametrize("answer", TAKEN, ids=name)
-def test_it_is_told_what_home_assistant_publishes(answer: Answer) -> None:
+def test_commands_are_those_of_home_assistant(answer: Answer) -> None:
     codec = described(answer).codec
     for topic, payload, _ in answer["says"]:
         codec.read(topic, payload.encode(), retained=False)
@@ -82,6 +82,6 @@ def test_it_is_told_what_home_assistant_publishes(answer: Answer) -> None:
 
 
 @pytest.mark.parametrize("answer", REFUSED, ids=name)
-def test_what_home_assistant_does_not_take_is_refused(answer: Answer) -> None:
+def test_a_config_that_home_assistant_refuses_is_refused(answer: Answer) -> None:
     with pytest.raises(WireError, match=answer["component"]):
         described(answer)

@@ -143,7 +143,7 @@ def test_a_move_to_another_form_withdraws_for_a_moment(convention: HomeAssistant
 
 
 @pytest.mark.parametrize("topic", ["homeassistant/media_player/x/config", "homeassistant/status", "ha/light/x/config"])
-def test_what_is_not_known_is_ignored_quietly(convention: HomeAssistantDiscovery, topic: str) -> None:
+def test_an_unknown_topic_is_ignored(convention: HomeAssistantDiscovery, topic: str) -> None:
     assert convention.read_message(topic, b"online", retained=False) == ()
     assert convention.rejected == 0
 
@@ -159,7 +159,7 @@ def test_unknown_components_and_keys_in_a_whole_device_are_ignored(convention: H
     assert convention.rejected == 0
 
 
-def test_what_is_refused_is_counted(convention: HomeAssistantDiscovery) -> None:
+def test_a_refused_config_is_counted(convention: HomeAssistantDiscovery) -> None:
     for broken in ("{", "[]", '{"command_topic": ""}'):
         with pytest.raises(WireError):
             take(convention, "switch/x", broken)

@@ -4,7 +4,7 @@ from homebot.conventions.homeassistant.device import read_device
 from homebot.errors import WireError
 
 
-def test_a_device_tells_who_it_is_where_and_what() -> None:
+def test_a_device_has_identifiers_area_and_facts() -> None:
     device = read_device(
         {
             "identifiers": ["zigbee2mqtt_0x00158d0001abcdef"],
@@ -39,7 +39,7 @@ def test_a_device_tells_who_it_is_where_and_what() -> None:
     }
 
 
-def test_a_config_without_device_is_about_nobody_in_particular() -> None:
+def test_a_config_without_device_has_no_identifiers() -> None:
     device = read_device({}, {})
     assert (device.identifiers, device.name, device.area, device.facts) == ((), "", "", {})
 
@@ -49,7 +49,7 @@ def test_one_identifier_need_not_be_in_a_list(identifiers: object) -> None:
     assert len(read_device({"identifiers": identifiers}, {}).identifiers) == 1
 
 
-def test_facts_that_python_finds_equal_are_told_apart() -> None:
+def test_facts_that_are_equal_in_python_differ() -> None:
     """Devices of one model share their facts, and a version ``1`` is not one that is ``true``."""
     told = [read_device({"identifiers": "a", "hw_version": version}, {}).facts for version in (1, True, 1.0, "1")]
 

@@ -11,7 +11,7 @@ def entity(**fields: object) -> Entity:
     return Entity(DiscoveryConfig("sensor", "node x", fields), "x_sensor")
 
 
-def test_a_part_carries_what_its_config_says() -> None:
+def test_a_part_has_the_fields_of_its_config() -> None:
     making = entity(name="Door\n1", device_class="door", entity_category="diagnostic", state_topic="a")
     making.add_capability("state")
     making.add_expiry(AutoExpiry("state", 5.0))
@@ -21,7 +21,7 @@ def test_a_part_carries_what_its_config_says() -> None:
     assert described.expiries == (AutoExpiry("state", 5.0),)
 
 
-def test_what_can_neither_be_read_nor_told_is_not_offered() -> None:
+def test_a_capability_without_access_is_left_out() -> None:
     making = entity()
     making.add_capability("level", readable=False)
     assert making.build().part.capabilities == ()
@@ -45,7 +45,7 @@ def test_a_reader_learns_whether_the_broker_had_kept_the_message() -> None:
     assert making.build().codec.read("a", b"", retained=True) == {"state": True}
 
 
-def test_what_a_part_does_not_take_is_refused_with_what_it_takes() -> None:
+def test_an_unknown_capability_is_refused_with_the_known_ones() -> None:
     making = entity()
     making.add_capability("push", readable=False, writer=lambda _value, _transition: ())
     with pytest.raises(RefusedError, match="takes push"):

@@ -131,7 +131,7 @@ def use(topic: str, payload: bytes, heard: bytes, value: PlainValue, transition:
 
 
 @given(st.sampled_from(TOPICS), said)
-def test_any_payload_is_taken_or_refused(topic: str, payload: bytes) -> None:
+def test_any_payload_is_read_or_refused(topic: str, payload: bytes) -> None:
     use(topic, payload, b"", None, 0.0)
 
 
@@ -191,7 +191,7 @@ def test_a_long_state_is_not_looked_at() -> None:
     assert found.parts[0].codec.read("a", b"ON" + b" " * 300_000, retained=False) == {}
 
 
-def test_a_valve_that_has_no_stop_says_so_with_null() -> None:
+def test_a_valve_without_a_stop_has_a_payload_of_null() -> None:
     """Found by fuzzing: a payload that is null means that there is no such command."""
     payload = json.dumps({"cmd_t": "v/set", "stat_t": "v", "payload_stop": None}).encode()
     (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(

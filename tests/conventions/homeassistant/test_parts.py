@@ -50,7 +50,7 @@ def same(ours: PlainValue, theirs: PlainValue) -> bool:
 
 
 @pytest.mark.parametrize("answer", [one for one in ANSWERS if "service_type" in one], ids=name)
-def test_a_part_is_what_home_assistant_takes_it_for(answer: Answer) -> None:
+def test_a_part_has_the_type_of_home_assistant(answer: Answer) -> None:
     assert described(answer).part.service_type == answer["service_type"]
 
 
@@ -63,7 +63,7 @@ def test_a_part_is_described_in_words_of_the_vocabulary(answer: Answer) -> None:
 
 
 @pytest.mark.parametrize("answer", [one for one in ANSWERS if one["says"]], ids=name)
-def test_what_it_says_is_understood_as_home_assistant_does(answer: Answer) -> None:
+def test_messages_are_read_as_by_home_assistant(answer: Answer) -> None:
     codec = described(answer).codec
     known: dict[str, PlainValue] = {}
     for topic, payload, expected in answer["says"]:
@@ -73,7 +73,7 @@ def test_what_it_says_is_understood_as_home_assistant_does(answer: Answer) -> No
 
 
 @pytest.mark.parametrize("answer", [one for one in ANSWERS if one["says"]], ids=name)
-def test_its_values_are_of_the_kind_that_the_vocabulary_says(answer: Answer) -> None:
+def test_values_are_of_the_kind_in_the_vocabulary(answer: Answer) -> None:
     codec = described(answer).codec
     kinds = {"bool": bool, "number": float, "text": str}
     for topic, payload, _ in answer["says"]:
@@ -82,7 +82,7 @@ def test_its_values_are_of_the_kind_that_the_vocabulary_says(answer: Answer) -> 
 
 
 @pytest.mark.parametrize("answer", [one for one in ANSWERS if one["told"]], ids=name)
-def test_it_is_told_what_home_assistant_publishes(answer: Answer) -> None:
+def test_commands_are_those_of_home_assistant(answer: Answer) -> None:
     codec = described(answer).codec
     for capability, value, published in answer["told"]:
         expected = tuple(Publication(topic, text.encode(), qos, retain) for topic, text, qos, retain in published)

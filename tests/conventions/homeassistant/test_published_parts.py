@@ -169,7 +169,7 @@ def is_alike(one: PlainValue, other: PlainValue) -> bool:
 
 
 @pytest.mark.parametrize(("part", "component"), WHOLE)
-def test_what_belongs_together_is_one_thing_there(part: Part, component: str) -> None:
+def test_capabilities_of_one_entity_are_published_together(part: Part, component: str) -> None:
     way = Way(part)
     assert way.components[0] == component
     assert way.components[1:] == ["sensor"] * ("power" in {one.name for one in part.capabilities})
@@ -212,26 +212,26 @@ def check_states(part: Part) -> None:
 @given(parts)
 @example(LAMP)
 @example(CHARGED)
-def test_what_can_be_told_there_is_what_can_be_told_here(part: Part) -> None:
+def test_the_commands_of_an_entity_are_those_of_the_part(part: Part) -> None:
     check_orders(part)
 
 
 @given(parts)
 @example(LAMP)
 @example(CHARGED)
-def test_what_is_said_here_is_heard_there(part: Part) -> None:
+def test_published_states_are_read_by_an_entity(part: Part) -> None:
     check_states(part)
 
 
 @pytest.mark.parametrize(("part", "component"), WHOLE)
-def test_a_whole_thing_is_told_and_heard(part: Part, component: str) -> None:
+def test_an_entity_is_commanded_and_read(part: Part, component: str) -> None:
     del component
     check_orders(part)
     check_states(part)
 
 
 @pytest.mark.parametrize("word", ["jammed", "locking", "open"])
-def test_a_lock_is_never_ordered_to_be_what_it_only_reports(word: str) -> None:
+def test_a_lock_takes_no_state_that_is_only_reported(word: str) -> None:
     """Named in the field: ``jammed`` could be chosen from a list."""
     way = Way(Part(id="p", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),)))
     (config,) = way.configs

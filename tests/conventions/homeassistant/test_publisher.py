@@ -38,7 +38,7 @@ def test_nothing_is_published_unless_it_is_wanted() -> None:
     assert HomeAssistantDiscovery(HomeAssistantSettings()).publisher("hub", STATUS) is None
 
 
-def test_a_config_is_what_home_assistant_expects() -> None:
+def test_a_config_fits_the_schema_of_home_assistant() -> None:
     (config,) = publisher().publications(offer(Capability(name="on_off", settable=True), model="Rover", area="hall"))
     assert config.topic.startswith("homeassistant/switch/homebot_hub_mqtt_")
     assert (config.retain, config.qos) == (True, 1)
@@ -60,7 +60,7 @@ def test_a_config_is_what_home_assistant_expects() -> None:
         (Capability(name="option", settable=True, options=("fast", "slow")), "select", ("slow",)),
     ],
 )
-def test_what_is_offered_is_understood_as_it_was_meant(
+def test_a_published_part_is_read_as_itself(
     capability: Capability, component: str, values: tuple[PlainValue, ...]
 ) -> None:
     """Config, state and command make the whole way round."""
@@ -102,7 +102,7 @@ def test_every_capability_of_the_vocabulary_can_be_offered() -> None:
                 understood(config)
 
 
-def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
+def test_a_withdrawn_part_is_removed_and_takes_no_command() -> None:
     ours = publisher()
     offered = offer(Capability(name="on_off", settable=True))
     (config,) = ours.publications(offered)
@@ -116,7 +116,7 @@ def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
 
 
 @pytest.mark.parametrize("payload", [b"", b"on", b"\xff", b"x" * 2000, b"1"])
-def test_what_is_no_command_is_no_command(payload: bytes) -> None:
+def test_an_invalid_command_is_ignored(payload: bytes) -> None:
     ours = publisher()
     (config,) = ours.publications(offer(Capability(name="on_off", settable=True)))
     assert ours.read_command(json.loads(config.payload)["command_topic"], payload) == ()

@@ -82,7 +82,7 @@ def test_a_code_or_password_is_not_read(fields: Mapping[str, object]) -> None:
     ],
     ids=str,
 )
-def test_what_is_called_otherwise_is_read(fields: Mapping[str, object]) -> None:
+def test_a_value_with_another_name_is_read(fields: Mapping[str, object]) -> None:
     (one,) = parts("sensor", {"value_template": "{{ value_json.battery }}", **fields})
     assert list(one.codec.read(STATE, MESSAGE, retained=False).values()) in ([80.0], ["80"])
 

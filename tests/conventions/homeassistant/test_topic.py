@@ -28,7 +28,7 @@ def test_a_config_topic_names_its_announcement(topic: str, expected: ConfigTopic
     "topic",
     ["ha/status", "ha/light/config", "ha/light/a/state", "other/light/a/config", "ha/a/b/c/d/config", "haa/l/a/config"],
 )
-def test_what_is_no_config_is_not_looked_at(topic: str) -> None:
+def test_another_topic_is_no_config(topic: str) -> None:
     assert parse_config_topic("ha", topic) is None
 
 
@@ -53,7 +53,7 @@ def test_a_command_topic_that_cannot_be_is_refused(topic: str) -> None:
 
 
 @pytest.mark.parametrize("topic", ["a", "+/+/BTtoMQTT/A4C1", "a/#", "#"])
-def test_a_state_may_be_said_on_a_filter(topic: str) -> None:
+def test_a_state_topic_may_be_a_filter(topic: str) -> None:
     assert state_topic(topic) == topic
 
 

@@ -63,7 +63,7 @@ def use(device: DeviceAnnounced, payload: bytes, value: PlainValue, transition: 
 
 @settings(max_examples=examples(60))
 @given(DOCUMENT, SPOKEN, VALUES, st.floats())
-def test_any_document_is_described_read_and_told(
+def test_any_document_is_described_read_and_commanded(
     document: dict[str, object], payload: bytes, value: PlainValue, transition: float
 ) -> None:
     homie = Homie(HomieSettings())

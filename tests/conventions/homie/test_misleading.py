@@ -150,7 +150,7 @@ def test_a_name_counts_only_where_the_form_bears_it_out(
     assert loads(parts_of({node: props})) == expected
 
 
-def test_what_switches_something_else_is_not_the_switch_of_a_lamp() -> None:
+def test_another_switch_is_not_that_of_a_lamp() -> None:
     parts = {one.part.id: one for one in parts_of({"pump": {"power": FLAG}, "lamp": {"brightness": PERCENT}})}
     assert {name: one.part.service_type for name, one in parts.items()} == {"pump": "switch", "lamp": "light"}
     assert {one.topic for one in parts["lamp"].codec.write("on_off", False)} == {"homie/5/thing/lamp/brightness/set"}
@@ -214,7 +214,7 @@ def test_a_property_of_something_beside_controls_nothing(made: dict[str, Any], b
 
 
 @given(nodes)
-def test_a_kind_has_what_its_kind_needs(made: dict[str, Any]) -> None:
+def test_a_kind_needs_its_evidence(made: dict[str, Any]) -> None:
     for one in parts_of(made):
         capabilities = {known.name: known for known in one.part.capabilities}
         match one.part.service_type:

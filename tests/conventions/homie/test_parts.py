@@ -82,12 +82,12 @@ def test_a_lamp_without_switch_is_off_at_zero(introduce: Introduce) -> None:
     assert read(part, "level/dim", "0") == {"level": 0.0, "on_off": False}
 
 
-def test_what_a_device_is_controlled_by_comes_first(introduce: Introduce) -> None:
+def test_controls_come_first(introduce: Introduce) -> None:
     parts = introduce({"a": {"properties": {"t": {"datatype": "float", "unit": "°C"}}}, "b": SWITCH})
     assert list(parts) == ["b", "a/t"]
 
 
-def test_a_device_that_says_what_it_is_is_that(introduce: Introduce) -> None:
+def test_a_declared_type_is_used(introduce: Introduce) -> None:
     assert introduce({"switch": SWITCH}, type="hc-smarthome/v2/dc/light")["switch"].part.service_type == "light"
 
 
@@ -95,7 +95,7 @@ def test_an_outlet_is_a_plug(introduce: Introduce) -> None:
     assert introduce({"switch": SWITCH}, type="hc-smarthome/v2/dc/outlet")["switch"].part.service_type == "plug"
 
 
-def test_a_shutter_is_told_words_and_position(introduce: Introduce) -> None:
+def test_a_shutter_takes_movements_and_positions(introduce: Introduce) -> None:
     shutter = introduce({"shutter": SHUTTER})["shutter"]
     assert shutter.part.service_type == "window_covering"
     assert told(shutter, "movement", "open") == [("shutter/action/set", "up")]
@@ -148,7 +148,7 @@ def test_a_valve_is_open_where_it_is_true(introduce: Introduce) -> None:
     assert told(valve, "valve", "closed") == [("valve/state/set", "false")]
 
 
-def test_a_thermostat_speaks_celsius_whatever_its_unit(introduce: Introduce) -> None:
+def test_a_thermostat_is_in_celsius_for_any_unit(introduce: Introduce) -> None:
     properties = {
         "set-temperature": {"datatype": "float", "format": "50:86", "unit": "°F", "settable": True},
         "mode": {"datatype": "enum", "format": "Off,Heat", "settable": True},
@@ -200,7 +200,7 @@ def test_a_number_is_known_by_its_unit_and_name(
     assert read(sensor, f"n/{name}", payload) == expected
 
 
-def test_what_a_meter_measures_is_one_part(introduce: Introduce) -> None:
+def test_electrical_measurements_are_one_part(introduce: Introduce) -> None:
     properties = {"power": {"datatype": "float", "unit": "kW"}, "energy": {"datatype": "float", "unit": "Wh"}}
     meter = introduce({"m": {"type": f"{CAP}powermeter", "properties": properties}})["m/$meter"]
     assert meter.part.service_type == "electrical_meter"
@@ -216,7 +216,7 @@ def test_a_press_is_none_when_it_was_kept(introduce: Introduce) -> None:
     assert read(button, "b/action", "long-press", retained=True) == {}
 
 
-def test_what_else_can_be_set_is_a_setting(introduce: Introduce) -> None:
+def test_other_settable_values_are_settings(introduce: Introduce) -> None:
     properties = {
         "offset": {"datatype": "integer", "format": "-10:10:2", "settable": True},
         "mode": {"datatype": "enum", "format": "a,b", "settable": True},
@@ -243,7 +243,7 @@ def test_a_vacuum_cleaner_is_known_by_its_words(introduce: Introduce) -> None:
     assert told(cleaner, "vacuum", "returning") == [("basic/operation/set", "HOME")]
 
 
-def test_a_fan_is_told_its_speed_by_words(introduce: Introduce) -> None:
+def test_a_fan_takes_its_speed_as_an_option(introduce: Introduce) -> None:
     speed = {"datatype": "enum", "format": "OFF,LOW,HIGH", "settable": True}
     fan = introduce({"speed": {"properties": {"speed": speed}}}, name="Ceiling fan")["speed"]
     assert (fan.part.service_type, fan.part.guessed) == ("fan", True)
@@ -267,7 +267,7 @@ def test_a_fan_is_told_its_speed_by_words(introduce: Introduce) -> None:
         ("hall", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),
     ],
 )
-def test_without_a_type_words_and_forms_suggest_what_it_is(
+def test_without_a_type_words_and_forms_determine_the_kind(
     introduce: Introduce, node: str, prop: object, service_type: str, capability: str
 ) -> None:
     (part,) = introduce({node: {"properties": prop}}).values()
@@ -280,7 +280,7 @@ def test_without_a_type_words_and_forms_suggest_what_it_is(
     ("form", "unit", "spoken", "half"),
     [("0:100", "%", "50", "50"), ("0:4", "", "2", "2"), ("0:1:0.1", "", "0.5", "0.5")],
 )
-def test_a_fan_is_told_its_speed_by_a_number(
+def test_a_fan_takes_its_speed_as_a_number(
     introduce: Introduce, kind: str, form: str, unit: str, spoken: str, half: str
 ) -> None:
     datatype = "float" if "." in form else "integer"

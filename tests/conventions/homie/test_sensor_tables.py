@@ -23,7 +23,7 @@ NONE: frozenset[str] = frozenset()
         (" °C ", "temperature", 21.5, 21.5),
     ],
 )
-def test_a_unit_alone_tells_what_is_measured(unit: str, capability: str, number: float, expected: float) -> None:
+def test_a_unit_alone_identifies_a_quantity(unit: str, capability: str, number: float, expected: float) -> None:
     assert quantity_of(unit, NONE) == (capability, False)
     conversion = conversion_of(capability, unit)
     assert conversion is not None
@@ -67,7 +67,7 @@ def test_words_are_a_guess(unit: str, words: set[str], expected: str) -> None:
         ("open", "closed door", "contact"),
     ],
 )
-def test_a_word_tells_what_a_truth_means(words: str, around: str, expected: str) -> None:
+def test_a_word_identifies_a_condition(words: str, around: str, expected: str) -> None:
     assert condition_of(frozenset(words.split()), frozenset(around.split())) == expected
 
 

@@ -30,7 +30,7 @@ def test_ranges_are_read(spelled: str, expected: Range) -> None:
 
 
 @pytest.mark.parametrize("spelled", ["5", "a:", "nan:1", "1:0", "0:1:0", "0:1:2:3", "0x1:2"])
-def test_what_is_no_range_is_refused(spelled: str) -> None:
+def test_an_invalid_range_is_refused(spelled: str) -> None:
     with pytest.raises(WireError):
         parse_range(spelled)
 
@@ -89,7 +89,7 @@ def test_values_are_spelled(datatype: str, within: Range, value: PlainValue, exp
 @pytest.mark.parametrize(
     ("datatype", "value"), [("integer", 101.0), ("integer", math.nan), ("boolean", 1.0), ("string", "a\n")]
 )
-def test_what_it_does_not_take_is_refused(datatype: str, value: PlainValue) -> None:
+def test_an_invalid_value_is_refused(datatype: str, value: PlainValue) -> None:
     with pytest.raises(RefusedError):
         spell_plain(prop(datatype, within=Range(0, 100)), "number", value)
 

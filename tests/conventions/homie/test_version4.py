@@ -55,7 +55,7 @@ def test_attributes_make_a_device(say: Say) -> None:
     assert part.codec.read(f"{BASE}/light/on", b"true", retained=True) == {"on_off": True}
 
 
-def test_the_address_of_the_host_is_a_fact_and_not_who_it_is(say: Say) -> None:
+def test_the_address_of_the_host_is_a_fact_and_no_identifier(say: Say) -> None:
     device = described(tell(say, LAMP))
     assert device.identifiers == ("id:homie/hall-lamp",)
     assert device.facts["host_mac"] == "AA:BB:CC:00:11:22"
@@ -70,7 +70,7 @@ def test_any_order_that_ends_with_the_state_makes_it_once(say: Say) -> None:
         assert len(tell(say, {name: LAMP[name] for name in order}, base)) == 1
 
 
-def test_one_whose_state_came_first_is_described_when_the_rest_is_there(say: Say) -> None:
+def test_a_device_with_an_early_state_is_described_once_complete(say: Say) -> None:
     late = {"$state": "ready", **{name: value for name, value in LAMP.items() if name != "$state"}}
     assert described(tell(say, late)).name == "Hall lamp"
 
@@ -92,7 +92,7 @@ def test_a_changed_attribute_describes_it_anew(say: Say) -> None:
     assert described(say(f"{BASE}/$name", "Kitchen lamp")).name == "Kitchen lamp"
 
 
-def test_what_it_says_of_itself_besides_changes_nothing(say: Say) -> None:
+def test_other_attributes_change_nothing(say: Say) -> None:
     tell(say, LAMP)
     for attribute in ("$stats/uptime", "light/on", "light/on/set", "light/$x", "$extensions", "a/b/c/$name"):
         assert say(f"{BASE}/{attribute}", "60") == ()
@@ -150,7 +150,7 @@ def test_one_device_has_so_many_attributes(homie: Homie, say: Say) -> None:
     assert homie.reader.dropped == 1
 
 
-def test_what_is_kept_comes_with_the_state_at_the_end(homie: Homie) -> None:
+def test_retained_attributes_end_with_the_state(homie: Homie) -> None:
     filters = homie.filters()
     assert filters[-1] == "homie/+/$state"
     for attribute in LAMP:

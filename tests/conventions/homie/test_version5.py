@@ -49,7 +49,7 @@ def test_a_lost_one_is_there_but_gives_no_sign_of_life(say: Say) -> None:
     assert not described(say(f"{BASE}/$state", "lost")).implies_alive
 
 
-def test_the_same_again_says_nothing_new(say: Say) -> None:
+def test_a_repeated_document_changes_nothing(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     say(f"{BASE}/$state", "ready")
     assert say(f"{BASE}/$description", LAMP) == ()
@@ -78,7 +78,7 @@ def test_an_empty_description_withdraws_it(say: Say) -> None:
     assert say(f"{BASE}/$description", "") == (DeviceWithdrawn(BASE, "its description was removed"),)
 
 
-def test_its_state_says_whether_it_can_be_reached(say: Say) -> None:
+def test_the_state_determines_the_availability(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     availability = described(say(f"{BASE}/$state", "ready")).availability
     assert availability is not None
@@ -109,7 +109,7 @@ def test_one_that_offers_nothing_any_more_is_withdrawn(say: Say) -> None:
     assert say(f"{BASE}/$description", emptied) == (DeviceWithdrawn(BASE, "it no longer has any nodes"),)
 
 
-def test_a_hardware_address_at_the_end_of_the_id_is_who_it_is(say: Say) -> None:
+def test_a_hardware_address_at_the_end_of_the_id_is_an_identifier(say: Say) -> None:
     say("homie/5/relay-a8032abe54dc/$description", LAMP)
     device = described(say("homie/5/relay-a8032abe54dc/$state", "ready"))
     assert device.identifiers == ("mac:a8032abe54dc", "id:homie/relay-a8032abe54dc")

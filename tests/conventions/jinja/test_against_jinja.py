@@ -119,7 +119,7 @@ TEMPLATES = st.recursive(EXPRESSIONS.map("{{{{ {} }}}}".format) | st.just("text 
 
 @settings(max_examples=examples(300), deadline=None, derandomize=True)
 @given(template=TEMPLATES, content=JSON)
-def test_what_jinja_renders_is_rendered_alike_and_what_it_refuses_is_refused(template: str, content: object) -> None:
+def test_a_template_is_rendered_or_refused_as_by_jinja(template: str, content: object) -> None:
     payload = json.dumps(content)
     expected: str | None
     try:

@@ -90,7 +90,7 @@ TOO_MANY = "more than 4096"
         ("{{ timedelta(days=1e300) }}", "fit"),
     ],
 )
-def test_what_would_grow_without_bound_is_stopped(source: str, problem: str) -> None:
+def test_unbounded_work_is_stopped(source: str, problem: str) -> None:
     with pytest.raises(TemplateError, match=problem):
         compile_template(source).render_value(PAYLOAD)
 

@@ -41,7 +41,7 @@ from homebot.errors import WireError
         ("{% for a in b %}" * 5 + "{% endfor %}" * 5, "has more than 4 nested loops"),
     ],
 )
-def test_what_is_outside_the_language_is_told_in_a_sentence(source: str, problem: str) -> None:
+def test_an_unsupported_feature_is_named_in_a_sentence(source: str, problem: str) -> None:
     template = compile_template(source)
 
     assert template.problem == problem
@@ -74,7 +74,7 @@ def test_each_rendering_starts_anew() -> None:
     assert [template.render_value("1"), template.render_value("5"), template.render_value("1")] == ["2", "6", "2"]
 
 
-def test_an_error_at_run_time_says_what_does_not_fit() -> None:
+def test_an_error_at_run_time_names_the_value_that_does_not_fit() -> None:
     with pytest.raises(TemplateError, match="float is given a str that it cannot convert, and no default"):
         compile_template("{{ value | float }}").render_value("warm")
     with pytest.raises(TemplateError, match="division by zero"):
@@ -99,7 +99,7 @@ def test_an_error_shows_no_value() -> None:
 
 
 @pytest.mark.parametrize("expression", [r"\d+$", "[[]?5", "[0-9--]"])
-def test_what_python_would_warn_of_is_no_matter(expression: str) -> None:
+def test_warnings_of_python_are_ignored(expression: str) -> None:
     assert compile_template(f"{{{{ value | regex_search('{expression}') }}}}").render_value("5") == "True"
 
 
@@ -126,7 +126,7 @@ def test_what_python_would_warn_of_is_no_matter(expression: str) -> None:
         ("{{ value_json.a | is_defined }}", '{"a": false}', "False"),
     ],
 )
-def test_a_path_gives_the_text_of_what_is_there(source: str, payload: str, text: str) -> None:
+def test_a_path_gives_the_text_of_its_value(source: str, payload: str, text: str) -> None:
     template = compile_template(source)
 
     assert template.problem == ""
@@ -134,12 +134,12 @@ def test_a_path_gives_the_text_of_what_is_there(source: str, payload: str, text:
 
 
 @pytest.mark.parametrize("source", ["{{ value_json.a.b }}", "{{ value_json.a['b'].c }}"])
-def test_a_path_through_what_is_not_there_fails(source: str) -> None:
+def test_a_path_through_a_missing_value_fails(source: str) -> None:
     with pytest.raises(TemplateError, match="not in the message"):
         compile_template(source).render_value('{"x": 1}')
 
 
-def test_what_is_not_defined_is_told_apart_from_a_failure() -> None:
+def test_an_undefined_value_is_no_failure() -> None:
     with pytest.raises(NotDefinedError):
         compile_template("{{ value_json.tempc | is_defined }}").render_value('{"hum": 1}')
 

@@ -31,12 +31,12 @@ def test_the_time_and_its_zone_are_those_of_the_caller(source: str, text: str) -
 
 
 @pytest.mark.parametrize("source", ["{{ now() }}", "{{ utcnow() }}", "{{ 0 | timestamp_local }}"])
-def test_without_a_clock_what_is_local_fails(source: str) -> None:
+def test_without_a_clock_local_time_fails(source: str) -> None:
     with pytest.raises(TemplateError, match="not available here"):
         compile_template(source).render_value("")
 
 
-def test_what_is_absolute_needs_no_clock() -> None:
+def test_absolute_time_needs_no_clock() -> None:
     assert compile_template("{{ 0 | timestamp_utc }}").render({}) == datetime.fromtimestamp(0, UTC).isoformat()
 
 
@@ -61,6 +61,6 @@ def test_a_time_is_read_by_its_format(source: str, text: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["soon", "1" * 300])
-def test_what_is_not_in_the_format_and_has_no_default_fails(value: str) -> None:
+def test_a_time_in_another_format_fails_without_default(value: str) -> None:
     with pytest.raises(TemplateError, match="strptime"):
         compile_template("{{ strptime(value, '%d') }}").render_value(value)

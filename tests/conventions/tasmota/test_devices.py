@@ -51,7 +51,7 @@ def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
 
 
 @pytest.mark.parametrize("device", DEVICES, ids=name)
-def test_a_device_is_what_home_assistant_takes_it_for(device: Device) -> None:
+def test_a_device_has_the_types_of_home_assistant(device: Device) -> None:
     found = {one.part.service_type for one in described(device).parts if not one.part.category}
     found = {one for one in found if not one.startswith("x_")} - UNTOLD_BY_HOME_ASSISTANT
     relays_of_fan = {"switch"} if device["config"]["if"] and device["config"]["rl"][1:] else set()
@@ -59,7 +59,7 @@ def test_a_device_is_what_home_assistant_takes_it_for(device: Device) -> None:
 
 
 @pytest.mark.parametrize("device", [one for one in DEVICES if one["says"]], ids=name)
-def test_what_it_says_is_understood_as_home_assistant_does(device: Device) -> None:
+def test_messages_are_read_as_by_home_assistant(device: Device) -> None:
     parts = {one.part.id: one for one in described(device).parts}
     known: dict[str, dict[str, PlainValue]] = {part_id: {} for part_id in parts}
     for topic, payload, expected in device["says"]:
@@ -75,7 +75,7 @@ def test_what_it_says_is_understood_as_home_assistant_does(device: Device) -> No
 
 
 @pytest.mark.parametrize("device", [one for one in DEVICES if one["told"]], ids=name)
-def test_it_is_told_what_home_assistant_tells_it(device: Device) -> None:
+def test_commands_are_those_of_home_assistant(device: Device) -> None:
     parts = {one.part.id: one for one in described(device).parts}
     for topic, payload in device["before"]:
         hear(parts, topic, payload)

@@ -66,7 +66,7 @@ def use(config: bytes, sensors: bytes, heard: bytes, value: PlainValue, transiti
 
 
 @given(said, said, said)
-def test_any_payload_is_taken_or_refused(config: bytes, sensors: bytes, heard: bytes) -> None:
+def test_any_payload_is_read_or_refused(config: bytes, sensors: bytes, heard: bytes) -> None:
     use(config, sensors, heard, None, 0.0)
 
 

@@ -57,7 +57,7 @@ def sources(device: DeviceAnnounced) -> list[str]:
     return [source.topic for source in device.availability.sources]
 
 
-def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
+def test_a_bridge_without_a_list_is_a_problem() -> None:
     """As where the list is larger than a broker may send."""
     convention = bridge("zigbee2mqtt", "attic")
     assert convention.problems() == ()
@@ -144,7 +144,7 @@ def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
     assert one(heard(convention, entry())).key == LAMP
 
 
-def test_a_device_that_the_bridge_does_not_know_shows_what_it_says() -> None:
+def test_a_device_unknown_to_the_bridge_shows_its_raw_messages() -> None:
     device = one(heard(bridge(), entry(definition=None, supported=False, interview_state="IN_PROGRESS")))
     (part,) = device.parts
     assert part.part.service_type == "x_unknown"
@@ -160,7 +160,7 @@ def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
     assert convention.rejected == len(broken)
 
 
-def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
+def test_a_device_with_a_broken_entry_stays() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))
     lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
@@ -169,7 +169,7 @@ def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
     assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
 
 
-def test_a_name_is_not_kept_for_who_is_broken_now_and_another_has_it() -> None:
+def test_the_name_of_a_broken_entry_is_free_for_another() -> None:
     convention = bridge()
     heard(convention, entry())
     gone, plug = heard(convention, entry(PLUG), entry(name="#"))
@@ -183,7 +183,7 @@ def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
         _read("zigbee2mqtt", entry(), set(), is_known=False, room=0)
 
 
-def test_who_claims_the_name_or_the_address_of_another_is_left_out() -> None:
+def test_a_repeated_name_or_address_is_left_out() -> None:
     convention = bridge()
     assert one(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
     assert convention.rejected == 2

@@ -74,7 +74,7 @@ def use(payload: bytes, heard: bytes, value: PlainValue, transition: float) -> N
 
 
 @given(said, said)
-def test_any_payload_is_taken_or_refused(payload: bytes, heard: bytes) -> None:
+def test_any_payload_is_read_or_refused(payload: bytes, heard: bytes) -> None:
     use(payload, heard, None, 0.0)
 
 

@@ -49,7 +49,7 @@ def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
 
 
 @pytest.mark.parametrize("model", [one for one in MODELS if one["types"]], ids=name)
-def test_a_device_is_what_home_assistant_takes_it_for(model: Model) -> None:
+def test_a_device_has_the_types_of_home_assistant(model: Model) -> None:
     found = {one.part.service_type for one in described(model).parts if not one.part.category} & MAIN_TYPES
     settings = {one.part.id for one in described(model).parts if one.part.service_type == "x_setting"}
     missing = set(model["types"]) - found
@@ -58,7 +58,7 @@ def test_a_device_is_what_home_assistant_takes_it_for(model: Model) -> None:
 
 
 @pytest.mark.parametrize("model", [one for one in MODELS if one["says"]], ids=name)
-def test_what_it_says_is_understood_as_home_assistant_does(model: Model) -> None:
+def test_messages_are_read_as_by_home_assistant(model: Model) -> None:
     device = described(model)
     topic = f"zigbee2mqtt/{model['entry']['friendly_name']}"
     known: dict[str, dict[str, PlainValue]] = {one.part.id: {} for one in device.parts}
@@ -75,7 +75,7 @@ def test_what_it_says_is_understood_as_home_assistant_does(model: Model) -> None
 
 
 @pytest.mark.parametrize("model", [one for one in MODELS if one["told"]], ids=name)
-def test_it_is_told_what_home_assistant_tells_it(model: Model) -> None:
+def test_commands_are_those_of_home_assistant(model: Model) -> None:
     by_id = parts(model)
     for part, capability, value, transition, expected in model["told"]:
         plain = tuple(value) if isinstance(value, list) else value

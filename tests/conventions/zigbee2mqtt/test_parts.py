@@ -80,7 +80,7 @@ def test_a_lamp_is_read_in_our_units() -> None:
     assert said(lamp, color_mode="hs", color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
 
 
-def test_before_its_first_colour_mode_a_lamp_shows_what_it_says_alone() -> None:
+def test_without_a_colour_mode_the_only_value_is_read() -> None:
     lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
     assert said(lamp, color_temp=370) == {"color_temperature": 2702.0, "color": None}
     assert said(lamp, color={"x": 0.7006, "y": 0.2993}) == {"color": (0.0, 100.0), "color_temperature": None}
@@ -89,7 +89,7 @@ def test_before_its_first_colour_mode_a_lamp_shows_what_it_says_alone() -> None:
     assert said(lamp, color_temp=None, color_mode=None) == {}
 
 
-def test_a_lamp_is_told_as_home_assistant_tells_it() -> None:
+def test_a_lamp_is_commanded_as_by_home_assistant() -> None:
     lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
     assert told(lamp, "on_off", value=False, transition=2.0) == {"state": "OFF", "transition": 2}
     assert told(lamp, "level", 10.0) == {"state": "ON", "brightness": 26}
@@ -104,7 +104,7 @@ def test_a_lamp_is_told_as_home_assistant_tells_it() -> None:
     assert told(lamp, "effect", "blink") == {"state": "ON", "effect": "blink"}
 
 
-def test_a_lamp_that_names_hue_first_is_told_hue() -> None:
+def test_a_lamp_that_names_hue_first_takes_hue() -> None:
     lamp = only({"type": "light", "features": [onoff(), HS, XY]})
     assert told(lamp, "color", (240.0, 50.0)) == {"state": "ON", "color": {"h": 240.0, "s": 50.0}}
     assert said(lamp, color_mode="hs", color={"h": 10, "s": 20}) == {"color": (10.0, 20.0)}
@@ -127,14 +127,14 @@ def test_lamps_of_one_device_have_their_own_properties() -> None:
     assert first.state_requests == (Publication("zigbee2mqtt/a/get", b'{"state_l1":"","brightness_l1":""}'),)
 
 
-def test_only_what_can_be_asked_for_is_and_only_of_who_is_awake() -> None:
+def test_only_gettable_features_of_awake_devices_are_requested() -> None:
     exposes = {"type": "light", "features": [onoff(access=3), level()]}
     assert only(exposes).state_requests == (Publication("zigbee2mqtt/a/get", b'{"brightness":""}'),)
     assert only({"type": "switch", "features": [onoff(access=3)]}).state_requests == ()
     assert only(exposes, power="Battery").state_requests == ()
 
 
-def test_a_switch_is_no_plug_unless_it_says_so() -> None:
+def test_a_switch_is_no_plug() -> None:
     switch = only({"type": "switch", "features": [onoff()]})
     assert (switch.part.service_type, switch.part.category) == ("switch", "")
     assert said(switch, state="ON") == {"on_off": True}
@@ -170,12 +170,12 @@ COVER = {"type": "cover", "features": [feature("enum", "state", 3, values=["OPEN
         ({"position": 130}, {"position": 100.0}),
     ],
 )
-def test_a_cover_says_where_it_is_or_goes(message: dict[str, Any], expected: dict[str, Any]) -> None:
+def test_a_cover_reports_position_and_movement(message: dict[str, Any], expected: dict[str, Any]) -> None:
     cover, _motor = built(COVER, MOVING)
     assert said(cover, **message) == expected
 
 
-def test_a_cover_is_told_words_and_numbers() -> None:
+def test_a_cover_takes_movements_and_positions() -> None:
     cover = only(COVER)
     assert told(cover, "movement", "closed") == {"state": "CLOSE"}
     assert told(cover, "movement", "stopped") == {"state": "STOP"}
@@ -214,7 +214,7 @@ def test_a_child_lock_is_a_setting_and_no_lock() -> None:
 
 
 @pytest.mark.parametrize("key", ["child_lock", "keypad_lockout"])
-def test_what_older_versions_of_zigbee2mqtt_expose_as_a_lock_of_keys_is_a_setting_too(key: str) -> None:
+def test_a_key_lock_of_older_versions_is_a_setting(key: str) -> None:
     state = feature("binary", "state", 3, key=key, value_on="LOCK", value_off="UNLOCK")
     lock = only({"type": "lock", "features": [state]})
     part = lock.part
@@ -289,15 +289,13 @@ def operating(mode: str, *modes: str) -> DescribedPart:
         (operating("off", "heat", "cool"), "off", {"operating_mode": "pause"}),
     ],
 )
-def test_a_thermostat_that_says_apart_whether_it_follows_its_program_has_one_mode_of_both(
-    part: DescribedPart, mode: str, message: dict[str, Any]
-) -> None:
+def test_program_and_mode_of_a_thermostat_are_one_mode(part: DescribedPart, mode: str, message: dict[str, Any]) -> None:
     """As Zigbee2MQTT announces it to Home Assistant: ``system_mode`` alone changes nothing while it is paused."""
     assert told(part, "thermostat_mode", mode) == message
     assert said(part, **{"system_mode": "heat", **message})["thermostat_mode"] == mode
 
 
-def test_a_mode_of_two_properties_that_is_not_whole_tells_nothing() -> None:
+def test_an_incomplete_mode_of_two_properties_is_ignored() -> None:
     part = operating("heat", "cool")
     assert said(part, system_mode="heat") == {}
     assert said(part, operating_mode="manual") == {}
@@ -305,7 +303,7 @@ def test_a_mode_of_two_properties_that_is_not_whole_tells_nothing() -> None:
     assert said(part, operating_mode=None) == {"thermostat_mode": None}
 
 
-def test_what_cools_and_blows_is_an_air_conditioner() -> None:
+def test_a_climate_that_cools_and_blows_is_an_air_conditioner() -> None:
     modes = feature("enum", "system_mode", values=["off", "cool", "fan_only"])
     assert only({"type": "climate", "features": [modes]}).part.service_type == "room_air_conditioner"
 
@@ -351,7 +349,7 @@ def test_a_sensor_has_a_type_and_our_unit(
     assert sensor.codec.read(TOPIC, payload, retained=False) == expected
 
 
-def test_a_remote_tells_presses_which_are_events() -> None:
+def test_presses_of_a_remote_are_events() -> None:
     remote = only(feature("enum", "action", 1, category="diagnostic", values=["single", "double"]))
     assert (remote.part.service_type, remote.part.category) == ("generic_switch", "")
     assert said(remote, action="single") == {"press": "single"}
@@ -360,7 +358,7 @@ def test_a_remote_tells_presses_which_are_events() -> None:
     assert said(remote, retained=True, action="single") == {}
 
 
-def test_settings_are_told_in_their_own_types() -> None:
+def test_settings_are_sent_in_their_own_types() -> None:
     number = only(feature("numeric", "countdown", 3, unit="s", value_min=0, value_max=100))
     assert told(number, "number", 5.0) == {"countdown": 5}
     option = only(feature("enum", "mode", 7, values=["a", 1, True]))
@@ -381,7 +379,7 @@ def test_an_enum_of_one_is_a_button() -> None:
         button.codec.write("locate", value=False)
 
 
-def test_a_siren_never_says_whether_it_sounds() -> None:
+def test_a_siren_is_not_readable() -> None:
     features = [
         feature("enum", "mode", 2, values=["stop", "burglar", "emergency"]),
         feature("enum", "level", 2, values=["low"]),
@@ -396,7 +394,7 @@ def test_a_siren_never_says_whether_it_sounds() -> None:
     assert told(siren, "volume", 80.0)["warning"]["level"] == "very_high"
 
 
-def test_a_device_with_firmware_tells_of_updates() -> None:
+def test_a_device_with_firmware_reports_updates() -> None:
     _, update = built({"type": "switch", "features": [onoff()]}, supports_ota=True)
     assert said(update, update={"installed_version": 100, "latest_version": -1, "state": "available"}) == {
         "version": "100",
@@ -413,17 +411,17 @@ def test_a_transition_must_fit_the_radio() -> None:
             lamp.codec.write("on_off", value=True, transition=seconds)
 
 
-def test_parts_with_the_same_id_are_told_apart() -> None:
+def test_parts_with_the_same_id_get_a_number() -> None:
     parts = built(*[feature("numeric", "x", 1)] * 3)
     assert [one.part.id for one in parts] == ["x", "x_2", "x_3"]
 
 
-def test_what_neither_says_nor_takes_anything_is_left_out() -> None:
+def test_an_expose_without_access_is_left_out() -> None:
     (part,) = built(feature("numeric", "x", 0), feature("composite", "y", 2), {"type": "new"}, {"type": "binary"})
     assert part.part.service_type == "x_unknown"
 
 
-def test_a_lamp_that_cannot_fade_is_told_no_transition() -> None:
+def test_a_lamp_that_cannot_fade_gets_no_transition() -> None:
     """The bridge lists it among the options of the models that know it."""
     lamp = {"type": "light", "features": [onoff(), level()]}
     fades = only(lamp, options=[{"name": "transition"}])
@@ -501,7 +499,7 @@ def test_settings_of_several_endpoints_have_names_of_their_own() -> None:
         ("occupancy_alarm_1", "occupancy_sensor", "occupancy"),
     ],
 )
-def test_each_alarm_of_a_detector_is_what_it_detects(name: str, service_type: str, capability: str) -> None:
+def test_each_alarm_of_a_detector_has_its_condition(name: str, service_type: str, capability: str) -> None:
     part = only(feature("binary", name, 1, value_on=True, value_off=False))
     assert part.part.service_type == service_type
     assert said(part, **{name: True}) == {capability: True}
@@ -522,7 +520,7 @@ def test_an_alarm_without_a_sound_is_a_setting() -> None:
     assert only(feature("binary", "alarm", 3, value_on="ON", value_off="OFF")).part.service_type == "x_setting"
 
 
-def test_what_is_done_once_is_pushed() -> None:
+def test_a_single_action_is_a_push() -> None:
     """A feeder reports no meal before and after each: who waited for its ``START`` would feed again and again."""
     feeder = only(feature("enum", "feed", 3, values=["", "START"]))
     assert [(one.name, one.readable) for one in feeder.part.capabilities] == [("push", False)]
@@ -541,7 +539,7 @@ def test_a_pulse_that_moves_a_garage_door_is_pushed() -> None:
         told(opener, "push", value=False)
 
 
-def test_a_garage_door_that_is_told_where_to_go_moves() -> None:
+def test_a_garage_door_without_pulse_has_a_movement() -> None:
     trigger = feature("binary", "trigger", 3, value_on=True, value_off=False)
     contact = feature("binary", "garage_door_contact", 1, value_on=True, value_off=False)
     opener, *_ = built(trigger, contact, feature("numeric", "run_time", 3, value_min=0, value_max=120))

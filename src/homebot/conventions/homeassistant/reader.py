@@ -38,24 +38,24 @@ class HomeAssistantReader:
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
         """Return the description in a config."""
-        where = None
+        config_topic = None
         for prefix in self._prefixes:
-            if (where := parse_config_topic(prefix, topic)) is not None:
+            if (config_topic := parse_config_topic(prefix, topic)) is not None:
                 break
-        if where is None or (where.component != DEVICE and where.component not in BUILDERS):
+        if config_topic is None or (config_topic.component != DEVICE and config_topic.component not in BUILDERS):
             return ()
         if not payload:
-            return (DeviceWithdrawn(where.key, "its config was removed"),)
-        announced = read_announcement(where, payload)
+            return (DeviceWithdrawn(config_topic.key, "its config was removed"),)
+        announced = read_announcement(config_topic, payload)
         if announced.is_migrating:
-            return (DeviceWithdrawn(where.key, "it is moving to another kind of discovery message"),)
-        parts = self._parts(where, announced)
+            return (DeviceWithdrawn(config_topic.key, "it is moving to another kind of discovery message"),)
+        parts = self._parts(config_topic, announced)
         if not parts:
-            return (DeviceWithdrawn(where.key, "it has no components left"),)
+            return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
         device = read_device(announced.device, announced.origin)
-        return (_described(topic, where, announced, device, parts),)
+        return (_described(topic, config_topic, announced, device, parts),)
 
-    def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
+    def _parts(self, config_topic: ConfigTopic, announced: Announced) -> _Parts:
         """Build the parts, without invalid components of a whole device, and without codes and passwords."""
         parts: _Parts = {}
         broken: WireError | None = None
@@ -65,10 +65,10 @@ class HomeAssistantReader:
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
                 part = builder_of(component.platform)(config)
-                if where.component == DEVICE:
+                if config_topic.component == DEVICE:
                     part = replace(part, availability=read_availability(config))
             except WireError as error:
-                if where.component != DEVICE:
+                if config_topic.component != DEVICE:
                     raise
                 self.rejected += 1
                 broken = error
@@ -100,19 +100,19 @@ _MAX_MEMBERS = 100
 
 
 def _described(
-    topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
+    topic: str, config_topic: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
 ) -> DeviceAnnounced:
-    if where.component == DEVICE:
-        described, whole = _shared_availability(where, announced, parts)
+    if config_topic.component == DEVICE:
+        described, whole = _shared_availability(config_topic, announced, parts)
     else:
         ((part, config),) = parts.values()
         described, whole = (part,), read_availability(config)
     facts = _facts(parts)
     return DeviceAnnounced(
-        key=where.key,
+        key=config_topic.key,
         convention="homeassistant",
         identifiers=device.identifiers,
-        name=device.name or described[0].part.name or clean_text(where.object_id),
+        name=device.name or described[0].part.name or clean_text(config_topic.object_id),
         parts=described,
         topic=topic,
         area=device.area,
@@ -122,10 +122,10 @@ def _described(
 
 
 def _shared_availability(
-    where: ConfigTopic, announced: Announced, parts: _Parts
+    config_topic: ConfigTopic, announced: Announced, parts: _Parts
 ) -> tuple[tuple[DescribedPart, ...], Availability | None]:
     """Return the parts of a whole device without the shared availability, and that availability."""
-    whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
+    whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
     described = tuple([part for part, _ in parts.values()])
     if whole is None and all(part.availability == described[0].availability for part in described):
         whole = described[0].availability
