@@ -10,6 +10,7 @@ def scores(trial: Trial) -> dict[str, Score]:
     return {people: score for people, _, score in scored(1, (trial,))}
 
 
+@nightly
 def test_by_default_lamps_left_on_are_turned_off_and_those_of_people_who_sit_still_are_not() -> None:
     for score in scores(DEFAULTS).values():
         assert score.right > 10

@@ -16,6 +16,7 @@ import pytest
 from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.sizes import nightly
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -167,7 +168,7 @@ async def publish(mosquitto: Mosquitto, user: str, messages: list[tuple[str, str
             await client.publish(topic, payload.encode(), qos=1, retain=True)
 
 
-@pytest.mark.parametrize("order", ["before", "after"])
+@pytest.mark.parametrize("order", ["before", pytest.param("after", marks=nightly)])
 async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: str) -> None:
     """Whether it announces its lamps before the house is there or after; what is told to honest devices arrives."""
     attack = [hostile(number, topic, stolen=stolen) for stolen in (False, True) for number, topic in enumerate(WANTED)]

@@ -12,6 +12,7 @@ import pytest
 from anyio.abc import TaskStatus
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
 from tests.patience import PATIENCE
+from tests.sizes import nightly
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -108,21 +109,36 @@ async def _handle(devices: Devices) -> Handle:
             await anyio.sleep(0.05)
 
 
+ON_MOSQUITTO = [pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="no Mosquitto")]
+
+
 @pytest.fixture(
     params=[
-        "embedded",
-        pytest.param(
-            "mosquitto", marks=[pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="no Mosquitto")]
-        ),
-    ]
+        ("embedded", "native"),
+        pytest.param(("embedded", "aiomqtt"), marks=nightly),
+        pytest.param(("mosquitto", "native"), marks=[nightly, *ON_MOSQUITTO]),
+        pytest.param(("mosquitto", "aiomqtt"), marks=ON_MOSQUITTO),
+    ],
+    ids=" ".join,
 )
-def broker(request: pytest.FixtureRequest) -> AnyBroker:
-    if request.param == "embedded":
+def peers(request: pytest.FixtureRequest) -> tuple[str, str]:
+    """The kinds of the broker and of homebot's client."""
+    kinds: tuple[str, str] = request.param
+    return kinds
+
+
+@pytest.fixture
+def broker(peers: tuple[str, str]) -> AnyBroker:
+    if peers[0] == "embedded":
         return Broker(credentials=CREDENTIALS)
     return MosquittoBroker(credentials=CREDENTIALS, policy=None)
 
 
-@pytest.mark.parametrize("client", ["native", "aiomqtt"])
+@pytest.fixture
+def client(peers: tuple[str, str]) -> str:
+    return peers[1]
+
+
 async def test_a_device_that_accepts_and_reports_nothing_is_acknowledged(broker: AnyBroker, client: str) -> None:
     async with home_on(broker, client=client, reports=True, timeout=SILENCE) as home:
         outcome = await home.switch.command("on_off", value=True)
@@ -135,7 +151,6 @@ async def test_a_device_that_accepts_and_reports_nothing_is_acknowledged(broker:
         assert await home.count("responses") == len(home.responder.commands)
 
 
-@pytest.mark.parametrize("client", ["native", "aiomqtt"])
 async def test_an_error_contradicts_at_once_with_its_text(broker: AnyBroker, client: str) -> None:
     async with home_on(broker, client=client, reports=True) as home:
         home.responder.response = REFUSES
@@ -169,7 +184,6 @@ async def test_late_and_strange_responses_are_counted_and_change_nothing(broker:
         assert (await home.count("responses_late"), await home.count("responses")) == (1, 0)
 
 
-@pytest.mark.parametrize("client", ["native", "aiomqtt"])
 async def test_a_switch_without_a_state_that_is_away_did_not_get_the_command(broker: AnyBroker, client: str) -> None:
     async with home_on(broker, client=client) as home:
         await home.responder.connection.unsubscribe("switch/set")

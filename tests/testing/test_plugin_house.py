@@ -135,7 +135,7 @@ def test_xdist(pytester: pytest.Pytester) -> None:
         "async def test_one(house): pass\n\nasync def test_two(homebot): pass\n\n"
         "def test_three(mqtt_broker_thread): pass\n"
     )
-    pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "2").assert_outcomes(passed=3)
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "1").assert_outcomes(passed=3)
 
 
 def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_it(pytester: pytest.Pytester) -> None:

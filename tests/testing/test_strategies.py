@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import Phase, assume, find, given, settings
-from tests.sizes import examples
+from tests.sizes import examples, nightly
 
 from homebot.config import Table
 from homebot.errors import ConfigError, UsageError
@@ -91,6 +91,7 @@ def test_the_simplest_day_is_an_hour_in_an_empty_house_of_one_room() -> None:
 
 
 @pytest.mark.no_cover
+@nightly
 def test_a_lamp_that_reverts_is_found_and_its_day_has_nothing_else() -> None:
     """One room, one lamp, one fault, two commands."""
     assert (

@@ -45,13 +45,13 @@ def test_who_mistypes_thrice_is_answered_at_once_and_let_in(state: BrokerState) 
 
 @pytest.mark.no_cover
 def test_passwords_are_tried_ever_more_slowly(state: BrokerState, clock: ManualClock) -> None:
-    """An hour of attempts, ten a second: some five hundred are looked at."""
+    """Ten minutes of attempts, ten a second: some hundred are looked at."""
     began = clock.monotonic()
-    while clock.monotonic() < began + 3600:
+    while clock.monotonic() < began + 600:
         attempt(state)
         pass_time(state, clock, 0.1)
-    assert 400 < state.stats.logins_failed < 520
-    assert state.stats.logins_slowed > 30_000
+    assert 60 < state.stats.logins_failed < 120
+    assert state.stats.logins_slowed > 5_000
     assert len(state.waiting_logins) <= 110
 
 
