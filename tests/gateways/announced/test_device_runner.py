@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from random import Random
 
 import anyio
 import pytest
@@ -46,7 +45,7 @@ class Runner(DeviceRunner):
 
     def __init__(self, gateway: MemoryGateway, plan: Iterable[Attempt]) -> None:
         clock = gateway.node.graph.clock
-        super().__init__("Hall", "hall", gateway.devices, clock, gateway.node.log, Random(1), STEADY)  # noqa: S311 - for pauses
+        super().__init__("Hall", "hall", gateway.devices, STEADY)
         self._plan = iter(plan)
         self._start = clock.monotonic()
         self.began: list[float] = []

@@ -5,13 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
-from random import Random
 from typing import Final
 
 import anyio
-from structlog.typing import FilteringBoundLogger
 
-from homebot.clock import Clock
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -40,9 +37,10 @@ MAX_PROBLEMS: Final = 20
 class PublishedDevice:
     """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`."""
 
-    def __init__(self, devices: PublishedDevices, key: str, clock: Clock, log: FilteringBoundLogger) -> None:
-        self.clock = clock
-        self.log = log
+    def __init__(self, devices: PublishedDevices, key: str) -> None:
+        node = devices.gateway.node
+        self.clock = node.graph.clock
+        self.log = node.log
         self.key = key
         self._devices = devices
 
@@ -84,18 +82,15 @@ class DeviceRunner(PublishedDevice, ABC):
         name: str,
         key: str,
         devices: PublishedDevices,
-        clock: Clock,
-        log: FilteringBoundLogger,
-        random: Random,
         lost_backoff: Backoff,
     ) -> None:
-        super().__init__(devices, key, clock, log)
+        super().__init__(devices, key)
         self.name = name
         self.problem = ""
         self.needs_help = False
         self.sleeps = False
         self._lost_backoff = lost_backoff
-        self._random = random
+        self._random = devices.gateway.random
         self._is_listed = False
         self._work = anyio.CancelScope()
         self._attempt, self._pause = anyio.CancelScope(), anyio.CancelScope()

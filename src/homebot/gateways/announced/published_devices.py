@@ -55,6 +55,7 @@ class PublishedDevices:
         find_problems: Returns the present problems of single devices, as text; the health service shows them.
 
     Attributes:
+        gateway: The gateway, with the clock, the log and the random numbers of its devices.
         engine: The mechanisms that do it, for a gateway that needs more of them.
         problems: The present problems of the gateway, as text; the health service shows them first.
     """
@@ -71,7 +72,7 @@ class PublishedDevices:
         find_problems: Callable[[], Iterable[str]] = tuple,
     ) -> None:
         settings = settings or GatewaySettings()
-        self._gateway = gateway
+        self.gateway = gateway
         self._perform = perform
         self._given: dict[str, GatewayDevice] = {}
         self._registry = DeviceRegistry(gateway.node.name, RegistryLimits(announcements=max_devices))

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from random import Random
 from typing import TYPE_CHECKING
 
 import anyio
@@ -25,7 +24,6 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.ble.connection_slots import ConnectionSlots
 from homebot.gateways.ble.intake import BluetoothUnavailableError
 from homebot.gateways.ble.known_device import BATTERY, KnownDevice
-from homebot.graph import Node
 from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.isolation import run_as
 
@@ -99,8 +97,6 @@ class Connections:
     def __init__(
         self,
         radio: BleRadio,
-        node: Node,
-        random: Random,
         devices: PublishedDevices,
         tasks: TaskGroup,
         most: int,
@@ -109,9 +105,8 @@ class Connections:
         on_unavailable: Callable[[], None],
     ) -> None:
         self._radio = radio
-        self._owner = node.full_name
-        self._clock = node.graph.clock
-        self._random = random
+        gateway = devices.gateway
+        self._owner, self._clock, self._random = gateway.node.full_name, gateway.node.graph.clock, gateway.random
         self._devices = devices
         self._tasks = tasks
         self._on_described = on_described

@@ -101,8 +101,6 @@ class BleGateway(Gateway):
         async with anyio.create_task_group() as tasks:
             self._connections = Connections(
                 radio,
-                self.node,
-                self.random,
                 self.devices,
                 tasks,
                 self._settings.max_connections,

@@ -278,10 +278,7 @@ class CoapGateway(Gateway):
             endpoint,
             self._client,
             self.devices,
-            self.node.graph.clock,
-            self.node.log,
             poll_every=self._settings.poll_every,
-            random=self.random,
             describing=self._describing,
         )
         self._sessions[endpoint.key] = session

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from random import Random
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 import anyio
-from structlog.typing import FilteringBoundLogger
 
-from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
@@ -58,14 +55,11 @@ class EndpointSession(DeviceRunner):
         endpoint: CoapEndpoint,
         client: CoapClient,
         devices: PublishedDevices,
-        clock: Clock,
-        log: FilteringBoundLogger,
         *,
         poll_every: float,
-        random: Random,
         describing: anyio.CapacityLimiter,
     ) -> None:
-        super().__init__(endpoint.key, endpoint.key, devices, clock, log, random, DEVICE_BACKOFF)
+        super().__init__(endpoint.key, endpoint.key, devices, DEVICE_BACKOFF)
         self.endpoint = endpoint
         self._client = client
         self._poll_every = poll_every
@@ -138,7 +132,7 @@ class EndpointSession(DeviceRunner):
         return await guard_for(unquote(urlsplit(self.endpoint.base).hostname or ""))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = PublishedDevice(self._devices, device.key, self.clock, self.log)
+        host = PublishedDevice(self._devices, device.key)
         port = CoapPort(self._client, partial(self._devices.admits, device.key))
         return ThingDevice(thing, device, port, host, self._poll_every)
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from random import Random
 from typing import Final
 
 import anyio
-from structlog.typing import FilteringBoundLogger
 
-from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
@@ -43,11 +40,8 @@ class DriverRunner(DeviceRunner):
         service: FoundService,
         devices: PublishedDevices,
         publish: Callable[[GatewayDevice | None, str], None],
-        clock: Clock,
-        log: FilteringBoundLogger,
-        random: Random,
     ) -> None:
-        super().__init__(service.name, service.key, devices, clock, log, random, LOST_BACKOFF)
+        super().__init__(service.name, service.key, devices, LOST_BACKOFF)
         self._service = service
         self._kind = driver
         self._publish = publish

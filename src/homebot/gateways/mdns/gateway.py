@@ -205,8 +205,7 @@ class MdnsGateway(Gateway):
         driver = self._drivers.by_type.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return
-        publish, clock, log = partial(self._publish, listed), self.node.graph.clock, self.node.log
-        listed.runner = DriverRunner(driver, listed.service, self.devices, publish, clock, log, self.random)
+        listed.runner = DriverRunner(driver, listed.service, self.devices, partial(self._publish, listed))
         self._tasks.start_soon(run_as, self.node.full_name, listed.runner.run)
 
     def _stop(self, listed: _Listed | None) -> None:

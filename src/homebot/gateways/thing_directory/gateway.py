@@ -61,9 +61,8 @@ class ThingDirectoryGateway(Gateway):
             self.publish_state("active")
             self.mark_ready(task_status)
 
-        clock, log = self.node.graph.clock, self.node.log
         async with anyio.create_task_group() as tasks:
-            session = DirectorySession(self._settings, self.devices, tasks, has_listed, clock, log, self.random)
+            session = DirectorySession(self._settings, self.devices, tasks, has_listed)
             self._session = session
             while True:
                 backoff, problem = DEVICE_BACKOFF, ""

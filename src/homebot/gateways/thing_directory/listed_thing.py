@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from random import Random
 from typing import TYPE_CHECKING
 
 import anyio
-from structlog.typing import FilteringBoundLogger
 
-from homebot.clock import Clock
 from homebot.devices.gateway_messages import Command
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -40,14 +37,11 @@ class ListedThing(DeviceRunner):
         device: GatewayDevice,
         port: HttpThingPort,
         devices: PublishedDevices,
-        clock: Clock,
-        log: FilteringBoundLogger,
-        random: Random,
         *,
         poll_every: float,
         connecting: anyio.CapacityLimiter,
     ) -> None:
-        super().__init__(device.name, device.key, devices, clock, log, random, DEVICE_BACKOFF)
+        super().__init__(device.name, device.key, devices, DEVICE_BACKOFF)
         self._device = device
         self._port = port
         self._connecting = connecting

@@ -10,15 +10,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from hashlib import blake2b
-from random import Random
 from typing import Final
 
 import anyio
 from anyio.abc import TaskGroup
-from structlog.typing import FilteringBoundLogger
 from yarl import URL
 
-from homebot.clock import Clock
 from homebot.conventions.long_json import is_longer_than
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
@@ -77,17 +74,12 @@ class DirectorySession:
         devices: PublishedDevices,
         tasks: TaskGroup,
         has_listed: Callable[[], None],
-        clock: Clock,
-        log: FilteringBoundLogger,
-        random: Random,
     ) -> None:
         self._settings = settings
         self._devices = devices
         self._tasks = tasks
         self._has_listed = has_listed
-        self._clock = clock
-        self._log = log
-        self._random = random
+        self._clock, self._log = devices.gateway.node.graph.clock, devices.gateway.node.log
         self._logins = read_logins(settings.credentials)
         self._guard: AddressGuard | None = AddressGuard()
         self._known: dict[str, bytes] = {}
@@ -251,9 +243,6 @@ class DirectorySession:
             device,
             HttpThingPort(thing, self._logins, self._guard),
             self._devices,
-            self._clock,
-            self._log,
-            self._random,
             poll_every=self._settings.poll_every,
             connecting=self._connecting,
         )

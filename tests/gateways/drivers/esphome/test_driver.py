@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
-from random import Random
 
 import anyio
 import pytest
@@ -249,7 +248,7 @@ async def kept_connected(device: EsphomeServedDevice) -> AsyncIterator[tuple[Dri
             gateway.devices.put(described or GatewayDevice(service.key, service.name), why)
 
         driver = UsableDriver("esphome", EsphomeDriver, EsphomeSettings())
-        runner = DriverRunner(driver, service, gateway.devices, publish, graph.clock, node.log, Random(1))  # noqa: S311 - for pauses
+        runner = DriverRunner(driver, service, gateway.devices, publish)
         reports = watcher.create_subscription(Report, gateway.names.readings, qos_profile=1000)
         tasks.start_soon(runner.run)
         yield runner, reports
