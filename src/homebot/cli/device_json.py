@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from homebot.cli.records import DeviceRecord, StateRecord
+from homebot.cli.answer import fields_of
 from homebot.cli.time_format import iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import OWNER
 from homebot.support.strict_json import in_ascii
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, State
 
 __all__ = ["device_json", "json_text", "list_text"]
 
@@ -27,58 +31,56 @@ def list_text(devices: Sequence[str]) -> str:
     return "[\n  " + ",\n".join(devices).replace("\n", "\n  ") + "\n]"
 
 
-def device_json(device: DeviceRecord, waiting: Container[str] = ()) -> dict[str, object]:
+def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, object]:
     """Return *device* as a JSON object for other programs: with plain values, and times in ISO 8601.
 
     Args:
         device: The device.
         waiting: The ids of those that wait for approval.
     """
-    first = device["endpoints"][0] if device["endpoints"] else None
-    reachable = device["reachable"]
+    first = device.endpoints[0] if device.endpoints else None
+    reachable = device.reachable
     return {
-        "id": device["id"],
-        "name": device["name"],
-        "service_type": device["service_type"],
-        "gateway": first["gateway"] if first else "",
-        "address": first["address"] if first else "",
-        "first_seen": iso(device["first_seen"]),
-        "last_seen": iso(device["last_seen"]),
-        "expires": iso(device["expires"]),
-        "freshness": device["freshness"],
-        "endpoints": [{**one, "last_seen": iso(one["last_seen"])} for one in device["endpoints"]],
-        "metadata": {one["key"]: one["value"] for one in device["metadata"]},
-        "service_types": device["service_types"],
-        "area": device["area"],
-        "outer_areas": device["outer_areas"],
-        "tags": device["tags"],
-        "names": device["names"],
-        "identifiers": device["identifiers"],
-        "reachable": {"state": reachable["state"], "since": iso(reachable["since"]), "why": reachable["why"]},
-        "offline_parts": device["offline_parts"],
-        "parts": device["parts"],
-        "states": [_state(one) for one in device["states"]],
-        "events": [_state(one) for one in device["events"]],
-        "facts": [{**one, "said_at": iso(one["said_at"])} for one in device["facts"]],
-        "evidence": device["evidence"],
-        "conflicts": device["conflicts"],
-        "approved": False if device["id"] in waiting else True if _is_approved(device) else None,
+        "id": device.id,
+        "name": device.name,
+        "service_type": device.service_type,
+        "gateway": first.gateway if first else "",
+        "address": first.address if first else "",
+        "first_seen": iso(device.first_seen),
+        "last_seen": iso(device.last_seen),
+        "expires": iso(device.expires),
+        "freshness": device.freshness,
+        "endpoints": [{**fields_of(one), "last_seen": iso(one.last_seen)} for one in device.endpoints],
+        "metadata": {one.key: one.value for one in device.metadata},
+        "service_types": device.service_types,
+        "area": device.area,
+        "outer_areas": device.outer_areas,
+        "tags": device.tags,
+        "names": device.names,
+        "identifiers": device.identifiers,
+        "reachable": {"state": reachable.state, "since": iso(reachable.since), "why": reachable.why},
+        "offline_parts": device.offline_parts,
+        "parts": fields_of(device)["parts"],
+        "states": [_state(one) for one in device.states],
+        "events": [_state(one) for one in device.events],
+        "facts": [{**fields_of(one), "said_at": iso(one.said_at)} for one in device.facts],
+        "evidence": device.evidence,
+        "conflicts": device.conflicts,
+        "approved": False if device.id in waiting else True if _is_approved(device) else None,
     }
 
 
-def _is_approved(device: DeviceRecord) -> bool:
+def _is_approved(device: Device) -> bool:
     """Return whether the owner approved *device*, as :func:`homebot.devices.always_ask.is_approved`."""
-    return any(
-        one["name"] == "approved" and one["convention"] == OWNER and not one["gateway"] for one in device["facts"]
-    )
+    return any(one.name == "approved" and one.convention == OWNER and not one.gateway for one in device.facts)
 
 
-def _state(state: StateRecord) -> dict[str, object]:
+def _state(state: State) -> dict[str, object]:
     return {
-        "part": state["part"],
-        "capability": state["capability"],
-        "value": plain_value(state["value"]),
-        "since": iso(state["since"]),
-        "told_at": iso(state["told_at"]),
-        "live": state["live"],
+        "part": state.part,
+        "capability": state.capability,
+        "value": plain_value(state.value),
+        "since": iso(state.since),
+        "told_at": iso(state.told_at),
+        "live": state.live,
     }

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
-from homebot.cli.places_records import UnapprovedRecord
-from homebot.cli.records import DeviceRecord, QueryResponseRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import progress
 from homebot.cli.time_format import to_seconds
@@ -17,6 +16,12 @@ from homebot.devices.query.tokens import quoted
 from homebot.errors import PeerError, UsageError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean, similar_to
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.approval_messages import UnapprovedResponse
+    from homebot.devices.services import QueryDevicesResponse
+    from homebot.messages import Time
 
 __all__ = [
     "all_devices",
@@ -41,12 +46,12 @@ _ROUNDS = 3
 """Times that all pages are asked for, should devices change places in between so that one slips through."""
 
 
-def all_devices(door: DoorClient, convert: Callable[[DeviceRecord], T], service_type: str = "") -> list[T]:
+def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: str = "") -> list[T]:
     """Return the results of *convert* for each device that offers *service_type* (all if it is empty), sorted by id."""
     found: dict[str, T] = {}
     if service_type:
-        answer = door.call(FIND_DEVICES, {"service_type": service_type})
-        found = {one["id"]: convert(one) for one in cast("list[DeviceRecord]", answer["devices"])}
+        answer = Answer(door.call(FIND_DEVICES, {"service_type": service_type}))
+        found = {one.id: convert(one) for one in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
         total = _add_all(door, convert, found)
         if len(found) >= total:
@@ -54,7 +59,7 @@ def all_devices(door: DoorClient, convert: Callable[[DeviceRecord], T], service_
     return [found[one] for one in sorted(found)]
 
 
-def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryResponseRecord:
+def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesResponse:
     """Return the matches of *query*, best first; *limit* at most.
 
     Raises:
@@ -63,7 +68,7 @@ def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryResponseR
     return _begin_query(door, query, limit, 0)()
 
 
-def named_device(door: DoorClient, name: str) -> DeviceRecord:
+def named_device(door: DoorClient, name: str) -> Device:
     """Return the one device with the id or name *name*, without regard to case and accents of a name.
 
     Raises:
@@ -76,7 +81,7 @@ def named_device(door: DoorClient, name: str) -> DeviceRecord:
     return found
 
 
-def device_or_similar(door: DoorClient, name: str) -> DeviceRecord | list[str]:
+def device_or_similar(door: DoorClient, name: str) -> Device | list[str]:
     """Return the one device with the id or name *name*; if there is none, the ids and names a typo away from it.
 
     Raises:
@@ -87,7 +92,7 @@ def device_or_similar(door: DoorClient, name: str) -> DeviceRecord | list[str]:
     return similar_to(name, found, _TYPO) if isinstance(found, list) else found
 
 
-def _find_named(door: DoorClient, name: str) -> DeviceRecord | list[str]:
+def _find_named(door: DoorClient, name: str) -> Device | list[str]:
     """Return the one device that is called *name*; if there is none, the ids and names of all."""
     if not name.strip():
         raise UsageError("give the id or the name of a device; `homebot devices` lists all")
@@ -101,79 +106,79 @@ def _find_named(door: DoorClient, name: str) -> DeviceRecord | list[str]:
     if named:
         raise PeerError(
             f"{len(named)} devices are called {name}; give the id of one: "
-            + ", ".join(printable(one["id"]) for one in named[:10])
+            + ", ".join(printable(one.id) for one in named[:10])
         )
-    return [printable(text) for one in devices for text in (one["id"], one["name"])]
+    return [printable(text) for one in devices for text in (one.id, one.name)]
 
 
-def reasons_for(door: DoorClient, device: DeviceRecord) -> Sequence[str]:
+def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
     """Return why a search for the device's name finds it, and why it stands where it stands."""
-    found = find_devices(door, quoted(device["name"]))
-    return next((one["reasons"] for one in found["results"] if one["device"]["id"] == device["id"]), ())
+    found = find_devices(door, quoted(device.name))
+    return next((one.reasons for one in found.results if one.device.id == device.id), ())
 
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
     """Return the ids of the devices that wait for approval; of *device* alone where one is given."""
-    return frozenset(_unapproved(door, device)["devices"])
+    return frozenset(_unapproved(door, device).devices)
 
 
 def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
     """Return why *device* always asks, empty if it does not, and whether it waits for approval."""
     answer = _unapproved(door, device)
-    reason = next((one["value"] for one in answer.get("reasons", ())), "")  # an older homebot gives none
-    return reason, bool(answer["devices"])
+    reason = next((one.value for one in answer.reasons), "")
+    return reason, bool(answer.devices)
 
 
-def _unapproved(door: DoorClient, device: str) -> UnapprovedRecord:
-    if not entities(door, kind="service", name=GET_UNAPPROVED):  # a homebot of an older version
-        return {"devices": [], "reasons": []}
-    return cast("UnapprovedRecord", door.call(GET_UNAPPROVED, {"device": device}))
+def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
+    is_served = entities(door, kind="service", name=GET_UNAPPROVED)  # not where nothing is controlled
+    fields = door.call(GET_UNAPPROVED, {"device": device}) if is_served else {"devices": [], "reasons": []}
+    return cast("UnapprovedResponse", Answer(fields))
 
 
 def house_time(door: DoorClient) -> float:
     """Return the present time of homebot, in seconds since 1970."""
-    return to_seconds(cast("TimeRecord", door.call("/rosapi/get_time")["time"]))
+    return to_seconds(cast("Time", Answer(door.call("/rosapi/get_time")).time))
 
 
-def _add_all(door: DoorClient, convert: Callable[[DeviceRecord], T], found: dict[str, T]) -> int:
+def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, T]) -> int:
     """Add all devices to *found*, and return how many there are; the next page comes while one is converted."""
     page = find_devices(door, "", _PAGE)
-    total, offset = page["total"], 0
+    total, offset = page.total, 0
     with progress("devices", total if total > _PAGE else 0) as show:
-        while page["results"]:
+        while page.results:
             offset += _PAGE
             following = _begin_query(door, "", _PAGE, offset) if offset < total else None
-            for one in page["results"]:
-                found[one["device"]["id"]] = convert(one["device"])
+            for one in page.results:
+                found[one.device.id] = convert(one.device)
             show(len(found))
             if following is None:
                 break
             page = following()
-            total = page["total"]
+            total = page.total
     return total
 
 
-def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Callable[[], QueryResponseRecord]:
+def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Callable[[], QueryDevicesResponse]:
     response = door.begin_call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
 
-    def page() -> QueryResponseRecord:
-        answer = cast("QueryResponseRecord", response())
-        if not answer["success"]:
-            raise PeerError(answer["message"])
+    def page() -> QueryDevicesResponse:
+        answer = cast("QueryDevicesResponse", Answer(response()))
+        if not answer.success:
+            raise PeerError(answer.message)
         return answer
 
     return page
 
 
-def _near(door: DoorClient, name: str) -> list[DeviceRecord]:
+def _near(door: DoorClient, name: str) -> list[Device]:
     """Return the devices that a search for *name* finds, without carrying a whole house; none if they are many."""
     answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
-    page = cast("QueryResponseRecord", answer)
-    return [one["device"] for one in page["results"]] if page["total"] <= _NEAR else []
+    page = cast("QueryDevicesResponse", Answer(answer))
+    return [one.device for one in page.results] if page.total <= _NEAR else []
 
 
-def _called(name: str, devices: Sequence[DeviceRecord]) -> list[DeviceRecord]:
+def _called(name: str, devices: Sequence[Device]) -> list[Device]:
     """Return the device with the id *name*, or all that have the name."""
     wanted = fold(name)
-    own = [one for one in devices if one["id"] == name]
-    return own or [one for one in devices if wanted in {fold(text) for text in (one["id"], one["name"], *one["names"])}]
+    own = [one for one in devices if one.id == name]
+    return own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]

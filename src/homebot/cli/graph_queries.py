@@ -5,14 +5,17 @@ from __future__ import annotations
 import base64
 import binascii
 from collections.abc import Callable, Iterable
-from typing import TypedDict, cast
+from typing import TYPE_CHECKING, TypedDict, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
-from homebot.cli.records import EntityRecord
 from homebot.cli.table import printable
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.errors import PeerError
 from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosapi.endpoints import EndpointDetails
 
 __all__ = [
     "MessageTypeRecord",
@@ -29,10 +32,10 @@ __all__ = [
 ]
 
 
-def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EntityRecord]:
+def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EndpointDetails]:
     """Return the entities of the graph, sorted by name; an empty text means any."""
-    found = door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node})
-    return cast("list[EntityRecord]", found["endpoints"])
+    found = Answer(door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node}))
+    return cast("list[EndpointDetails]", found.endpoints)
 
 
 def home_name(door: DoorClient) -> Callable[[], str]:
@@ -48,9 +51,9 @@ def home_name(door: DoorClient) -> Callable[[], str]:
     return name
 
 
-def is_hidden(entity: EntityRecord) -> bool:
+def is_hidden(entity: EndpointDetails) -> bool:
     """Return whether *entity* is shown only on request."""
-    return "/_" in entity["name"]
+    return "/_" in entity.name
 
 
 def topic_type(door: DoorClient, topic: str) -> str:
@@ -60,13 +63,13 @@ def topic_type(door: DoorClient, topic: str) -> str:
 
 def no_such_topic(door: DoorClient, topic: str) -> PeerError:
     """Return the error that there is no *topic*; its message names similar ones."""
-    known = [one["name"] for one in entities(door) if one["kind"] in {"publisher", "subscription"}]
+    known = [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
     return not_found("topic", topic, known)
 
 
 def not_yet(door: DoorClient, topic: str) -> str:
     """Return the line that says that *topic*, which does not exist, is waited for; it names similar ones."""
-    known = [one["name"] for one in entities(door) if one["kind"] in {"publisher", "subscription"}]
+    known = [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
     similar = did_you_mean(topic, known, "", cutoff=0.7)
     return f"homebot: no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from homebot.cli.command_records import JournalEntryRecord
 from homebot.cli.journal_words import (
     clock_text,
     denial_text,
@@ -18,9 +17,12 @@ from homebot.cli.journal_words import (
 from homebot.cli.table import printable
 from homebot.cli.time_format import to_seconds
 
+if TYPE_CHECKING:
+    from homebot.devices.journal_messages import JournalEntry
+
 __all__ = ["UNEXPLAINED", "Chain", "chain_lines", "chains_of", "reason_text", "result_text"]
 
-Chain: TypeAlias = list[JournalEntryRecord]
+Chain: TypeAlias = "list[JournalEntry]"
 """The entries of a command, oldest first, or the entry of a change."""
 
 _LONGEST = 900.0
@@ -29,11 +31,11 @@ _LONGEST = 900.0
 UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
 
 
-def chains_of(entries: Iterable[JournalEntryRecord]) -> list[Chain]:
+def chains_of(entries: Iterable[JournalEntry]) -> list[Chain]:
     """Return *entries* by command: those of one command follow each other, and a change is alone."""
     found: list[Chain] = []
     for entry in entries:
-        if found and entry["command"] and found[-1][0]["command"] == entry["command"]:
+        if found and entry.command and found[-1][0].command == entry.command:
             found[-1].append(entry)
         else:
             found.append([entry])
@@ -43,16 +45,16 @@ def chains_of(entries: Iterable[JournalEntryRecord]) -> list[Chain]:
 def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     """Return in a clause why the device changed."""
     last, first = chain[-1], chain[0]
-    if first["kind"] == "changed":
+    if first.kind == "changed":
         return UNEXPLAINED
-    issuer = issuer_text(first["issuer"])
-    if last["kind"] == "reverted":
-        wanted = settings_text(first["settings"])
+    issuer = issuer_text(first.issuer)
+    if last.kind == "reverted":
+        wanted = settings_text(first.settings)
         return f"it changed back, by a hand or by itself, after {issuer} had asked for {wanted}"
-    asked = f"{issuer} {'published' if first['kind'] == 'published' else 'asked for'} {_wanted(first)}"
-    cause = trigger_text(first["trigger"], names)
+    asked = f"{issuer} {'published' if first.kind == 'published' else 'asked for'} {_wanted(first)}"
+    cause = trigger_text(first.trigger, names)
     reason = f"{asked}, because {cause}" if cause else asked
-    if last["kind"] == "reported" and any(one["kind"] == "outcome" for one in chain):
+    if last.kind == "reported" and any(one.kind == "outcome" for one in chain):
         return f"{reason}; it answered late, or somebody did it by hand"
     doubt = _doubt(chain)
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
@@ -61,44 +63,44 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
 def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
     """Yield the steps of *chains*, each with its time; the report that led to the first of them is one."""
     for number, chain in enumerate(chains):
-        trigger = chain[0]["trigger"]
+        trigger = chain[0].trigger
         if number == 0 and (cause := trigger_text(trigger, names)):
-            yield clock_text(trigger["at"], now) if trigger["at"]["sec"] else "", cause
+            yield clock_text(trigger.at, now) if trigger.at.sec else "", cause
         for entry in _informative(chain):
-            yield clock_text(entry["at"], now), entry_text(entry, names)
+            yield clock_text(entry.at, now), entry_text(entry, names)
 
 
 def result_text(chain: Chain, now: float) -> str:
     """Return the outcome of a command, as it is known at *now*, in seconds since 1970."""
-    decided = [one for one in chain if one["kind"] in {"outcome", "reverted"}]
+    decided = [one for one in chain if one.kind in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
-    if chain[0]["kind"] == "denied":
+    if chain[0].kind == "denied":
         return f"refused: {denial_text(chain[0])}"
-    if would := [one for one in chain if one["kind"] == "would"]:
+    if would := [one for one in chain if one.kind == "would"]:
         return entry_text(would[-1], {})
-    if any(one["kind"] == "published" for one in chain):
-        reports = [one for one in chain if one["kind"] == "reported"]
-        return f"it reported {settings_text(reports[-1]['settings'])}" if reports else "it reported nothing new"
-    if now - to_seconds(chain[0]["at"]) > _LONGEST:
+    if any(one.kind == "published" for one in chain):
+        reports = [one for one in chain if one.kind == "reported"]
+        return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
+    if now - to_seconds(chain[0].at) > _LONGEST:
         return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
 
 
 def _doubt(chain: Chain) -> str:
     """Return the observation of a witness against the report of the device; empty if none contradicted it."""
-    results = [one["results"][0] for one in chain if one["kind"] == "outcome"]
-    return next((printable(one["saw"]) for one in results if one["outcome"] == "contradicted" and one["witness"]), "")
+    results = [one.results[0] for one in chain if one.kind == "outcome"]
+    return next((printable(one.saw) for one in results if one.outcome == "contradicted" and one.witness), "")
 
 
-def _wanted(entry: JournalEntryRecord) -> str:
-    return repr(entry["text"]) if entry["kind"] == "published" else settings_text(entry["settings"])
+def _wanted(entry: JournalEntry) -> str:
+    return repr(entry.text) if entry.kind == "published" else settings_text(entry.settings)
 
 
-def _informative(entries: Iterable[JournalEntryRecord]) -> Iterator[JournalEntryRecord]:
+def _informative(entries: Iterable[JournalEntry]) -> Iterator[JournalEntry]:
     """Yield the informative entries: an acceptance by the network only without a report, and a no once."""
     shown = list(entries)
-    has_report = any(one["kind"] == "reported" for one in shown)
+    has_report = any(one.kind == "reported" for one in shown)
     for before, one in zip([None, *shown], shown, strict=False):
-        if (one["kind"] != "acknowledged" or not has_report) and not repeats(one, before):
+        if (one.kind != "acknowledged" or not has_report) and not repeats(one, before):
             yield one

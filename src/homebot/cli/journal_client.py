@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import cast, final
+from typing import TYPE_CHECKING, cast, final
 
-from homebot.cli.command_records import (
-    CommandResultRecord,
-    ExplanationRecord,
-    JournalEntryRecord,
-    JournalRecord,
-    MissingStateRecord,
-    SettingRecord,
-    TriggerRecord,
-)
+from homebot.cli.answer import Answer, fields_of
 from homebot.cli.door_client import DoorClient
-from homebot.cli.records import KeyValueRecord
 from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JOURNAL
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices import KeyValue
+    from homebot.devices.command_messages import CommandResult, Setting
+    from homebot.devices.journal_messages import (
+        ExplainDeviceResponse,
+        ExplainMissingStateResponse,
+        JournalEntry,
+        ReadJournalResponse,
+    )
+    from homebot.devices.trigger import Trigger
+    from homebot.devices.value import Reading
 
 __all__ = ["JournalClient", "chain_json", "entry_json"]
 
@@ -41,7 +44,7 @@ class JournalClient:
 
     def read(
         self, *, device: str = "", command: str = "", since: float = 0.0, until: float = 0.0, limit: int = 0
-    ) -> JournalRecord:
+    ) -> ReadJournalResponse:
         """Return the newest entries that fit, oldest first.
 
         Args:
@@ -61,30 +64,30 @@ class JournalClient:
             "until": from_seconds(until),
             "limit": limit,
         }
-        return cast("JournalRecord", self._ask(READ_JOURNAL, request))
+        return cast("ReadJournalResponse", self._ask(READ_JOURNAL, request))
 
-    def explain(self, device: str) -> ExplanationRecord:
+    def explain(self, device: str) -> ExplainDeviceResponse:
         """Return the last change of a device, with the chain of its causes.
 
         Raises:
             PeerError: The journal cannot be read; the message says why.
         """
-        return cast("ExplanationRecord", self._ask(EXPLAIN_DEVICE, {"device": device}))
+        return cast("ExplainDeviceResponse", self._ask(EXPLAIN_DEVICE, {"device": device}))
 
-    def explain_missing(self, device: str, state: str) -> MissingStateRecord:
+    def explain_missing(self, device: str, state: str) -> ExplainMissingStateResponse:
         """Return the commands for a state of a device, and the denied requests for it.
 
         Raises:
             PeerError: The journal cannot be read; the message says why.
         """
-        return cast("MissingStateRecord", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
+        return cast("ExplainMissingStateResponse", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
 
-    def _ask(self, service: str, request: Mapping[str, object]) -> Mapping[str, object]:
-        found = self._door.call(service, request)
-        if not found["success"]:
-            raise PeerError(cast("str", found["message"]))
-        names = cast("list[KeyValueRecord]", found["names"])
-        self.names.update({one["key"]: one["value"] for one in names})
+    def _ask(self, service: str, request: Mapping[str, object]) -> Answer:
+        found = Answer(self._door.call(service, request))
+        if not found.success:
+            raise PeerError(cast("str", found.message))
+        names = cast("list[KeyValue]", found.names)
+        self.names.update({one.key: one.value for one in names})
         return found
 
     def read_name(self, device: str) -> None:
@@ -94,54 +97,54 @@ class JournalClient:
             self.read(device=device, limit=1)
 
 
-def chain_json(entries: Iterable[JournalEntryRecord], names: Mapping[str, str]) -> list[dict[str, object]]:
+def chain_json(entries: Iterable[JournalEntry], names: Mapping[str, str]) -> list[dict[str, object]]:
     """Return *entries* as JSON objects, see :func:`entry_json`."""
     return [entry_json(one, names) for one in entries]
 
 
-def entry_json(entry: JournalEntryRecord, names: Mapping[str, str]) -> dict[str, object]:
+def entry_json(entry: JournalEntry, names: Mapping[str, str]) -> dict[str, object]:
     """Return *entry* as a JSON object for other programs: plain values, times in ISO 8601, no empty fields."""
-    found: dict[str, object] = {"kind": entry["kind"], "at": iso(entry["at"]), "device": entry["device"]}
-    if name := names.get(entry["device"]):
+    found: dict[str, object] = {"kind": entry.kind, "at": iso(entry.at), "device": entry.device}
+    if name := names.get(entry.device):
         found["name"] = name
-    texts = cast("dict[str, str]", entry)
+    texts = fields_of(entry)
     found |= {key: texts[key] for key in ("part", "command", "issuer", "text", "cause") if texts[key]}
-    if entry["trigger"]["kind"]:
-        found["trigger"] = _trigger_json(entry["trigger"])
-    if entry["settings"]:
-        found["settings"] = _settings_json(entry["settings"])
-    for verdict in entry["verdicts"]:
+    if entry.trigger.kind:
+        found["trigger"] = _trigger_json(entry.trigger)
+    if entry.settings:
+        found["settings"] = _settings_json(entry.settings)
+    for verdict in entry.verdicts:
         found["verdict"] = {
-            "policy": verdict["policy"],
-            "allowed": verdict["allowed"],
-            "reason": verdict["reason"],
-            "facts": {one["name"]: plain_value(one["value"]) for one in verdict["facts"]},
+            "policy": verdict.policy,
+            "allowed": verdict.allowed,
+            "reason": verdict.reason,
+            "facts": {one.name: plain_value(one.value) for one in verdict.facts},
         }
-    for result in entry["results"]:
+    for result in entry.results:
         found["outcome"] = _outcome_json(result)
-    if entry["folded"]:
-        found["folded"] = entry["folded"]
+    if entry.folded:
+        found["folded"] = entry.folded
     return found
 
 
-def _trigger_json(trigger: TriggerRecord) -> dict[str, object]:
-    found: dict[str, object] = {"kind": trigger["kind"], "id": trigger["id"]}
-    texts = cast("dict[str, str]", trigger)
+def _trigger_json(trigger: Trigger) -> dict[str, object]:
+    found: dict[str, object] = {"kind": trigger.kind, "id": trigger.id}
+    texts = fields_of(trigger)
     found |= {key: texts[key] for key in ("device", "text") if texts[key]}
-    if trigger["readings"]:
-        found["readings"] = _settings_json(trigger["readings"])
-    if trigger["at"]["sec"]:
-        found["at"] = iso(trigger["at"])
+    if trigger.readings:
+        found["readings"] = _settings_json(trigger.readings)
+    if trigger.at.sec:
+        found["at"] = iso(trigger.at)
     return found
 
 
-def _settings_json(settings: Iterable[SettingRecord]) -> dict[str, object]:
-    return {one["capability"]: plain_value(one["value"]) for one in settings}
+def _settings_json(settings: Iterable[Setting | Reading]) -> dict[str, object]:
+    return {one.capability: plain_value(one.value) for one in settings}
 
 
-def _outcome_json(result: CommandResultRecord) -> dict[str, object]:
-    found: dict[str, object] = {"outcome": result["outcome"], "text": result["text"]}
-    values = cast("dict[str, object]", result)
+def _outcome_json(result: CommandResult) -> dict[str, object]:
+    found: dict[str, object] = {"outcome": result.outcome, "text": result.text}
+    values = fields_of(result)
     return found | {
         key: values[key] for key in ("latency", "evidence", "saw", "witness", "by", "policy", "reason") if values[key]
     }

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING, cast
 
-from homebot.cli.command_records import CommandResultRecord, JournalEntryRecord, SettingRecord, TriggerRecord
-from homebot.cli.records import CapabilityRecord, TimeRecord
+from homebot.cli.answer import Answer
 from homebot.cli.table import printable
 from homebot.cli.time_format import ago, from_seconds, to_seconds
 from homebot.cli.values import plain_value, value_text
+
+if TYPE_CHECKING:
+    from homebot.devices.command_messages import CommandResult, Setting
+    from homebot.devices.journal_messages import JournalEntry
+    from homebot.devices.trigger import Trigger
+    from homebot.devices.value import Reading
+    from homebot.messages import Time
 
 __all__ = [
     "ago_text",
@@ -33,82 +40,82 @@ _REQUESTS: Mapping[str, str] = {
 }
 
 
-def entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
+def entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
     """Return one entry as a clause, with the name of the device where it says something of it."""
     text = _entry_text(entry, names)
-    return f"{text}, and {entry['folded']:,} more times in the minute before" if entry["folded"] else text
+    return f"{text}, and {entry.folded:,} more times in the minute before" if entry.folded else text
 
 
-def _entry_text(entry: JournalEntryRecord, names: Mapping[str, str]) -> str:
-    name = name_text(entry["device"], names, entry["part"])
-    match entry["kind"]:
+def _entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
+    name = name_text(entry.device, names, entry.part)
+    match entry.kind:
         case "requested":
-            return f"{issuer_text(entry['issuer'])} asked {name} for {settings_text(entry['settings'])}"
+            return f"{issuer_text(entry.issuer)} asked {name} for {settings_text(entry.settings)}"
         case "would":
             return "not sent: this is a dry run"
         case "published":
-            return f"{issuer_text(entry['issuer'])} published {printable(entry['text'])!r} for {name}"
+            return f"{issuer_text(entry.issuer)} published {printable(entry.text)!r} for {name}"
         case "judged":
-            verdict = entry["verdicts"][0]
-            reason = f": {printable(verdict['reason'])}" if verdict["reason"] else ""
-            return f"{printable(verdict['policy'])} {'allowed it' if verdict['allowed'] else 'said no'}{reason}"
+            verdict = entry.verdicts[0]
+            reason = f": {printable(verdict.reason)}" if verdict.reason else ""
+            return f"{printable(verdict.policy)} {'allowed it' if verdict.allowed else 'said no'}{reason}"
         case "sent":
-            return "handed to the gateway again" if entry["text"] else "handed to the gateway"
+            return "handed to the gateway again" if entry.text else "handed to the gateway"
         case "acknowledged":
             return "the network accepted it"
         case "reported":
-            return f"{name} reported {settings_text(entry['settings'])}"
+            return f"{name} reported {settings_text(entry.settings)}"
         case "denied":
-            return f"{issuer_text(entry['issuer'])} was refused {_request_text(entry)}: {denial_text(entry)}"
+            return f"{issuer_text(entry.issuer)} was refused {_request_text(entry)}: {denial_text(entry)}"
         case "held" | "released" | "ended" | "expired" | "outranked" | "handed_back":
             return _lease_text(entry, name)
         case "changed":
-            return f"{name} reported {settings_text(entry['settings'])}; no command explains it"
+            return f"{name} reported {settings_text(entry.settings)}; no command explains it"
         case _:
-            return outcome_text(entry["results"][0])
+            return outcome_text(entry.results[0])
 
 
-def repeats(entry: JournalEntryRecord, before: JournalEntryRecord | None) -> bool:
+def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
     """Return whether *entry*, the outcome of a refused command, tells no more than the verdict *before* it."""
-    if before is None or (before["kind"], entry["kind"]) != ("judged", "outcome"):
+    if before is None or (before.kind, entry.kind) != ("judged", "outcome"):
         return False
-    result, verdict = entry["results"][0], before["verdicts"][0]
-    is_same = (entry["command"], result["policy"]) == (before["command"], verdict["policy"])
-    return is_same and result["outcome"] == "refused" and not verdict["allowed"]
+    result, verdict = entry.results[0], before.verdicts[0]
+    is_same = (entry.command, result.policy) == (before.command, verdict.policy)
+    return is_same and result.outcome == "refused" and not verdict.allowed
 
 
-def denial_text(entry: JournalEntryRecord) -> str:
+def denial_text(entry: JournalEntry) -> str:
     """Return why a request was denied, without the advice that the client got, and how often."""
-    reason = printable(entry["verdicts"][0]["reason"].partition("; ")[0])
+    reason = printable(entry.verdicts[0].reason.partition("; ")[0])
     times = _facts(entry).get("count", 1)
     return f"{reason} ({times:,.0f} times)" if isinstance(times, float) and times > 1 else reason
 
 
-def trigger_text(trigger: TriggerRecord, names: Mapping[str, str]) -> str:
+def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
     """Return the cause of a command as a clause; empty if it is not known."""
-    name = name_text(trigger["device"], names, next((one["part"] for one in trigger["readings"]), ""))
-    match trigger["kind"]:
+    name = name_text(trigger.device, names, next((one.part for one in trigger.readings), ""))
+    match trigger.kind:
         case "lease":
-            return f"{printable(trigger['text'], 60)} holds it"
+            return f"{printable(trigger.text, 60)} holds it"
         case "report":
-            return f"{name} reported {settings_text(trigger['readings'])}"
+            return f"{name} reported {settings_text(trigger.readings)}"
         case "message":
-            return f"{name} sent {printable(trigger['text'], 60)!r}"
+            return f"{name} sent {printable(trigger.text, 60)!r}"
         case "device":
-            return f"{name} {printable(trigger['text'], 100)}"
+            return f"{name} {printable(trigger.text, 100)}"
         case "timer":
-            return f"its timer ({printable(trigger['text'])}) was due"
+            return f"its timer ({printable(trigger.text)}) was due"
     return ""
 
 
-def settings_text(settings: Iterable[SettingRecord]) -> str:
+def settings_text(settings: Iterable[Setting | Reading]) -> str:
     """Return values in words: ``on``, ``level 40 %``."""
     return ", ".join(_setting_text(one) for one in settings) or "nothing"
 
 
-def outcome_text(result: CommandResultRecord) -> str:
+def outcome_text(result: CommandResult) -> str:
     """Return an outcome in words."""
-    return printable(result["text"])
+    return printable(result.text)
 
 
 def issuer_text(issuer: str) -> str:
@@ -125,11 +132,11 @@ def name_text(device: str, names: Mapping[str, str], part: str = "") -> str:
 
 def ago_text(seconds: float, now: float) -> str:
     """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12`` or ``just now, at 10:03:12``."""
-    time = from_seconds(seconds)
+    time = cast("Time", Answer(from_seconds(seconds)))
     return f"{ago(time, now).replace('now', 'just now')}, at {clock_text(time, now).rpartition('.')[0]}"
 
 
-def clock_text(time: TimeRecord, now: float) -> str:
+def clock_text(time: Time, now: float) -> str:
     """Return a time of day to a tenth of a second, in the computer's own time; with the date if it is not of today."""
     seconds = to_seconds(time)
     local = datetime.fromtimestamp(seconds, UTC).astimezone()
@@ -138,50 +145,42 @@ def clock_text(time: TimeRecord, now: float) -> str:
     return text if local.date() == today else f"{local:%Y-%m-%d} {text}"
 
 
-def _lease_text(entry: JournalEntryRecord, name: str) -> str:
-    holder = f"{printable(entry['text'], 60)} ({issuer_text(entry['issuer'])})"
-    held = settings_text(entry["settings"])
-    match entry["kind"]:
+def _lease_text(entry: JournalEntry, name: str) -> str:
+    holder = f"{printable(entry.text, 60)} ({issuer_text(entry.issuer)})"
+    held = settings_text(entry.settings)
+    match entry.kind:
         case "held":
             return f"{holder} began to hold {name} {held}"
         case "released":
             return f"{holder} no longer holds {name}"
         case "ended":
-            return f"{issuer_text(entry['issuer'])} ended the lease by which {printable(entry['text'], 60)} held {name}"
+            return f"{issuer_text(entry.issuer)} ended the lease by which {printable(entry.text, 60)} held {name}"
         case "expired":
             return f"{holder} no longer holds {name}: its time was over"
         case "outranked":
-            return f"{printable(entry['text'], 60)}, which outranks the lease that holds {name} {held}"
+            return f"{printable(entry.text, 60)}, which outranks the lease that holds {name} {held}"
         case _:
             return f"{name} is held {held} again"
 
 
-def _request_text(entry: JournalEntryRecord) -> str:
+def _request_text(entry: JournalEntry) -> str:
     """Return the refused request, in words after "was refused"."""
-    if entry["settings"]:
-        return f"to hold it {settings_text(entry['settings'])}"
+    if entry.settings:
+        return f"to hold it {settings_text(entry.settings)}"
     facts = _facts(entry)
     operation = str(facts.get("operation", ""))
     target = printable(str(facts.get("target", "")), 100)
-    wanted = f" {printable(entry['text'])!r}" if entry["text"] else ""
+    wanted = f" {printable(entry.text)!r}" if entry.text else ""
     if operation == "publish":
         return f"to publish{wanted} on {target}"
     return f"{_REQUESTS.get(operation, operation)} {target}{' for' if wanted else ''}{wanted}".strip()
 
 
-def _facts(entry: JournalEntryRecord) -> Mapping[str, object]:
-    return {one["name"]: plain_value(one["value"]) for verdict in entry["verdicts"] for one in verdict["facts"]}
+def _facts(entry: JournalEntry) -> Mapping[str, object]:
+    return {one.name: plain_value(one.value) for verdict in entry.verdicts for one in verdict.facts}
 
 
-def _setting_text(setting: SettingRecord) -> str:
-    name, value = setting["capability"], plain_value(setting["value"])
-    capability: CapabilityRecord = {
-        "name": name,
-        "readable": True,
-        "settable": True,
-        "unit": "",
-        "bounds": [],
-        "options": [],
-    }
-    text = printable(value_text(capability, value), 60)
+def _setting_text(setting: Setting | Reading) -> str:
+    name, value = setting.capability, plain_value(setting.value)
+    text = printable(value_text(name, value), 60)
     return text if isinstance(value, bool | str) else f"{name.replace('_', ' ')} {text}"

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
-from homebot.cli.records import GatewayStateRecord, HealthRecord
 from homebot.devices.names import GatewayNames
 from homebot.errors import LinkError, RefusedError
+
+if TYPE_CHECKING:
+    from homebot.devices import GatewayState
+    from homebot.devices.health import HealthResponse
 
 __all__ = ["GATEWAY_STATE", "GatewayPublisher", "gateway_state"]
 
@@ -52,12 +56,12 @@ class GatewayPublisher:
         state = gateway_state(self._door, gateway)
         if state is None:
             raise LinkError(f"gateway {gateway} is not running")
-        if not state["acts"]:
+        if not state.acts:
             from homebot.devices.gateway_messages import ONLY_OBSERVES  # noqa: PLC0415 - an error may take its time
 
-            raise RefusedError(f"publishing through {gateway}", state["reason"] or ONLY_OBSERVES)
-        if state["state"] != "active":
-            raise LinkError(f"gateway {gateway} is unavailable: {state['reason']}")
+            raise RefusedError(f"publishing through {gateway}", state.reason or ONLY_OBSERVES)
+        if state.state != "active":
+            raise LinkError(f"gateway {gateway} is unavailable: {state.reason}")
         self._door.advertise(GatewayNames(gateway).out, _RAW_COMMAND)
         self._door.settle()
         self._checked.add(gateway)
@@ -104,8 +108,8 @@ class GatewayPublisher:
         service = GatewayNames(gateway).health
         if not entities(self._door, kind="service", name=service):
             return None
-        health = cast("HealthRecord", self._door.call(service))
-        counts = {one["name"]: one["count"] for one in health["counts"]}
+        health = cast("HealthResponse", Answer(self._door.call(service)))
+        counts = {one.name: one.count for one in health.counts}
         return counts if "commands" in counts else None
 
     def _reason(self, gateway: str, command: Mapping[str, object]) -> str:
@@ -119,12 +123,12 @@ class GatewayPublisher:
         return reason
 
 
-def gateway_state(door: DoorClient, gateway: str) -> GatewayStateRecord | None:
+def gateway_state(door: DoorClient, gateway: str) -> GatewayState | None:
     """Return the state of *gateway*, as it reports it; None without a report."""
     topic = GatewayNames(gateway).state
     door.subscribe(topic)
     is_published = entities(door, kind="publisher", name=topic)
     for message in door.until(_STATE_WITHIN if is_published else _STATE_TIMEOUT):
         if message.topic == topic:
-            return cast("GatewayStateRecord", message.message)
+            return cast("GatewayState", Answer(message.message))
     return None

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from homebot.cli.records import DeviceRecord
+from homebot.cli.answer import fields_of
 from homebot.devices import Device
 from homebot.errors import ConfigError
 from homebot.messages.json import message_from_json
@@ -18,9 +18,9 @@ __all__ = ["thing_text", "to_device", "write_things"]
 _LONGEST = 200
 
 
-def to_device(record: DeviceRecord) -> Device:
+def to_device(record: Device) -> Device:
     """Return the message that *record* is of."""
-    return message_from_json(Device, record)
+    return message_from_json(Device, fields_of(record))
 
 
 def thing_text(device: Device, broker: str) -> str:

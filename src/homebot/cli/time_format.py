@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from homebot.cli.records import TimeRecord
+if TYPE_CHECKING:
+    from homebot.messages import Time
 
 __all__ = ["age", "ago", "from_seconds", "iso", "to_seconds"]
 
@@ -13,33 +15,33 @@ _NANOSECONDS = 1_000_000_000
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
-def to_seconds(time: TimeRecord) -> float:
+def to_seconds(time: Time) -> float:
     """Return *time* in seconds since 1970."""
-    return time["sec"] + time["nanosec"] / 1e9
+    return time.sec + time.nanosec / 1e9
 
 
-def from_seconds(seconds: float) -> TimeRecord:
-    """Return the time so many *seconds* after 1970 began."""
+def from_seconds(seconds: float) -> dict[str, int]:
+    """Return the time so many *seconds* after 1970 began, as a field of a request."""
     sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
     return {"sec": sec, "nanosec": nanosec}
 
 
-def age(time: TimeRecord, now: float) -> str:
+def age(time: Time, now: float) -> str:
     """Return the time from *time* to *now*, in the largest unit that fits."""
     seconds = max(0.0, now - to_seconds(time))
     size, unit = next((one for one in _SPANS if seconds >= one[0]), _SPANS[-1])
     return f"{seconds / size:.0f} {unit}"
 
 
-def ago(time: TimeRecord, now: float) -> str:
+def ago(time: Time, now: float) -> str:
     """Return :func:`age` as in ``5 s ago``; ``now`` below a second."""
     return f"{age(time, now)} ago" if now - to_seconds(time) >= _SPANS[-1][0] else "now"
 
 
-def iso(time: TimeRecord) -> str:
+def iso(time: Time) -> str:
     """Return *time* in ISO 8601, UTC, to the nearest millisecond: a float of seconds is a little off a whole one."""
-    more, milliseconds = divmod(round(time["nanosec"] / 1_000_000), 1000)
-    return f"{_to_the_second(time['sec'] + more)}.{milliseconds:03}Z"
+    more, milliseconds = divmod(round(time.nanosec / 1_000_000), 1000)
+    return f"{_to_the_second(time.sec + more)}.{milliseconds:03}Z"
 
 
 @lru_cache(maxsize=4096)

@@ -19,8 +19,8 @@ _SOME = 12
 def unknown_area(door: DoorClient, query: str) -> str:
     """Return which area of *query*, which found nothing, no device is in; empty if there is none."""
     for area in _areas(parse_query(query)):
-        if not find_devices(door, f"in {quoted(area)}", 1)["total"]:
-            areas = all_devices(door, lambda device: (device["area"], *device["outer_areas"]))
+        if not find_devices(door, f"in {quoted(area)}", 1).total:
+            areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
             known = {one for some in areas for one in some if one}
             some = f"areas are {', '.join(sorted(known)[:_SOME])}" if known else "no device was announced with an area"
             return f"no device is in {area!r}; {did_you_mean(area, known, some)}"

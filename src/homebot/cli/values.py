@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from homebot.cli.records import CapabilityRecord, DevicePartRecord, DeviceRecord, ValueRecord
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.names import is_text_address
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, DevicePart
+    from homebot.devices.part import Capability
+    from homebot.devices.value import Value
 
 __all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "types", "value_text"]
 
@@ -33,80 +37,81 @@ _FLAGS = {
 _MOST = 4
 
 
-def state_text(device: DeviceRecord) -> str:
+def state_text(device: Device) -> str:
     """Return in short the last known state; ``unknown`` if there is none, empty if the device never reports."""
-    values = {(one["part"], one["capability"]): plain_value(one["value"]) for one in device["states"]}
+    values = {(one.part, one.capability): plain_value(one.value) for one in device.states}
     shown, reports_nothing = [], True
     for part in main_parts(device):
-        for capability in part["part"]["capabilities"]:
-            reports_nothing = reports_nothing and (not capability["readable"] or capability["name"] in EVENTS)
-            value = values.get((part["id"], capability["name"]))
+        for capability in part.part.capabilities:
+            reports_nothing = reports_nothing and (not capability.readable or capability.name in EVENTS)
+            value = values.get((part.id, capability.name))
             if value is not None:
-                shown.append(value_text(capability, value))
+                shown.append(value_text(capability.name, value, capability.unit))
     if not shown:
         return "" if reports_nothing else "unknown"
     return ", ".join(shown[:_MOST]) + (", …" if len(shown) > _MOST else "")
 
 
-def life(device: DeviceRecord) -> str:
+def life(device: Device) -> str:
     """Return the availability of a device: the same in a table and on a page of its own."""
-    freshness = device["freshness"]
-    if device["reachable"]["state"] == "no":
+    freshness = device.freshness
+    if device.reachable.state == "no":
         return f"{freshness}, unreachable"
-    return f"{freshness}, partly unreachable" if device["offline_parts"] else freshness
+    return f"{freshness}, partly unreachable" if device.offline_parts else freshness
 
 
-def types(device: DeviceRecord) -> str:
+def types(device: Device) -> str:
     """Return the types that the device offers, each once; for one that sends plain text, its own word for that."""
-    if device["parts"] and device["service_type"] not in DEVICE_TYPES:
-        return device["service_type"]
-    found = dict.fromkeys(one["part"]["service_type"] for one in main_parts(device))
-    return ", ".join(found) or device["service_type"]
+    if device.parts and device.service_type not in DEVICE_TYPES:
+        return device.service_type
+    found = dict.fromkeys(one.part.service_type for one in main_parts(device))
+    return ", ".join(found) or device.service_type
 
 
-def main_parts(device: DeviceRecord) -> Sequence[DevicePartRecord]:
+def main_parts(device: Device) -> Sequence[DevicePart]:
     """Return the parts that the device is there for; settings and self-observations where there is nothing else."""
-    return [one for one in device["parts"] if not one["part"]["category"]] or device["parts"]
+    return [one for one in device.parts if not one.part.category] or device.parts
 
 
-def value_text(capability: CapabilityRecord, value: PlainValue) -> str:
-    """Return a value with its unit, so that it can stand alone: ``on``, ``40 %``, ``no smoke``."""
+def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
+    """Return a value with *unit*, or else that of the vocabulary: ``on``, ``40 %``, ``no smoke``."""
     match value:
         case None:
             return "unknown"
         case bool():
-            no, yes = _FLAGS.get(capability["name"], (f"no {_spaced(capability)}", _spaced(capability)))
+            words = capability.replace("_", " ")
+            no, yes = _FLAGS.get(capability, (f"no {words}", words))
             return yes if value else no
         case str():
             return value
         case list():
             return " ".join(_number(one) for one in value)
         case _:
-            return f"{_number(value)} {_unit(capability)}".rstrip()
+            return f"{_number(value)} {unit or _unit(capability)}".rstrip()
 
 
-def span(capability: CapabilityRecord) -> str:
+def span(capability: Capability) -> str:
     """Return which values it may have, in words; empty if nothing is known of that."""
-    known = CAPABILITIES.get(capability["name"])
-    if capability["options"]:
-        return ", ".join(capability["options"])
-    bounds = capability["bounds"] or (known.bounds if known else ())
+    known = CAPABILITIES.get(capability.name)
+    if capability.options:
+        return ", ".join(capability.options)
+    bounds = capability.bounds or (known.bounds if known else ())
     if bounds:
-        return f"{_number(bounds[0])} to {_number(bounds[-1])} {_unit(capability)}".rstrip()
+        return f"{_number(bounds[0])} to {_number(bounds[-1])} {capability.unit or _unit(capability.name)}".rstrip()
     return ""
 
 
-def plain_value(value: ValueRecord) -> PlainValue:
+def plain_value(value: Value) -> PlainValue:
     """Return *value* as JSON has it; None if it is unknown."""
-    match value["type"]:
+    match value.type:
         case 1:
-            return value["flag"]
+            return value.flag
         case 2:
-            return value["number"]
+            return value.number
         case 3:
-            return value["text"]
+            return value.text
         case 4:
-            return value["numbers"]
+            return [*value.numbers]
         case _:
             return None
 
@@ -116,13 +121,9 @@ def is_topic(address: str) -> bool:
     return bool(address) and not is_text_address(address)
 
 
-def _unit(capability: CapabilityRecord) -> str:
-    known = CAPABILITIES.get(capability["name"])
-    return capability["unit"] or (known.unit if known else "")
-
-
-def _spaced(capability: CapabilityRecord) -> str:
-    return capability["name"].replace("_", " ")
+def _unit(capability: str) -> str:
+    known = CAPABILITIES.get(capability)
+    return known.unit if known else ""
 
 
 def _number(value: float) -> str:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import AliasResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import ALIAS_DEVICE
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.places_messages import AliasDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -37,12 +40,12 @@ def _alias(options: argparse.Namespace) -> int:
     """Give a device a further name, or take it back."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
+        device = named_device(door, options.device).id
         request = {"device": device, "alias": options.name, "remove": options.undo}
-        answer = cast("AliasResponseRecord", door.call(ALIAS_DEVICE, request))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
-        aliases = ", ".join(map(printable, answer["aliases"])) or "none"
+        answer = cast("AliasDeviceResponse", Answer(door.call(ALIAS_DEVICE, request)))
+        if not answer.success:
+            raise PeerError(answer.message)
+        aliases = ", ".join(map(printable, answer.aliases)) or "none"
         print(f"aliases of {printable(device)}: {aliases}")
         return 0
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device, unapproved
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import ApproveResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import APPROVE_DEVICE
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.approval_messages import ApproveDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -37,16 +40,16 @@ def _approve(options: argparse.Namespace) -> int:
     """Approve a device, or take that back."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
+        device = named_device(door, options.device).id
         waited = device in unapproved(door, device)
         request = {"device": device, "remove": options.undo}
-        answer = cast("ApproveResponseRecord", door.call(APPROVE_DEVICE, request))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
+        answer = cast("ApproveDeviceResponse", Answer(door.call(APPROVE_DEVICE, request)))
+        if not answer.success:
+            raise PeerError(answer.message)
         print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
-        for change in answer["changes"]:
+        for change in answer.changes:
             print(f"  changed: {printable(change)}")
-        for command in answer["commands"]:
+        for command in answer.commands:
             print(f"  {printable(command)}")
         return 0
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Container
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
-from homebot.cli.records import DeviceRecord
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
 
 __all__ = ["add_arguments"]
 
@@ -96,7 +98,7 @@ def _write_things(door: DoorClient, options: argparse.Namespace) -> None:
         print(file)
 
 
-def _all(door: DoorClient, service_type: str, convert: Callable[[DeviceRecord], T]) -> list[T]:
+def _all(door: DoorClient, service_type: str, convert: Callable[[Device], T]) -> list[T]:
     """Return the results of *convert* for all devices.
 
     Raises:
@@ -108,17 +110,17 @@ def _all(door: DoorClient, service_type: str, convert: Callable[[DeviceRecord], 
     return devices
 
 
-def _row(device: DeviceRecord, now: float, waiting: Container[str]) -> tuple[str, ...]:
-    first = device["endpoints"][0] if device["endpoints"] else None
+def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]:
+    first = device.endpoints[0] if device.endpoints else None
     return (
-        device["id"],
+        device.id,
         types(device),
-        device["area"],
+        device.area,
         state_text(device),
-        first["gateway"] if first else "",
+        first.gateway if first else "",
         _command_topic(device),
-        life(device) + (", unapproved" if device["id"] in waiting else ""),
-        ago(device["last_seen"], now),
+        life(device) + (", unapproved" if device.id in waiting else ""),
+        ago(device.last_seen, now),
     )
 
 
@@ -131,16 +133,16 @@ def _unknown_type(door: DoorClient, name: str) -> str:
 
     if wanted_types(name) or name in DEVICE_TYPES or type_is(name).types:
         return ""
-    devices = all_devices(door, lambda device: (device["service_type"], *device["service_types"]))
+    devices = all_devices(door, lambda device: (device.service_type, *device.service_types))
     own = {one for some in devices for one in some if one}
     return f"{name!r} is not a device type, and no device was announced as one; " + did_you_mean(
         name, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
     )
 
 
-def _command_topic(device: DeviceRecord) -> str:
+def _command_topic(device: Device) -> str:
     """Return the topic on which a device takes commands; empty if it takes none."""
-    for one in device["endpoints"]:
-        if is_topic(one["command_address"]):
-            return one["command_address"]
-    return next((topic for part in main_parts(device) for topic in part["part"]["writes"]), "")
+    for one in device.endpoints:
+        if is_topic(one.command_address):
+            return one.command_address
+    return next((topic for part in main_parts(device) for topic in part.part.writes), "")

@@ -5,16 +5,19 @@ from __future__ import annotations
 import argparse
 import getpass
 import math
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
+from homebot.cli.answer import Answer, fields_of
 from homebot.cli.arguments import set_client_command
-from homebot.cli.command_records import CommandDevicesRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
 from homebot.cli.table import printable
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.command_messages import CommandDevicesResponse
 
 __all__ = ["add_arguments"]
 
@@ -60,14 +63,14 @@ def _do(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         home = home_name(door)
-        answer = cast("CommandDevicesRecord", door.call(COMMAND_DEVICES, request, _LONGEST))
+        answer = cast("CommandDevicesResponse", Answer(door.call(COMMAND_DEVICES, request, _LONGEST)))
         if options.json:
-            print(json_text(answer))
-        elif not answer["results"]:
-            raise PeerError(answer["message"])
+            print(json_text(fields_of(answer)))
+        elif not answer.results:
+            raise PeerError(answer.message)
         else:
             _print(answer, home())
-        return 0 if answer["success"] else 1
+        return 0 if answer.success else 1
 
     return with_client(options, run)
 
@@ -89,15 +92,15 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _print(answer: CommandDevicesRecord, home: str) -> None:
-    count = len(answer["results"])
+def _print(answer: CommandDevicesResponse, home: str) -> None:
+    count = len(answer.results)
     where = f" in {home}" if home else ""
-    for one in answer["results"]:
+    for one in answer.results:
         place = where if count == 1 else ""
-        print(f"{printable(one['name'])}{place}: {printable(one['result']['text'], _WIDEST)}")
+        print(f"{printable(one.name)}{place}: {printable(one.result.text, _WIDEST)}")
     if count > 1:
-        done = sum(one["result"]["outcome"] in {"confirmed", "already_so"} for one in answer["results"])
-        worst = f"; worst outcome: {answer['outcome'].replace('_', ' ')}" if done < count else ""
+        done = sum(one.result.outcome in {"confirmed", "already_so"} for one in answer.results)
+        worst = f"; worst outcome: {answer.outcome.replace('_', ' ')}" if done < count else ""
         print(f"{done} of {count}{where} succeeded{worst}")
 
 

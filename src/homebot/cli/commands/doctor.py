@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
-from homebot.cli.records import (
-    CountRecord,
-    DeviceRecord,
-    GatewayStateRecord,
-    HealthRecord,
-    PartFailureRecord,
-    QuarantineRecord,
-)
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import age, ago
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, GatewayState
+    from homebot.devices.health import Count, HealthResponse, PartFailure, Quarantine
 
 __all__ = ["add_arguments", "print_gateway", "print_health"]
 
@@ -86,26 +83,28 @@ def _doctor(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _gateways(door: DoorClient) -> dict[str, GatewayStateRecord | None]:
-    topics = {one["name"] for one in entities(door, kind="publisher") if one["type"] == GATEWAY_STATE}
+def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:
+    topics = {one.name for one in entities(door, kind="publisher") if one.type == GATEWAY_STATE}
     names = {topic.split("/")[2] for topic in topics if topic.startswith("/gateway/") and topic.endswith("/state")}
     return {name: gateway_state(door, name) for name in names}
 
 
-def _health(door: DoorClient) -> dict[str, HealthRecord]:
-    services = [one["name"] for one in entities(door, kind="service") if one["type"] == _GET_HEALTH]
-    return {name.removesuffix("/health").strip("/"): cast("HealthRecord", door.call(name)) for name in services}
+def _health(door: DoorClient) -> dict[str, HealthResponse]:
+    services = [one.name for one in entities(door, kind="service") if one.type == _GET_HEALTH]
+    return {
+        name.removesuffix("/health").strip("/"): cast("HealthResponse", Answer(door.call(name))) for name in services
+    }
 
 
-def print_gateway(name: str, state: GatewayStateRecord | None) -> bool:
+def print_gateway(name: str, state: GatewayState | None) -> bool:
     """Print how a gateway is; return whether it works."""
     if state is None:
         print(f"gateway {name} does not report its state")
         return False
-    is_active = state["state"] == "active"
-    acts = " and sends commands" if state["acts"] and not _is_dry(state["reason"]) else " and only observes"
-    reason = f": {printable(state['reason'])}" if state["reason"] else ""
-    print(f"gateway {name} is {state['state']}{acts if is_active else ''}{reason}")
+    is_active = state.state == "active"
+    acts = " and sends commands" if state.acts and not _is_dry(state.reason) else " and only observes"
+    reason = f": {printable(state.reason)}" if state.reason else ""
+    print(f"gateway {name} is {state.state}{acts if is_active else ''}{reason}")
     return is_active
 
 
@@ -118,67 +117,67 @@ def _is_dry(reason: str) -> bool:
     return reason == SENDS_NOTHING
 
 
-def print_health(name: str, health: HealthRecord, now: float, *, everything: bool) -> bool:
+def print_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
     """Print the problems of a node; return whether all is well there."""
-    for problem in health["troubles"]:
+    for problem in health.troubles:
         print(f"problem of {name}: {printable(problem)}")
-    for note in health["notes"]:
+    for note in health.notes:
         print(f"note on {name}: {printable(note)}")
-    shown = [one for one in health["counts"] if everything or (one["count"] and _is_one_of(_FAULTS, one["name"]))]
+    shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one.name))]
     _print_section(f"counted by {name} since it started", [_count(one) for one in shown])
-    failures = [_failure(one, now) for one in health["failures"][:_MOST]]
-    _print_section(f"failures in {name} since it started", failures, len(health["failures"]))
-    offenders = [_quarantine(one, now) for one in health["quarantined"][:_MOST]]
+    failures = [_failure(one, now) for one in health.failures[:_MOST]]
+    _print_section(f"failures in {name} since it started", failures, len(health.failures))
+    offenders = [_quarantine(one, now) for one in health.quarantined[:_MOST]]
     _print_section(
-        f"quarantined by {name}, which reads only some of their messages", offenders, len(health["quarantined"])
+        f"quarantined by {name}, which reads only some of their messages", offenders, len(health.quarantined)
     )
-    is_ill = any(map(_is_ill, health["counts"]))
-    return not (health["quarantined"] or health["troubles"] or health["failures"] or is_ill)
+    is_ill = any(map(_is_ill, health.counts))
+    return not (health.quarantined or health.troubles or health.failures or is_ill)
 
 
-def _is_ill(one: CountRecord) -> bool:
-    return bool(one["count"]) and _is_one_of(_ILLS, one["name"])
+def _is_ill(one: Count) -> bool:
+    return bool(one.count) and _is_one_of(_ILLS, one.name)
 
 
-def _count(one: CountRecord) -> tuple[str, ...]:
+def _count(one: Count) -> tuple[str, ...]:
     """Return a row of the table of counts, with a word beside a count that is a problem by itself."""
-    more = "; homebot journal tells more" if one["name"].startswith("commands_") else ""
+    more = "; homebot journal tells more" if one.name.startswith("commands_") else ""
     hint = (f"a problem{more}",) if _is_ill(one) else ()
-    return one["name"].replace("_", " "), str(one["count"]), *hint
+    return one.name.replace("_", " "), str(one.count), *hint
 
 
-def _failure(one: PartFailureRecord, now: float) -> tuple[str, ...]:
-    times = "once" if one["count"] == 1 else f"{one['count']} times"
-    outcome = f"; now {one['outcome']}" if one["outcome"] else ""
-    return one["part"], f"{one['what']} {times}, {ago(one['last'], now)}: {one['why']}{outcome}"
+def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
+    times = "once" if one.count == 1 else f"{one.count} times"
+    outcome = f"; now {one.outcome}" if one.outcome else ""
+    return one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}"
 
 
-def _quarantine(one: QuarantineRecord, now: float) -> tuple[str, ...]:
-    return one["offender"], f"for {age(one['since'], now)}", f"{one['offences']} offences, the last: {one['why']}"
+def _quarantine(one: Quarantine, now: float) -> tuple[str, ...]:
+    return one.offender, f"for {age(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
 
 
 def _print_devices(door: DoorClient, now: float) -> bool:
     """Ask for numbers, and for the devices that are shown: a whole house takes long to carry."""
-    total = find_devices(door, "", 1)["total"]
-    print(f"devices: {total}, unconfirmed: {find_devices(door, 'unconfirmed', 1)['total']}")
+    total = find_devices(door, "", 1).total
+    print(f"devices: {total}, unconfirmed: {find_devices(door, 'unconfirmed', 1).total}")
     is_well = True
     for title, query, detail in (
-        ("stale", "stale", lambda one: f"last seen {ago(one['last_seen'], now)}"),
-        ("unreachable", "offline not stale", lambda one: one["reachable"]["why"]),
+        ("stale", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
+        ("unreachable", "offline not stale", lambda one: one.reachable.why),
         ("disputed", "disputed", _dispute),
     ):
         found = find_devices(door, query, _MOST)
-        total = found["total"]
-        devices = sorted((one["device"] for one in found["results"]), key=lambda one: one["id"])
+        total = found.total
+        devices = sorted((one.device for one in found.results), key=lambda one: one.id)
         hint = f"; all: homebot find --limit {total} '{query}'"
-        _print_section(title, [(one["id"], detail(one)) for one in devices], total, hint)
+        _print_section(title, [(one.id, detail(one)) for one in devices], total, hint)
         is_well = is_well and not total
     return is_well
 
 
-def _dispute(device: DeviceRecord) -> str:
-    more = len(device["conflicts"]) - 1
-    return device["conflicts"][0] + (f" (and {more} more: homebot show '{device['id']}')" if more else "")
+def _dispute(device: Device) -> str:
+    more = len(device.conflicts) - 1
+    return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
 def _print_section(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, unapproved
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import QueryResponseRecord
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.terminal import is_terminal, print_table
 from homebot.cli.values import life, state_text, types
+
+if TYPE_CHECKING:
+    from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["add_arguments"]
 
@@ -52,36 +55,35 @@ def _find(options: argparse.Namespace) -> int:
         if options.json:
             waiting = unapproved(door)
             results = [
-                device_json(one["device"], waiting) | {"score": one["score"], "reasons": one["reasons"]}
-                for one in found["results"]
+                device_json(one.device, waiting) | {"score": one.score, "reasons": one.reasons} for one in found.results
             ]
             print(list_text([json_text(one) for one in results]))
-        elif not found["results"]:
+        elif not found.results:
             from homebot.cli.unknown_area import unknown_area  # noqa: PLC0415 - there is time where nothing is found
 
             print(unknown_area(door, query) or f"no device matches {query!r}; `homebot devices` lists all")
         else:
             _note_near_matches(found)
             _show(found, why=options.why)
-        return 0 if found["results"] else 1
+        return 0 if found.results else 1
 
     return with_client(options, run)
 
 
-def _note_near_matches(found: QueryResponseRecord) -> None:
+def _note_near_matches(found: QueryDevicesResponse) -> None:
     """Print which words no device has, but others that are like them."""
-    reasons = [{one for one in result["reasons"] if one.endswith(_NEAR)} for result in found["results"]]
+    reasons = [{one for one in result.reasons if one.endswith(_NEAR)} for result in found.results]
     for reason in sorted(set.intersection(*reasons)):
         word = reason.removesuffix(_NEAR)
         print(f"homebot: no device found has the word {word!r}; these have similar ones", file=sys.stderr)
 
 
-def _show(found: QueryResponseRecord, *, why: bool) -> None:
+def _show(found: QueryDevicesResponse, *, why: bool) -> None:
     rows: list[tuple[str, ...]] = [
-        (one["id"], one["name"], types(one), one["area"], state_text(one), life(one))
-        for one in (result["device"] for result in found["results"])
+        (one.id, one.name, types(one), one.area, state_text(one), life(one))
+        for one in (result.device for result in found.results)
     ]
-    reasons = [one["reasons"] for one in found["results"]]
+    reasons = [one.reasons for one in found.results]
     if not why:
         print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",), in_colour="AVAILABILITY")
     elif is_terminal():
@@ -92,5 +94,5 @@ def _show(found: QueryResponseRecord, *, why: bool) -> None:
         print(head)
         for line, some in zip(lines, reasons, strict=True):
             print("\n    ".join([line, *some]))
-    if hidden := found["total"] - len(found["results"]):
+    if hidden := found.total - len(found.results):
         print(f"… and {hidden} more; --limit shows more of them")

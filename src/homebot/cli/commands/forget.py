@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.records import ForgetResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import FORGET_DEVICE
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.services import ForgetDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -43,17 +46,17 @@ def _forget(options: argparse.Namespace) -> int:
         device = named_device(door, options.device)
         publisher = GatewayPublisher(door)
         if options.purge:  # before anything is done, so that nothing is done by halves
-            for gateway in sorted({one["gateway"] for one in device["endpoints"]}):
+            for gateway in sorted({one.gateway for one in device.endpoints}):
                 publisher.check(gateway)
-        answer = cast("ForgetResponseRecord", door.call(FORGET_DEVICE, {"device": device["id"]}))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
+        answer = cast("ForgetDeviceResponse", Answer(door.call(FORGET_DEVICE, {"device": device.id})))
+        if not answer.success:
+            raise PeerError(answer.message)
         returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
-        print(f"forgot {printable(device['id'])}{returns}")
-        for one in answer["announced_on"]:
-            topic = printable(one["topic"])
+        print(f"forgot {printable(device.id)}{returns}")
+        for one in answer.announced_on:
+            topic = printable(one.topic)
             if options.purge:
-                publisher.publish(one["gateway"], one["topic"], "", retain=True)
+                publisher.publish(one.gateway, one.topic, "", retain=True)
                 print(f"deleted the retained message on {topic}")
             else:
                 print(f"it was announced on {topic}; --purge deletes the retained message there")

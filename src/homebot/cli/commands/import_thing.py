@@ -7,19 +7,22 @@ import json
 import re
 from contextlib import suppress
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import positive, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.records import DeviceChangeRecord, DeviceRecord
 from homebot.cli.table import printable
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.names import DEVICE_CHANGES
 from homebot.errors import ConfigError, UsageError, WireError
 from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, DeviceChange
 
 __all__ = ["add_arguments", "topic_level"]
 
@@ -118,18 +121,18 @@ def _check_is_json(file: str, payload: bytes) -> None:
 
 def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -> str:
     """Return the id of the device that *gateway* calls *key*; empty if none appears in time."""
-    known = all_devices(door, lambda device: device["id"] if _is_of(device, gateway, key) else "")
+    known = all_devices(door, lambda device: device.id if _is_of(device, gateway, key) else "")
     if any(known):
         return next(filter(None, known))
     for received in door.until(timeout):
         if received.topic == DEVICE_CHANGES:
-            change = cast("DeviceChangeRecord", received.message)
-            if change["kind"] != "removed" and _is_of(change["device"], gateway, key):
-                return change["device"]["id"]
+            change = cast("DeviceChange", Answer(received.message))
+            if change.kind != "removed" and _is_of(change.device, gateway, key):
+                return change.device.id
     return ""
 
 
-def _is_of(device: DeviceRecord, gateway: str, key: str) -> bool:
-    ways = [(one["gateway"], one["key"]) for one in device["endpoints"]]
-    ways += [(route["gateway"], route["key"]) for part in device["parts"] for route in part["routes"]]
+def _is_of(device: Device, gateway: str, key: str) -> bool:
+    ways = [(one.gateway, one.key) for one in device.endpoints]
+    ways += [(route.gateway, route.key) for part in device.parts for route in part.routes]
     return (gateway, key) in ways

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command, whole
-from homebot.cli.command_records import JournalEntryRecord
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_client import JournalClient, entry_json
@@ -16,6 +16,9 @@ from homebot.cli.time_format import ago
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.errors import UsageError
 from homebot.units import parse_duration
+
+if TYPE_CHECKING:
+    from homebot.devices.journal_messages import JournalEntry
 
 __all__ = ["add_arguments"]
 
@@ -52,28 +55,28 @@ def _journal(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         client = JournalClient(door)
         about = options.about or options.device
-        device = named_device(door, about)["id"] if about else ""
+        device = named_device(door, about).id if about else ""
         now = house_time(door)
         if options.follow:
             door.subscribe(JOURNAL_ENTRIES)
         since = now - options.since if options.since is not None else 0.0
         found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
-        before: JournalEntryRecord | None = None
-        for entry in found["entries"]:
+        before: JournalEntry | None = None
+        for entry in found.entries:
             if options.json or not repeats(entry, before):
                 _print(entry, client, now, as_json=options.json)
             before = entry
         if not options.json and not options.follow:
-            if not found["entries"]:
+            if not found.entries:
                 is_filtered = since or device or options.command_id
                 print("nothing in the journal fits" if is_filtered else "the journal is empty")
-            elif not found["complete"]:
-                print(f"… there are older ones; the journal begins {ago(found['begins'], now)}; --limit shows more")
+            elif not found.complete:
+                print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
         while options.follow:
-            entry = cast("JournalEntryRecord", door.next().message)
-            if device in {"", entry["device"]} and options.command_id in {"", entry["command"]}:
-                client.read_name(entry["device"])
-                client.read_name(entry["trigger"]["device"])
+            entry = cast("JournalEntry", Answer(door.next().message))
+            if device in {"", entry.device} and options.command_id in {"", entry.command}:
+                client.read_name(entry.device)
+                client.read_name(entry.trigger.device)
                 if options.json or not repeats(entry, before):
                     _print(entry, client, now, as_json=options.json)
                 before = entry
@@ -82,14 +85,14 @@ def _journal(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _print(entry: JournalEntryRecord, client: JournalClient, now: float, *, as_json: bool) -> None:
+def _print(entry: JournalEntry, client: JournalClient, now: float, *, as_json: bool) -> None:
     if as_json:
         print(json.dumps(entry_json(entry, client.names)), flush=True)
         return
-    cause = trigger_text(entry["trigger"], client.names)
+    cause = trigger_text(entry.trigger, client.names)
     text = entry_text(entry, client.names) + (f", because {cause}" if cause else "")
-    name, command = name_text(entry["device"], client.names, entry["part"]) or _NO_DEVICE, entry["command"]
-    print(f"{clock_text(entry['at'], now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
+    name, command = name_text(entry.device, client.names, entry.part) or _NO_DEVICE, entry.command
+    print(f"{clock_text(entry.at, now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
 
 
 def _span(text: str) -> float:

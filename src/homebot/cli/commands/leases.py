@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Iterator
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
-from homebot.cli.command_records import HeldPartRecord, LeasesRecord
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
-from homebot.cli.records import DeviceRecord, TimeRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import age, from_seconds, iso, to_seconds
 from homebot.cli.values import plain_value
 from homebot.devices.names import FIND_DEVICES, GET_LEASES
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.lease_messages import HeldPart, LeasesResponse
+    from homebot.messages import Time
 
 __all__ = ["add_arguments"]
 
@@ -43,13 +47,13 @@ def _leases(options: argparse.Namespace) -> int:
     """Print the holders of leases, with the held values and expiry times."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"] if options.device else ""
-        parts = cast("LeasesRecord", door.call(GET_LEASES, {"device": device}))["parts"]
+        device = named_device(door, options.device).id if options.device else ""
+        parts = cast("LeasesResponse", Answer(door.call(GET_LEASES, {"device": device}))).parts
         if options.json:
             print(list_text([json_text(_json(one)) for one in parts]))
         elif parts:
             now, labels = house_time(door), _labels(door, parts)
-            rows = [row for one in parts for row in _rows(labels[one["device"], one["part"]], one, now)]
+            rows = [row for one in parts for row in _rows(labels[one.device, one.part], one, now)]
             print_table(_HEAD, rows, if_any=("OUTRANKED",))
         else:
             print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
@@ -58,14 +62,14 @@ def _leases(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _labels(door: DoorClient, parts: Iterable[HeldPartRecord]) -> dict[tuple[str, str], str]:
+def _labels(door: DoorClient, parts: Iterable[HeldPart]) -> dict[tuple[str, str], str]:
     """Return the ids of the held devices, each with its part where several take commands."""
-    places = [(one["device"], one["part"]) for one in parts]
-    answer = door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})})
+    places = [(one.device, one.part) for one in parts]
+    answer = Answer(door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})}))
     simple = {
-        one["id"]
-        for one in cast("list[DeviceRecord]", answer["devices"])
-        if sum(any(can["settable"] for can in part["part"]["capabilities"]) for part in one["parts"]) < _SEVERAL
+        one.id
+        for one in cast("list[Device]", answer.devices)
+        if sum(any(can.settable for can in part.part.capabilities) for part in one.parts) < _SEVERAL
     }
     return {
         (device, part): printable(f"{device}#{part}" if part and device not in simple else device)
@@ -73,33 +77,33 @@ def _labels(door: DoorClient, parts: Iterable[HeldPartRecord]) -> dict[tuple[str
     }
 
 
-def _rows(label: str, held: HeldPartRecord, now: float) -> Iterator[tuple[str, ...]]:
+def _rows(label: str, held: HeldPart, now: float) -> Iterator[tuple[str, ...]]:
     outranked = ""
-    if held["outranked_until"]["sec"]:
-        outranked = f"{_left(held['outranked_until'], now)}: {printable(held['saw'], 60)}"
-    for holder in held["holders"]:
+    if held.outranked_until.sec:
+        outranked = f"{_left(held.outranked_until, now)}: {printable(held.saw, 60)}"
+    for holder in held.holders:
         yield (
             label,
-            settings_text([held["setting"]]),
-            printable(holder["by"], 60),
-            issuer_text(holder["issuer"]),
-            _left(holder["until"], now),
+            settings_text([held.setting]),
+            printable(holder.by, 60),
+            issuer_text(holder.issuer),
+            _left(holder.until, now),
             outranked,
         )
 
 
-def _left(until: TimeRecord, now: float) -> str:
-    return age(from_seconds(now), to_seconds(until))
+def _left(until: Time, now: float) -> str:
+    return age(cast("Time", Answer(from_seconds(now))), to_seconds(until))
 
 
-def _json(held: HeldPartRecord) -> dict[str, object]:
-    is_outranked = held["outranked_until"]["sec"]
+def _json(held: HeldPart) -> dict[str, object]:
+    is_outranked = held.outranked_until.sec
     return {
-        "device": held["device"],
-        "part": held["part"],
-        "capability": held["setting"]["capability"],
-        "value": plain_value(held["setting"]["value"]),
-        "holders": [{"by": one["by"], "issuer": one["issuer"], "until": iso(one["until"])} for one in held["holders"]],
-        "outranked_until": iso(held["outranked_until"]) if is_outranked else None,
-        "saw": held["saw"],
+        "device": held.device,
+        "part": held.part,
+        "capability": held.setting.capability,
+        "value": plain_value(held.setting.value),
+        "holders": [{"by": one.by, "issuer": one.issuer, "until": iso(one.until)} for one in held.holders],
+        "outranked_until": iso(held.outranked_until) if is_outranked else None,
+        "saw": held.saw,
     }

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import MergeResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import MERGE_DEVICES
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.services import MergeDevicesResponse
 
 __all__ = ["add_arguments"]
 
@@ -39,14 +42,14 @@ def _merge(options: argparse.Namespace) -> int:
     """Make several devices one."""
 
     def run(door: DoorClient) -> int:
-        ids = [named_device(door, one)["id"] for one in options.devices]
-        answer = cast("MergeResponseRecord", door.call(MERGE_DEVICES, {"devices": ids}))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
+        ids = [named_device(door, one).id for one in options.devices]
+        answer = cast("MergeDevicesResponse", Answer(door.call(MERGE_DEVICES, {"devices": ids})))
+        if not answer.success:
+            raise PeerError(answer.message)
         if len(ids) == 1:
-            print(f"all endpoints of {printable(answer['device'])} may have its commands now")
+            print(f"all endpoints of {printable(answer.device)} may have its commands now")
         else:
-            print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer['device'])}")
+            print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer.device)}")
         return 0
 
     return with_client(options, run)

@@ -41,7 +41,7 @@ def _list(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         for one in entities(door, kind="node"):
             if options.all or not is_hidden(one):
-                print(one["name"])
+                print(one.name)
         return 0
 
     return with_client(options, run)
@@ -54,12 +54,12 @@ def _info(options: argparse.Namespace) -> int:
         name = options.node if options.node.startswith("/") else f"/{options.node}"
         ends = entities(door, node=name)
         if not ends:
-            known = [one["name"] for one in entities(door, kind="node")]
+            known = [one.name for one in entities(door, kind="node")]
             raise not_found("node", name, known)
         print(name)
         for kind, title in _SECTIONS.items():
             print(f"  {title}:")
-            for line in sorted({f"    {one['name']}: {one['type']}" for one in ends if one["kind"] == kind}):
+            for line in sorted({f"    {one.name}: {one.type}" for one in ends if one.kind == kind}):
                 print(line)
         return 0
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import PlaceResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import PLACE_DEVICE
 from homebot.errors import PeerError, UsageError
+
+if TYPE_CHECKING:
+    from homebot.devices.places_messages import PlaceDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -56,18 +59,18 @@ def _place(options: argparse.Namespace) -> int:
         if isinstance(known, list) and known and options.room and not options.new:
             hint = "For another one, which is not there yet, add --new"
             raise PeerError(f"there is no device {options.device}; did you mean {' or '.join(known)}? {hint}")
-        device = options.device if isinstance(known, list) else known["id"]
+        device = options.device if isinstance(known, list) else known.id
         request = {
             "device": device,
             "room": options.room,
             "is_new": options.new,
             "may_be_absent": isinstance(known, list),
         }
-        answer = cast("PlaceResponseRecord", door.call(PLACE_DEVICE, request))
-        if not answer["success"]:
-            hint = "" if options.new or "did you mean" not in answer["message"] else " For another room, add --new"
-            raise PeerError(f"{answer['message']}{hint}")
-        print(_told(printable(device), printable(answer["room"]), printable(answer["absent"])))
+        answer = cast("PlaceDeviceResponse", Answer(door.call(PLACE_DEVICE, request)))
+        if not answer.success:
+            hint = "" if options.new or "did you mean" not in answer.message else " For another room, add --new"
+            raise PeerError(f"{answer.message}{hint}")
+        print(_told(printable(device), printable(answer.room), printable(answer.absent)))
         return 0
 
     return with_client(options, run)

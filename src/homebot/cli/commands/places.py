@@ -6,25 +6,27 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, TypedDict, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.places_records import (
-    ChangeRoomRecord,
-    PlacesExportRecord,
-    PlacesImportRecord,
-    PlacesRecord,
-    RoomRecord,
-)
-from homebot.cli.records import KeyValueRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.errors import PeerError, UsageError
 from homebot.support.folding import fold
+
+if TYPE_CHECKING:
+    from homebot.devices import KeyValue
+    from homebot.devices.places_messages import (
+        ChangeRoomResponse,
+        ExportPlacesResponse,
+        GetPlacesResponse,
+        ImportPlacesResponse,
+    )
 
 __all__ = ["add_arguments"]
 
@@ -90,21 +92,21 @@ def _list(options: argparse.Namespace) -> int:
     """Print the rooms."""
 
     def run(door: DoorClient) -> int:
-        places = cast("PlacesRecord", door.call(GET_PLACES, {}))
-        areas = all_devices(door, lambda device: device["area"])
+        places = cast("GetPlacesResponse", Answer(door.call(GET_PLACES, {})))
+        areas = all_devices(door, lambda device: device.area)
         rooms = _rooms(places, areas)
         if options.json:
-            absent = [{"device": one["key"], "room": one["value"]} for one in places["absent"]]
-            print(json_text({"home": places["home"], "rooms": rooms, "absent": absent}))
+            absent = [{"device": one.key, "room": one.value} for one in places.absent]
+            print(json_text({"home": places.home, "rooms": rooms, "absent": absent}))
         else:
-            _print(rooms, places["absent"])
+            _print(rooms, places.absent)
         return 0
 
     return with_client(options, run)
 
 
-def _print(rooms: Sequence[_Room], devices: Iterable[KeyValueRecord]) -> None:
-    absent = [(printable(one["key"]), printable(one["value"])) for one in devices]
+def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
+    absent = [(printable(one.key), printable(one.value)) for one in devices]
     if rooms:
         rows = [(one["name"], one["floor"], ", ".join(one["doors"]), str(one["devices"])) for one in rooms]
         print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
@@ -113,13 +115,16 @@ def _print(rooms: Sequence[_Room], devices: Iterable[KeyValueRecord]) -> None:
     print_rows(absent, "placed, and not there yet:")
 
 
-class _Room(RoomRecord):
+class _Room(TypedDict):
     """A room as it is printed, with the number of devices in it."""
 
+    name: str
+    floor: str
+    doors: list[str]
     devices: int
 
 
-def _rooms(places: PlacesRecord, areas: Iterable[str]) -> list[_Room]:
+def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     """Return the stated rooms, and after them those that only devices announce."""
     counts: dict[str, int] = {}
     names: dict[str, str] = {}
@@ -128,9 +133,10 @@ def _rooms(places: PlacesRecord, areas: Iterable[str]) -> list[_Room]:
             counts[fold(area)] = counts.get(fold(area), 0) + 1
             names.setdefault(fold(area), area)
     rooms: list[_Room] = []
-    for room in places["rooms"]:
-        names.pop(fold(room["name"]), None)
-        rooms.append({**room, "devices": counts.get(fold(room["name"]), 0)})
+    for room in places.rooms:
+        names.pop(fold(room.name), None)
+        count = counts.get(fold(room.name), 0)
+        rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count})
     announced = [names[key] for key in sorted(names)]
     return rooms + [{"name": name, "floor": "", "doors": [], "devices": counts[fold(name)]} for name in announced]
 
@@ -139,12 +145,14 @@ def _edit(options: argparse.Namespace) -> int:
     """Rename or remove a room."""
 
     def run(door: DoorClient) -> int:
-        answer = cast("ChangeRoomRecord", door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
-        became = f"called {printable(answer['name'])} now" if answer["name"] else "removed"
+        answer = cast(
+            "ChangeRoomResponse", Answer(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
+        )
+        if not answer.success:
+            raise PeerError(answer.message)
+        became = f"called {printable(answer.name)} now" if answer.name else "removed"
         print(f"{printable(options.room)} is {became}")
-        if answer["name"] and fold(answer["name"]) != fold(options.room) and (left := _devices_in(door, options.room)):
+        if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):
             named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
             print(f"these announce {printable(options.room)} and stay there, until `homebot place` moves them: {named}")
         return 0
@@ -153,7 +161,7 @@ def _edit(options: argparse.Namespace) -> int:
 
 
 def _devices_in(door: DoorClient, room: str) -> list[str]:
-    devices = all_devices(door, lambda device: (device["id"], device["area"]))
+    devices = all_devices(door, lambda device: (device.id, device.area))
     return [device_id for device_id, area in devices if fold(area) == fold(room)]
 
 
@@ -161,7 +169,7 @@ def _export(options: argparse.Namespace) -> int:
     """Write the places file."""
 
     def run(door: DoorClient) -> int:
-        text = cast("PlacesExportRecord", door.call(EXPORT_PLACES, {}))["text"]
+        text = cast("ExportPlacesResponse", Answer(door.call(EXPORT_PLACES, {}))).text
         if options.file == "-":
             print(text, end="")
             return 0
@@ -181,16 +189,16 @@ def _import(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         request = {"text": text, "replaces": options.replace}
-        answer = cast("PlacesImportRecord", door.call(IMPORT_PLACES, request))
-        if not answer["success"]:
-            raise PeerError(f"{options.file}: {answer['message']}")
-        for one in answer["added"]:
+        answer = cast("ImportPlacesResponse", Answer(door.call(IMPORT_PLACES, request)))
+        if not answer.success:
+            raise PeerError(f"{options.file}: {answer.message}")
+        for one in answer.added:
             print(f"imported {printable(one)}")
-        for one in answer["kept"]:
+        for one in answer.kept:
             print(f"kept: {printable(one)}")
-        if answer["kept"]:
+        if answer.kept:
             print("use --replace to take the rooms of the file")
-        if not answer["added"] and not answer["kept"]:
+        if not answer.added and not answer.kept:
             print("everything in the file is known already")
         return 0
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
-from homebot.cli.command_records import LeasesRecord
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
 from homebot.cli.table import printable
 from homebot.devices.names import END_LEASES
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.lease_messages import LeasesResponse
 
 __all__ = ["add_arguments"]
 
@@ -34,12 +37,12 @@ def _release(options: argparse.Namespace) -> int:
     """End all leases of a device."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
-        parts = cast("LeasesRecord", door.call(END_LEASES, {"device": device, "issuer": ""}))["parts"]
+        device = named_device(door, options.device).id
+        parts = cast("LeasesResponse", Answer(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
         for held in parts:
-            for one in held["holders"]:
-                who = f"{printable(one['by'], 60)} ({issuer_text(one['issuer'])})"
-                print(f"{printable(device)} is no longer held {settings_text([held['setting']])} by {who}")
+            for one in held.holders:
+                who = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"
+                print(f"{printable(device)} is no longer held {settings_text([held.setting])} by {who}")
         if not parts:
             raise PeerError(f"nobody holds {printable(device)}")
         return 0

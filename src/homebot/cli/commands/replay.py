@@ -10,10 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final, cast
+from typing import Final
 
 from homebot.cli.arguments import set_command
-from homebot.cli.command_records import SettingRecord, TriggerRecord
 from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.cli.table import printable
 from homebot.config import load_config
@@ -133,8 +132,8 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
     """
     command = given.command
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
-    what = printable(command.text) or settings_text(_settings(given))
-    cause = trigger_text(_trigger(given), names)
+    what = printable(command.text) or settings_text(given.command.settings)
+    cause = trigger_text(given.command.trigger, names)
     because = f", because {cause}" if cause else ""
     outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
     stamp = f"{local:%Y-%m-%d %H:%M:%S}"
@@ -157,7 +156,7 @@ def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -
     return {
         "at": datetime.fromtimestamp(start + given.at, UTC).isoformat(timespec="milliseconds"),
         "name": _name(given, names),
-        "because": trigger_text(_trigger(given), names),
+        "because": trigger_text(given.command.trigger, names),
         **{key: value for key, value in record.items() if key not in {"id", "trigger"}},
         "outcome": "" if given.result is None else given.result.outcome,
     }
@@ -170,11 +169,3 @@ def _difference_json(one: DifferentCommand, start: float, names: Mapping[str, st
 
 def _name(given: TimedCommand, names: Mapping[str, str]) -> str:
     return name_text(given.command.device, names, given.command.part)
-
-
-def _settings(given: TimedCommand) -> list[SettingRecord]:
-    return [cast("SettingRecord", message_to_json(one)) for one in given.command.settings]
-
-
-def _trigger(given: TimedCommand) -> TriggerRecord:
-    return cast("TriggerRecord", message_to_json(given.command.trigger))

@@ -57,7 +57,7 @@ def _list(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         for one in entities(door, kind="service"):
             if options.all or not is_hidden(one):
-                print(f"{one['name']} [{one['type']}]" if options.show_types else one["name"])
+                print(f"{one.name} [{one.type}]" if options.show_types else one.name)
         return 0
 
     return with_client(options, run)
@@ -96,7 +96,7 @@ def _exit_code(service: str, response: Mapping[str, object]) -> int:
 def _type(door: DoorClient, service: str, expected: str) -> str:
     """Return the type of *service*, which should be the *expected* one, if any."""
     name = service if service.startswith("/") else f"/{service}"
-    known = {one["name"]: one["type"] for one in entities(door, kind="service")}
+    known = {one.name: one.type for one in entities(door, kind="service")}
     if name not in known:
         raise not_found("service", name, known)
     if expected and expected.replace("/srv/", "/") != known[name].replace("/srv/", "/"):

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved, why_it_asks
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import (
-    CapabilityRecord,
-    DevicePartRecord,
-    DeviceRecord,
-    EndpointRecord,
-    FactRecord,
-    RouteRecord,
-    StateRecord,
-)
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, plain_value, span, value_text
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.names import OWNER, TAG
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, DevicePart, Endpoint, Fact, Route, State
+    from homebot.devices.part import Capability
 
 __all__ = ["add_arguments"]
 
@@ -58,10 +54,10 @@ def _show(options: argparse.Namespace) -> int:
 
             print(thing_text(to_device(device), options.broker))
         elif options.json:
-            print(json_text(device_json(device, unapproved(door, device["id"]))))
+            print(json_text(device_json(device, unapproved(door, device.id))))
         else:
             reasons = reasons_for(door, device)
-            asks, waits = why_it_asks(door, device["id"])
+            asks, waits = why_it_asks(door, device.id)
             rows = [("always asks", printable(asks))] if asks else []
             _describe(device, reasons, house_time(door), [*rows, *([_WAITS] if waits else [])])
         return 0
@@ -69,7 +65,7 @@ def _show(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:
+def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:
     """Print the facts of *device*.
 
     Args:
@@ -78,80 +74,80 @@ def _describe(device: DeviceRecord, reasons: Sequence[str], now: float, asks: Se
         now: The house's time.
         asks: Rows on why it always asks, and on the approval that it waits for.
     """
-    print_line(f"{printable(device['id'])}  {printable(device['name'])}".rstrip(), "bold")
+    print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
     print_rows([*_overview(device, now), *asks])
-    values = {(one["part"], one["capability"]): one for one in (*device["states"], *device["events"])}
-    for part in device["parts"]:
-        title = _title(part) + (": unreachable" if part["id"] in device["offline_parts"] else "")
+    values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
+    for part in device.parts:
+        title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
         _section(title, _part(part, values, now))
-    if len(device["endpoints"]) > 1:
-        _section("gateways", [_endpoint(one, now) for one in device["endpoints"]])
-    addresses = [(one["gateway"], "publishes on", one["address"]) for one in device["endpoints"]]
-    addresses += [(one["gateway"], "takes commands on", one["command_address"]) for one in device["endpoints"]]
+    if len(device.endpoints) > 1:
+        _section("gateways", [_endpoint(one, now) for one in device.endpoints])
+    addresses = [(one.gateway, "publishes on", one.address) for one in device.endpoints]
+    addresses += [(one.gateway, "takes commands on", one.command_address) for one in device.endpoints]
     _section("addresses", [one for one in addresses if is_topic(one[-1])])
-    _section("identifiers", [(one,) for one in device["identifiers"]])
-    facts = [(one["name"], one["value"], _by(one), ago(one["said_at"], now)) for one in device["facts"]]
-    facts = facts or [(one["key"], one["value"], "", "") for one in device["metadata"]]
+    _section("identifiers", [(one,) for one in device.identifiers])
+    facts = [(one.name, one.value, _by(one), ago(one.said_at, now)) for one in device.facts]
+    facts = facts or [(one.key, one.value, "", "") for one in device.metadata]
     _section("facts", facts)
-    _section("merged into one device, because", [(one,) for one in device["evidence"]])
-    _section("disputed", [(one,) for one in device["conflicts"]])
+    _section("merged into one device, because", [(one,) for one in device.evidence])
+    _section("disputed", [(one,) for one in device.conflicts])
     _section("why a search for its name finds it", [(one,) for one in reasons])
 
 
-def _overview(device: DeviceRecord, now: float) -> Iterator[tuple[str, ...]]:
-    yield "type", ", ".join(device["service_types"]) or device["service_type"]
-    if device["area"]:
-        outer = f" ({', '.join(device['outer_areas'])})" if device["outer_areas"] else ""
-        yield "area", device["area"] + outer
-    if device["tags"]:
-        yield "tags", ", ".join(device["tags"])
-    others = [one for one in device["names"] if one != device["name"]]
+def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
+    yield "type", ", ".join(device.service_types) or device.service_type
+    if device.area:
+        outer = f" ({', '.join(device.outer_areas)})" if device.outer_areas else ""
+        yield "area", device.area + outer
+    if device.tags:
+        yield "tags", ", ".join(device.tags)
+    others = [one for one in device.names if one != device.name]
     if others:
         yield "other names", ", ".join(others)
-    seen = f"last seen {ago(device['last_seen'], now)}, first {ago(device['first_seen'], now)}"
+    seen = f"last seen {ago(device.last_seen, now)}, first {ago(device.first_seen, now)}"
     yield "availability", f"{life(device)}; {seen}"
-    reachable = device["reachable"]
-    since = f", {ago(reachable['since'], now)}" if reachable["since"]["sec"] else ""
-    yield "reachable", f"{reachable['state']}: {reachable['why']}{since}"
+    reachable = device.reachable
+    since = f", {ago(reachable.since, now)}" if reachable.since.sec else ""
+    yield "reachable", f"{reachable.state}: {reachable.why}{since}"
 
 
-def _title(part: DevicePartRecord) -> str:
-    shown = part["part"]
-    more = [f"“{shown['name']}”"] if shown["name"] else []
-    more += [f"part {part['id']}"] if part["id"] else []
-    more += [f"announced as {shown['advertised']}"] if shown["advertised"] not in {"", shown["service_type"]} else []
-    more += [one for one in (shown["tag"], shown["category"]) if one]
-    more += ["guessed"] if shown["guessed"] else []
-    return f"{shown['service_type']} ({', '.join(more)})" if more else shown["service_type"]
+def _title(part: DevicePart) -> str:
+    shown = part.part
+    more = [f"“{shown.name}”"] if shown.name else []
+    more += [f"part {part.id}"] if part.id else []
+    more += [f"announced as {shown.advertised}"] if shown.advertised not in {"", shown.service_type} else []
+    more += [one for one in (shown.tag, shown.category) if one]
+    more += ["guessed"] if shown.guessed else []
+    return f"{shown.service_type} ({', '.join(more)})" if more else shown.service_type
 
 
-def _part(part: DevicePartRecord, states: dict[tuple[str, str], StateRecord], now: float) -> Iterator[tuple[str, ...]]:
-    for capability in part["part"]["capabilities"]:
-        yield _capability(capability, states.get((part["id"], capability["name"])), now)
-    yield from (("state topic", topic) for topic in part["part"]["reads"])
-    yield from (("command topic", topic) for topic in part["part"]["writes"])
-    for number, route in enumerate(part["routes"]):
+def _part(part: DevicePart, states: dict[tuple[str, str], State], now: float) -> Iterator[tuple[str, ...]]:
+    for capability in part.part.capabilities:
+        yield _capability(capability, states.get((part.id, capability.name)), now)
+    yield from (("state topic", topic) for topic in part.part.reads)
+    yield from (("command topic", topic) for topic in part.part.writes)
+    for number, route in enumerate(part.routes):
         yield ("route" if number == 0 else "else"), _by(route)
 
 
-def _capability(capability: CapabilityRecord, state: StateRecord | None, now: float) -> tuple[str, ...]:
-    use = _USES[capability["readable"], capability["settable"]]
-    value = plain_value(state["value"]) if state else None
-    shown = "unknown" if capability["readable"] else "not reported"
+def _capability(capability: Capability, state: State | None, now: float) -> tuple[str, ...]:
+    use = _USES[capability.readable, capability.settable]
+    value = plain_value(state.value) if state else None
+    shown = "unknown" if capability.readable else "not reported"
     since = ""
     if state is not None and value is not None:
-        shown = value_text(capability, value)
-        kept = "" if state["live"] or capability["name"] in EVENTS else "retained, "
-        since = f"{kept}{ago(state['since'], now)}"
-    return capability["name"], shown, use, span(capability), since
+        shown = value_text(capability.name, value, capability.unit)
+        kept = "" if state.live or capability.name in EVENTS else "retained, "
+        since = f"{kept}{ago(state.since, now)}"
+    return capability.name, shown, use, span(capability), since
 
 
-def _endpoint(endpoint: EndpointRecord, now: float) -> tuple[str, ...]:
-    reach = {"yes": "reachable", "no": "unreachable", "unknown": ""}[endpoint["reachable"]]
-    life = ", ".join(one for one in (endpoint["freshness"], reach) if one)
-    if endpoint["claimed"]:
+def _endpoint(endpoint: Endpoint, now: float) -> tuple[str, ...]:
+    reach = {"yes": "reachable", "no": "unreachable", "unknown": ""}[endpoint.reachable]
+    life = ", ".join(one for one in (endpoint.freshness, reach) if one)
+    if endpoint.claimed:
         life += ", unconfirmed: gets no commands"
-    return endpoint["gateway"], life, f"last seen {ago(endpoint['last_seen'], now)}", f"as {endpoint['key']}"
+    return endpoint.gateway, life, f"last seen {ago(endpoint.last_seen, now)}", f"as {endpoint.key}"
 
 
 def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
@@ -160,9 +156,9 @@ def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
         print_rows(shown, title)
 
 
-def _by(source: RouteRecord | FactRecord) -> str:
+def _by(source: Route | Fact) -> str:
     """Return ``mqtt, homeassistant:light/0x17``; a key that begins with its convention names it once."""
-    gateway, convention, key = source["gateway"], source["convention"], source["key"]
+    gateway, convention, key = source.gateway, source.convention, source.key
     if not gateway and convention == OWNER:
         return f"by the owner{_STATED_BY.get(key, '')}"
     if convention == TAG:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.records import SplitResponseRecord
 from homebot.cli.table import printable
 from homebot.devices.names import SPLIT_DEVICE
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.services import SplitDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -37,12 +40,12 @@ def _split(options: argparse.Namespace) -> int:
     """Make several devices of one."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
+        device = named_device(door, options.device).id
         request = {"device": device, "gateway": options.gateway, "key": options.key}
-        answer = cast("SplitResponseRecord", door.call(SPLIT_DEVICE, request))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
-        ids = [printable(one) for one in answer["devices"]]
+        answer = cast("SplitDeviceResponse", Answer(door.call(SPLIT_DEVICE, request)))
+        if not answer.success:
+            raise PeerError(answer.message)
+        ids = [printable(one) for one in answer.devices]
         print(f"{ids[0]} is {len(ids)} devices now: {', '.join(ids)}")
         return 0
 

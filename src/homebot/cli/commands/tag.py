@@ -7,17 +7,20 @@ import math
 import sys
 from collections.abc import Mapping
 from functools import partial
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
+from homebot.cli.answer import Answer
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import entities
-from homebot.cli.places_records import TagResponseRecord, TeachPlaceRecord
-from homebot.cli.records import ReadTagRecord, ScanCodeRecord, WriteTagRecord
 from homebot.cli.table import printable
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.places_messages import TagDeviceResponse, TeachPlaceResponse
+    from homebot.devices.tags import ReadTagResponse, ScanCodeResponse, WriteTagResponse
 
 __all__ = ["add_arguments"]
 
@@ -85,12 +88,12 @@ def _tag(options: argparse.Namespace, *, remove: bool) -> int:
     """Give a device a tag, or take it back."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
+        device = named_device(door, options.device).id
         request = {"device": device, "tag": options.tag, "remove": remove}
-        answer = cast("TagResponseRecord", door.call(TAG_DEVICE, request))
-        if not answer["success"]:
-            raise PeerError(answer["message"])
-        print(f"tags of {printable(device)}: {', '.join(map(printable, answer['tags'])) or 'none'}")
+        answer = cast("TagDeviceResponse", Answer(door.call(TAG_DEVICE, request)))
+        if not answer.success:
+            raise PeerError(answer.message)
+        print(f"tags of {printable(device)}: {', '.join(map(printable, answer.tags)) or 'none'}")
         return 0
 
     return with_client(options, run)
@@ -103,12 +106,12 @@ def _read(options: argparse.Namespace) -> int:
         request = {"reader": options.reader, "wait": options.wait}
         timeout = options.wait + _GRACE
         answer = cast(
-            "ReadTagRecord", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout)
+            "ReadTagResponse", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout)
         )
-        if not answer["success"]:
-            return _failed(answer["problem"], answer["message"])
-        print(f"tag {printable(answer['tag'])} ({printable(answer['tag_type'])}): {printable(answer['message'])}")
-        for what, text in (("device", answer["device"]), ("area", answer["area"]), ("reader", answer["reader"])):
+        if not answer.success:
+            return _failed(answer.problem, answer.message)
+        print(f"tag {printable(answer.tag)} ({printable(answer.tag_type)}): {printable(answer.message)}")
+        for what, text in (("device", answer.device), ("area", answer.area), ("reader", answer.reader)):
             if text:
                 print(f"  {what}: {printable(text)}")
         return 0
@@ -121,11 +124,11 @@ def _scan(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         request = {"text": options.code}
-        found = cast("ScanCodeRecord", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
-        if not found["success"]:
-            raise PeerError(found["message"])
-        print(printable(found["message"]))
-        for what, text in (("device", found["device"]), ("area", found["area"])):
+        found = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
+        if not found.success:
+            raise PeerError(found.message)
+        print(printable(found.message))
+        for what, text in (("device", found.device), ("area", found.area)):
             if text:
                 print(f"  {what}: {printable(text)}")
         if options.teach:
@@ -135,14 +138,14 @@ def _scan(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _teach(door: DoorClient, found: ScanCodeRecord, gateway: str) -> None:
-    if not (found["device"] and found["area"]):
+def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
+    if not (found.device and found.area):
         raise PeerError("the code does not say which device is in which room")
-    request = {"device": found["device"], "gateway": gateway, "room": found["area"]}
-    answer = cast("TeachPlaceRecord", door.call(TEACH_PLACE, request))
-    if not answer["success"]:
-        raise PeerError(answer["message"])
-    print(f"{printable(found['device'])} is in {printable(answer['room'])} now")
+    request = {"device": found.device, "gateway": gateway, "room": found.area}
+    answer = cast("TeachPlaceResponse", Answer(door.call(TEACH_PLACE, request)))
+    if not answer.success:
+        raise PeerError(answer.message)
+    print(f"{printable(found.device)} is in {printable(answer.room)} now")
 
 
 def _write(options: argparse.Namespace) -> int:
@@ -150,28 +153,28 @@ def _write(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)
-        name, timeout = printable(device["name"]), options.wait + _GRACE
+        name, timeout = printable(device.name), options.wait + _GRACE
         print(f"hold a tag to the reader; it will point to {name}", flush=True)
-        request = {"device": device["id"], "area": options.area, "reader": options.reader, "wait": options.wait}
+        request = {"device": device.id, "area": options.area, "reader": options.reader, "wait": options.wait}
         answer = cast(
-            "WriteTagRecord", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
+            "WriteTagResponse", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
         )
-        if not answer["success"]:
-            return _failed(answer["problem"], answer["message"])
-        print(f"tag {printable(answer['tag'])} points to {name} ({printable(answer['device'])})")
+        if not answer.success:
+            return _failed(answer.problem, answer.message)
+        print(f"tag {printable(answer.tag)} points to {name} ({printable(answer.device)})")
         return 0
 
     return with_client(options, run)
 
 
-def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> object:
+def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> Answer:
     """Call a service of the gateway for tags.
 
     Raises:
         PeerError: It failed; or there is none, and the message says how it is turned on.
     """
     try:
-        return door.call(service, request, timeout)
+        return Answer(door.call(service, request, timeout))
     except PeerError:
         if entities(door, kind="service", name=service):
             raise

@@ -10,17 +10,20 @@ import sys
 import time
 from collections import deque
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, message, positive, set_client_command, whole
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
 from homebot.cli.graph_queries import Schema, entities, is_hidden, message_schema, no_such_topic, not_yet, topic_type
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.records import EntityRecord
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosapi.endpoints import EndpointDetails
 
 __all__ = ["add_arguments", "rate_text"]
 
@@ -94,9 +97,7 @@ def _list(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         topics = {
-            one["name"]: one["type"]
-            for one in entities(door)
-            if one["kind"] in _ENDS and (options.all or not is_hidden(one))
+            one.name: one.type for one in entities(door) if one.kind in _ENDS and (options.all or not is_hidden(one))
         }
         for name, ros_type in topics.items():
             print(f"{name} [{ros_type}]" if options.show_types else name)
@@ -116,7 +117,7 @@ def _info(options: argparse.Namespace) -> int:
         ends = entities(door, name=name)
         print(f"Type: {ros_type}")
         for kind, title in _ENDS.items():
-            users = [one for one in ends if one["kind"] == kind]
+            users = [one for one in ends if one.kind == kind]
             print(f"{title} count: {len(users)}")
             if options.verbose:
                 print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
@@ -125,19 +126,19 @@ def _info(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _details(end: EntityRecord, title: str) -> str:
+def _details(end: EndpointDetails, title: str) -> str:
     return (
-        f"Node: {end['node']}\n"
-        f"Topic type: {end['type']}\n"
+        f"Node: {end.node}\n"
+        f"Topic type: {end.type}\n"
         f"Endpoint type: {title.upper()}\n"
         f"QoS profile:\n"
-        f"  Reliability: {end['reliability'].upper()}\n"
-        f"  History (Depth): {end['history'].upper()} ({end['depth']})\n"
-        f"  Durability: {end['durability'].upper()}\n"
-        f"  Lifespan: {_span(end['lifespan'])}\n"
-        f"  Deadline: {_span(end['deadline'])}\n"
-        f"  Liveliness: {end['liveliness'].upper()}\n"
-        f"  Liveliness lease duration: {_span(end['liveliness_lease_duration'])}\n"
+        f"  Reliability: {end.reliability.upper()}\n"
+        f"  History (Depth): {end.history.upper()} ({end.depth})\n"
+        f"  Durability: {end.durability.upper()}\n"
+        f"  Lifespan: {_span(end.lifespan)}\n"
+        f"  Deadline: {_span(end.deadline)}\n"
+        f"  Liveliness: {end.liveliness.upper()}\n"
+        f"  Liveliness lease duration: {_span(end.liveliness_lease_duration)}\n"
     )
 
 
@@ -235,11 +236,11 @@ def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> No
     """Warn where no device takes commands on the address of *command*; a large house is not looked through."""
     page = find_devices(door, "", _SMALL_HOUSE)
     address = command.get("address")
-    if not isinstance(address, str) or not page["results"] or page["total"] > _SMALL_HOUSE:
+    if not isinstance(address, str) or not page.results or page.total > _SMALL_HOUSE:
         return
-    devices = [result["device"] for result in page["results"]]
-    known = {end["command_address"] for device in devices for end in device["endpoints"]}
-    known |= {topic for device in devices for part in device["parts"] for topic in part["part"]["writes"]}
+    devices = [result.device for result in page.results]
+    known = {end.command_address for device in devices for end in device.endpoints}
+    known |= {topic for device in devices for part in device.parts for topic in part.part.writes}
     if address not in known:
         hint = did_you_mean(address, known - {""}, "it is published all the same", cutoff=0.8)
         print(f"homebot: no known device takes commands on {printable(address)}; {hint}", file=sys.stderr)

@@ -31,7 +31,7 @@ def _trust(options: argparse.Namespace) -> int:
     """Forget that a sensor contradicted a device."""
 
     def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)["id"]
+        device = named_device(door, options.device).id
         witnesses = cast("list[str]", door.call(TRUST_DEVICE, {"device": device})["witnesses"])
         for name in witnesses:
             print(f"{printable(device)} is trusted again; {printable(name)} had measured no change")

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.command_records import ExplanationRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.history_words import UNEXPLAINED, chain_lines, chains_of, reason_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text
-from homebot.cli.records import DeviceRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import iso, to_seconds
 from homebot.cli.values import state_text
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.journal_messages import ExplainDeviceResponse
 
 __all__ = ["add_arguments"]
 
@@ -50,8 +53,8 @@ def _why(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device)
         client = JournalClient(door)
-        client.names[device["id"]] = device["name"]
-        found = client.explain(device["id"])
+        client.names[device.id] = device.name
+        found = client.explain(device.id)
         if options.json:
             print(json_text(_json(device, found, client)))
         else:
@@ -61,14 +64,14 @@ def _why(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _print(device: DeviceRecord, found: ExplanationRecord, client: JournalClient, now: float) -> None:
-    name = printable(device["name"] or device["id"])
+def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
+    name = printable(device.name or device.id)
     state = state_text(device)
     print_line(f"{name} is {state}." if state else f"{name} does not report its state.", "bold")
-    chains = chains_of(found["entries"])
-    ago = ago_text(to_seconds(found["changed_at"]), now)
+    chains = chains_of(found.entries)
+    ago = ago_text(to_seconds(found.changed_at), now)
     reason = reason_text(chains[-1], client.names) if chains else UNEXPLAINED
-    finding = found["finding"]
+    finding = found.finding
     if finding == "none":
         no_change = "It reported no change after the newest command."
         print(no_change if chains else "Nobody commanded it, and it reported no change.")
@@ -79,12 +82,12 @@ def _print(device: DeviceRecord, found: ExplanationRecord, client: JournalClient
         print_rows([*chain_lines(chains, client.names, now)])
 
 
-def _json(device: DeviceRecord, found: ExplanationRecord, client: JournalClient) -> dict[str, object]:
+def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
     return {
-        "device": device["id"],
-        "name": device["name"],
+        "device": device.id,
+        "name": device.name,
         "state": state_text(device),
-        "since": iso(found["changed_at"]) if found["changed_at"]["sec"] else None,
-        "explained": found["finding"] == "command",
-        "chain": chain_json(found["entries"], client.names) if found["finding"] != "none" else [],
+        "since": iso(found.changed_at) if found.changed_at.sec else None,
+        "explained": found.finding == "command",
+        "chain": chain_json(found.entries, client.names) if found.finding != "none" else [],
     }

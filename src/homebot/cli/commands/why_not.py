@@ -5,21 +5,24 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.command_records import MissingStateRecord
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.history_words import Chain, chains_of, result_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text, clock_text, issuer_text, trigger_text
-from homebot.cli.records import DeviceRecord
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import state_text
 from homebot.errors import UsageError
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.journal_messages import ExplainMissingStateResponse
 
 __all__ = ["add_arguments"]
 
@@ -50,24 +53,24 @@ def _why_not(options: argparse.Namespace) -> int:
             raise UsageError("give the state that the device is not in, such as on, open or 40")
         device = named_device(door, options.device)
         client = JournalClient(door)
-        client.names[device["id"]] = device["name"]
-        found = client.explain_missing(device["id"], options.state)
-        asked = chains_of(found["entries"])
+        client.names[device.id] = device.name
+        found = client.explain_missing(device.id, options.state)
+        asked = chains_of(found.entries)
         if options.json:
             chains = [chain_json(one, client.names) for one in asked]
-            shown = {"device": device["id"], "state": state_text(device), "wanted": options.state}
-            print(json_text({**shown, "is_so": found["is_so"], "asked": chains}))
+            shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
+            print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
             return 0
         now = house_time(door)
         state = state_text(device)
         print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
-        if found["is_so"]:
+        if found.is_so:
             print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
         if asked:
             _print_asked(asked, client, options, device, now)
-            if not found["is_so"] and _obeyed(asked[-1]):
+            if not found.is_so and _obeyed(asked[-1]):
                 print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
-        elif not found["is_so"]:
+        elif not found.is_so:
             print(_unasked(device, options, found, now))
         return 0
 
@@ -75,7 +78,7 @@ def _why_not(options: argparse.Namespace) -> int:
 
 
 def _print_asked(
-    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: DeviceRecord, now: float
+    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: Device, now: float
 ) -> None:
     times = "once" if len(asked) == 1 else f"{len(asked)} times"
     print(f"{_wanted(options)} was asked for {times}:")
@@ -85,28 +88,28 @@ def _print_asked(
         print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
-def _unasked(device: DeviceRecord, options: argparse.Namespace, found: MissingStateRecord, now: float) -> str:
+def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingStateResponse, now: float) -> str:
     """Return why *device* is not as wanted if the journal has no command for that."""
-    if found["problem"]:
-        return printable(found["problem"])
-    begins = found["begins"]
-    since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins["sec"] else ""
-    empty = "" if begins["sec"] else ": the journal is empty"
-    how = f" To ask for it: homebot do {_quoted(device)} {printable(found['word'])}" if found["word"] else ""
+    if found.problem:
+        return printable(found.problem)
+    begins = found.begins
+    since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins.sec else ""
+    empty = "" if begins.sec else ": the journal is empty"
+    how = f" To ask for it: homebot do {_quoted(device)} {printable(found.word)}" if found.word else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
 
 
 def _obeyed(chain: Chain) -> bool:
     """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
-    results = [one["results"][0]["outcome"] for one in chain if one["kind"] in {"outcome", "reverted"}]
+    results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
     return bool(results) and results[-1] in {"confirmed", "already_so"}
 
 
-def _name(device: DeviceRecord) -> str:
-    return printable(device["name"] or device["id"])
+def _name(device: Device) -> str:
+    return printable(device.name or device.id)
 
 
-def _quoted(device: DeviceRecord) -> str:
+def _quoted(device: Device) -> str:
     return shlex.quote(_name(device))
 
 
@@ -115,8 +118,8 @@ def _wanted(options: argparse.Namespace) -> str:
 
 
 def _row(chain: Chain, client: JournalClient, now: float) -> tuple[str, ...]:
-    cause = trigger_text(chain[0]["trigger"], client.names)
-    part = client.names.get(f"{chain[0]['device']}#{chain[0]['part']}", "")
+    cause = trigger_text(chain[0].trigger, client.names)
+    part = client.names.get(f"{chain[0].device}#{chain[0].part}", "")
     result = (f"{printable(part, 60)}: " if part else "") + result_text(chain, now)
     result += f" (asked because {cause})" if cause else ""
-    return clock_text(chain[0]["at"], now), issuer_text(chain[0]["issuer"]), result
+    return clock_text(chain[0].at, now), issuer_text(chain[0].issuer), result
