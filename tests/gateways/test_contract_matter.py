@@ -84,7 +84,7 @@ class MatterLamp(Lamp):
 
     async def misbehave(self) -> None:
         for number in range(2000):
-            self.server.tell("attribute_updated", [1000 + number, "1/6", "?" * 10_000])
+            self.server.send_event("attribute_updated", [1000 + number, "1/6", "?" * 10_000])
             if number % 50 == 0:
                 await anyio.sleep(0.01)
 

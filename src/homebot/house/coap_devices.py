@@ -113,11 +113,11 @@ class CoapDevice(ServedDevice):
         query = f"ep={self.device.device_id}&lt={_LIFETIME}"  # its address is where that comes from
         links = ",".join(_link(path, one) for path, one in self._resources).encode()
         if self._registration:
-            await self._register(Code.POST, f"{self._directory}{self._registration}")
+            await self._request_directory(Code.POST, f"{self._directory}{self._registration}")
             return
-        root = await self._register(Code.GET, f"{self._directory}/.well-known/core?rt=core.rd")
+        root = await self._request_directory(Code.GET, f"{self._directory}/.well-known/core?rt=core.rd")
         path = root.payload.decode().partition("<")[2].partition(">")[0]
-        answer = await self._register(Code.POST, f"{self._directory}{path}?{query}", links)
+        answer = await self._request_directory(Code.POST, f"{self._directory}{path}?{query}", links)
         self._registration = "/" + "/".join(answer.opt.location_path)
 
     async def deregister(self) -> None:
@@ -127,7 +127,7 @@ class CoapDevice(ServedDevice):
             OSError: The directory does not answer, or refuses.
         """
         path, self._registration = self._registration, ""
-        await self._register(Code.DELETE, f"{self._directory}{path}")
+        await self._request_directory(Code.DELETE, f"{self._directory}{path}")
 
     async def _stay_registered(self) -> None:
         while True:
@@ -139,7 +139,7 @@ class CoapDevice(ServedDevice):
             else:
                 await anyio.sleep(_LIFETIME / 2)
 
-    async def _register(self, code: Code, uri: str, payload: bytes = b"") -> aiocoap.Message:
+    async def _request_directory(self, code: Code, uri: str, payload: bytes = b"") -> aiocoap.Message:
         if self._context is None:
             raise ConnectionError("the device has no power")
         message = aiocoap.Message(code=code, uri=uri, payload=payload)
@@ -210,28 +210,28 @@ class _StateResource(resource.ObservableResource):  # type: ignore[misc]  # the 
 
     ct = str(JSON)
 
-    def __init__(self, value: Callable[[], object], take: Callable[[object], bool] | None, kind: str) -> None:
+    def __init__(self, value: Callable[[], object], write: Callable[[object], bool] | None, kind: str) -> None:
         super().__init__()
         self.rt = kind
-        self.if_ = "core.s" if take is None else "core.a"
+        self.if_ = "core.s" if write is None else "core.a"
         self._value = value
-        self._obey = take
+        self._write = write
 
     async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
         del request
         return aiocoap.Message(payload=json.dumps(self._value()).encode(), content_format=JSON)
 
     async def render_put(self, request: aiocoap.Message) -> aiocoap.Message:
-        if self._obey is None:
+        if self._write is None:
             return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
         try:
             value = json.loads(request.payload[:1000])
         except ValueError:
             return aiocoap.Message(code=Code.BAD_REQUEST)
-        return aiocoap.Message(code=Code.CHANGED if self._obey(value) else Code.BAD_REQUEST)
+        return aiocoap.Message(code=Code.CHANGED if self._write(value) else Code.BAD_REQUEST)
 
 
-class _ThingResource(resource.Resource):  # type: ignore[misc]  # likewise
+class _ThingResource(resource.Resource):  # type: ignore[misc]  # the library has no types
     """The Thing Description."""
 
     ct = str(TD)

@@ -101,8 +101,8 @@ class VirtualScanner(BaseBleakScanner):
         hub.remove_listener("advertisement", self._on_advertisement)
         await hub.stop_scanning()
 
-    def _on_advertisement(self, heard: BumbleAdvertisement) -> None:
-        self.report(heard.address, heard.data.ad_structures)
+    def _on_advertisement(self, found: BumbleAdvertisement) -> None:
+        self.report(found.address, found.data.ad_structures)
 
     def report(self, sender: Address, fields: Sequence[tuple[int, bytes]]) -> None:
         """Report an advertisement to bleak."""
@@ -186,7 +186,7 @@ class VirtualClient(BaseBleakClient):
         raise NotImplementedError("the virtual radio does not pair")
 
     async def unpair(self) -> None:
-        """Refuse likewise."""
+        """Refuse, as :meth:`pair`."""
         raise NotImplementedError("the virtual radio does not pair")
 
     async def read_gatt_char(self, characteristic: BleakGATTCharacteristic, **_: Any) -> bytearray:
@@ -227,7 +227,7 @@ class VirtualClient(BaseBleakClient):
         await _answer(characteristic.obj.subscribe(on_value, prefer_notify="notify" in characteristic.properties))
 
     async def stop_notify(self, characteristic: BleakGATTCharacteristic) -> None:
-        """End that."""
+        """Unsubscribe from a characteristic."""
         self._check()
         await _answer(characteristic.obj.unsubscribe(self._subscribed.pop(characteristic.handle)))
 

@@ -185,12 +185,12 @@ class VirtualRadio:
             self._link.remove_controller(controller)
 
     def transmit(self, address: str, fields: Sequence[tuple[int, bytes]]) -> None:
-        """Have one advertisement heard from an address, which need not be that of a device; no controller is asked."""
+        """Report an advertisement from an address, which need not be that of a device, without a controller."""
         for scanner in tuple(self.scanners):
             scanner.report(Address(address), fields)
 
     async def unplug(self) -> None:
-        """Take the adapter away: connections end, and nothing is heard any more."""
+        """Take the adapter away: connections end, and no advertisements come."""
         self._is_plugged = False
         for connection in list(self._hub.connections.values()):
             await connection.disconnect()

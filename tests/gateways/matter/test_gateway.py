@@ -124,7 +124,7 @@ async def test_a_press_of_a_button_is_one_event() -> None:
         home.server.reach(button)
         event = {"node_id": 1, "endpoint_id": 1, "cluster_id": 59, "event_id": 6, "event_number": 1, "priority": 1}
         data = {"previousPosition": 1, "totalNumberOfPressesCounted": 2}
-        home.server.tell("node_event", {**event, "timestamp": 1, "timestamp_type": 1, "data": data})
+        home.server.send_event("node_event", {**event, "timestamp": 1, "timestamp_type": 1, "data": data})
         assert await reading(reports, "press", lambda one: one is not None) == "double"
 
 
@@ -146,7 +146,7 @@ async def test_missed_changes_of_a_node_in_quarantine_are_asked_for() -> None:
         lamp = await home.commission("lamp", DeviceState(text="off"))
         await reading(reports, "on_off", lambda one: one is False)
         while not home.gateway.devices.engine.quarantine.quarantined():
-            home.server.tell("attribute_updated", [1, "1/6", True])
+            home.server.send_event("attribute_updated", [1, "1/6", True])
             await anyio.lowlevel.checkpoint()
         lamp.change("1/6/0", True)
         await reading(reports, "on_off", lambda one: one is True)
@@ -158,7 +158,7 @@ async def test_thousands_of_nodes_that_are_announced_at_once_stay_within_the_lim
         lamp = await home.commission("lamp", DeviceState(text="off"))
         await reading(reports, "on_off", lambda one: one is False)
         for number in range(size(2_000, 10_000)):
-            home.server.tell("node_added", {"node_id": 100 + number, "available": True, "attributes": {}})
+            home.server.send_event("node_added", {"node_id": 100 + number, "available": True, "attributes": {}})
             if number % 50 == 0:
                 await anyio.lowlevel.checkpoint()
         await anyio.sleep(0.05)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from homebot.house.devices import CoverMotor, SimulatedLamp, SimulatedThermostat
 from homebot.house.dialect import SimulatedDeviceInfo, state_of
 from homebot.house.dialects import DIALECTS
-from homebot.house.dialects.wire import as_object, cover_order, hardware_address, lamp_order, node_name
+from homebot.house.dialects.wire import as_object, device_orders, hardware_address, lamp_order, node_name
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import validate_topic
 from homebot.support.numbers import to_number
@@ -57,7 +57,7 @@ def test_no_message_and_no_word_is_too_odd(name: str, payload: bytes, level: str
 @pytest.mark.parametrize(
     ("payload", "found"), [(b'{"a": 1}', {"a": 1}), (b"[1]", {}), (b"\xff", {}), (b"[" * 9999, {}), (b"{" * 99_999, {})]
 )
-def test_what_is_no_object_is_an_empty_one(payload: bytes, found: dict[str, object]) -> None:
+def test_another_value_is_an_empty_object(payload: bytes, found: dict[str, object]) -> None:
     assert as_object(payload) == found
 
 
@@ -75,7 +75,8 @@ def test_a_message_to_a_lamp_may_hold_several_commands() -> None:
     assert lamp_order(is_on=False, brightness=0.5) == ("off",)
     assert lamp_order(is_on=True) == ("on",)
     assert lamp_order() == ()
-    assert (cover_order("OPEN"), cover_order("ajar")) == (("open",), ())
+    assert (device_orders("cover", action="OPEN"), device_orders("cover", action="ajar")) == (("open",), ())
+    assert device_orders("contact", is_on=True, position=0.5, action="open", target=20.0) == ()
 
 
 def test_devices_have_names_and_addresses_of_their_own() -> None:

@@ -19,12 +19,12 @@ from homebot.house.dialects.wire import (
     as_json,
     as_object,
     as_text,
-    cover_order,
+    device_orders,
     hardware_address,
-    lamp_order,
+    mired_kelvin,
     node_name,
+    scaled,
 )
-from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
 __all__ = ["COMPONENTS", "ComponentTemplate", "HomeAssistantDialect"]
@@ -170,7 +170,6 @@ COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
 """By kind."""
 
 
-MIRED = 1e6
 LEVELS = 255
 
 
@@ -213,18 +212,17 @@ class HomeAssistantDialect(Dialect):
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the command in a payload of Home Assistant."""
-        text = as_text(payload)
-        level = topic.rpartition("/")[2]
-        if device.kind == "lamp":
-            return _lamp_commands(payload)
-        if device.kind == "lock":
-            return (text.lower(),) if text in {"LOCK", "UNLOCK"} else ()
-        value = to_number(text)
-        if level == "set_position":
-            return () if value is None else (number_text(value / 100),)
-        if level == "set_temperature":
-            return () if value is None else (number_text(value),)
-        return cover_order(text) if device.kind in {"window", "cover"} else ()
+        text, level = as_text(payload), topic.rpartition("/")[2]
+        fields = as_object(payload) if device.kind == "lamp" else {}
+        return device_orders(
+            device.kind,
+            is_on={"ON": True, "OFF": False}.get(str(fields.get("state"))),
+            brightness=scaled(fields.get("brightness"), LEVELS),
+            kelvin=mired_kelvin(fields.get("color_temp")),
+            position=scaled(text, 100) if level == "set_position" else None,
+            action=text if level == "set" and (device.kind != "lock" or text.isupper()) else "",
+            target=to_number(text) if level == "set_temperature" else None,
+        )
 
     def _single(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         node, part = node_name(device), COMPONENTS[device.kind]
@@ -265,14 +263,3 @@ class HomeAssistantDialect(Dialect):
 def _mac(device: SimulatedDeviceInfo) -> str:
     digits = hardware_address(device)
     return ":".join(digits[at : at + 2] for at in range(0, 12, 2))
-
-
-def _lamp_commands(payload: bytes) -> tuple[str, ...]:
-    wanted = as_object(payload)
-    brightness = to_number(wanted.get("brightness"))
-    mireds = to_number(wanted.get("color_temp"))
-    return lamp_order(
-        is_on={"ON": True, "OFF": False}.get(str(wanted.get("state"))),
-        brightness=None if brightness is None else brightness / LEVELS,
-        kelvin=MIRED / mireds if mireds else None,
-    )

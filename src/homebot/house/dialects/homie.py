@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, as_text, hardware_address, lamp_order
+from homebot.house.dialects.wire import as_json, as_text, device_orders, hardware_address, mired_kelvin, scaled
 from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
@@ -44,6 +44,7 @@ class SimulatedHomieNode:
 
 _PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
 _DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
+_ACTIONS = {"up": "open", "down": "close", "stop": "stop", "lock": "lock", "unlock": "unlock"}
 _TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable": True}
 _WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
 
@@ -121,9 +122,6 @@ def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spel
     return "true" if value else "false"
 
 
-MIRED = 1e6
-
-
 class HomieDialect(Dialect):
     """Devices of one Homie domain.
 
@@ -170,19 +168,16 @@ class HomieDialect(Dialect):
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the command in the value of a property."""
         property_id, text = topic.split("/")[-2], as_text(payload)
-        wanted = to_number(text)
-        if property_id == "action":
-            return _action(device.kind, text)
-        if property_id == "state":
-            return _state(device.kind, text)
-        if wanted is None:
-            return ()
-        if property_id == "color-temperature":
-            return lamp_order(kelvin=MIRED / wanted) if wanted else ()
-        if property_id == "value":
-            return lamp_order(brightness=wanted / 100) if device.kind == "lamp" else ()
-        return {"position": (number_text(wanted / 100),), "set-temperature": (number_text(wanted),)}.get(
-            property_id, ()
+        flag = {"true": True, "false": False}.get(text) if property_id == "state" else None
+        action = _ACTIONS.get(text, "") if property_id == "action" else ""
+        return device_orders(
+            device.kind,
+            is_on=flag,
+            brightness=scaled(text, 100) if property_id == "value" else None,
+            kelvin=mired_kelvin(text) if property_id == "color-temperature" else None,
+            position=scaled(text, 100) if property_id == "position" else None,
+            action=action if flag is None else "lock" if flag else "unlock",
+            target=to_number(text) if property_id == "set-temperature" else None,
         )
 
     def _base(self, device: SimulatedDeviceInfo) -> str:
@@ -194,18 +189,3 @@ def _id(device: SimulatedDeviceInfo) -> str:
     name = f"{device.home}-{device.device_id}"
     plain = re.sub(r"[^a-z0-9-]", "-", name.lower())
     return plain if plain == name else f"{plain}-{hardware_address(device)[-6:]}"
-
-
-def _state(kind: str, text: str) -> tuple[str, ...]:
-    wanted = {"true": True, "false": False}.get(text)
-    if wanted is None:
-        return ()
-    if kind == "lock":
-        return ("lock" if wanted else "unlock",)
-    return lamp_order(is_on=wanted) if kind == "lamp" else ()
-
-
-def _action(kind: str, text: str) -> tuple[str, ...]:
-    if kind in {"window", "cover"}:
-        return {"up": ("open",), "down": ("close",), "stop": ("stop",)}.get(text, ())
-    return (text,) if kind == "lock" and text in {"lock", "unlock"} else ()

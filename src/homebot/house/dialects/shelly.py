@@ -17,9 +17,9 @@ from homebot.house.dialects.wire import (
     as_json,
     as_object,
     as_text,
-    cover_order,
+    device_orders,
     hardware_address,
-    lamp_order,
+    scaled,
 )
 from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
@@ -85,20 +85,15 @@ class ShellyDialect(Dialect):
         if channel not in _MODELS[device.kind].command_topics:
             return ()
         text = as_text(payload)
-        if channel == "light/0/set":
-            wanted = as_object(payload)
-            brightness = to_number(wanted.get("brightness"))
-            return lamp_order(
-                is_on={"on": True, "off": False}.get(str(wanted.get("turn"))),
-                brightness=None if brightness is None else brightness / 100,
-                kelvin=to_number(wanted.get("temp")),
-            )
-        if channel == "light/0/command":
-            return lamp_order(is_on={"on": True, "off": False}.get(text))
-        if channel == "roller/0/command":
-            return cover_order(text)
-        position = to_number(text)
-        return () if position is None else (number_text(position / 100),)
+        fields = as_object(payload) if channel == "light/0/set" else {"turn": text}
+        return device_orders(
+            device.kind,
+            is_on={"on": True, "off": False}.get(str(fields.get("turn"))),
+            brightness=scaled(fields.get("brightness"), 100),
+            kelvin=to_number(fields.get("temp")),
+            position=scaled(text, 100) if channel.endswith("/pos") else None,
+            action="" if channel.endswith("/pos") else text,
+        )
 
     def replies(
         self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes

@@ -11,9 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, as_object, cover_order, hardware_address, lamp_order
-from homebot.house.simulated_device import number_text
-from homebot.support.numbers import to_number
+from homebot.house.dialects.wire import as_json, as_object, device_orders, hardware_address, scaled
 
 __all__ = ["ShellyRpcDialect", "describe_shelly"]
 
@@ -61,16 +59,14 @@ class ShellyRpcDialect(Dialect):
         component, _, verb = str(call.get("method")).lower().partition(".")
         if component != COMPONENTS[device.kind].removesuffix(":0"):
             return ()
-        if component == "light":
-            brightness, is_on = to_number(wanted.get("brightness")), wanted.get("on")
-            share = None if brightness is None else brightness / 100
-            return (
-                lamp_order(is_on=is_on if isinstance(is_on, bool) else None, brightness=share) if verb == "set" else ()
-            )
-        position = to_number(wanted.get("pos"))
-        if verb == "gotoposition":
-            return () if position is None else (number_text(position / 100),)
-        return cover_order(verb)
+        is_set, is_on = verb in {"set", "gotoposition"}, wanted.get("on")
+        return device_orders(
+            device.kind,
+            is_on=is_on if isinstance(is_on, bool) and is_set else None,
+            brightness=scaled(wanted.get("brightness"), 100) if is_set else None,
+            position=scaled(wanted.get("pos"), 100) if is_set else None,
+            action=verb,
+        )
 
     def replies(
         self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes

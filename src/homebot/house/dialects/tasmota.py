@@ -12,12 +12,12 @@ from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, Simulat
 from homebot.house.dialects.wire import (
     as_json,
     as_text,
-    cover_order,
+    device_orders,
     hardware_address,
-    lamp_order,
+    mired_kelvin,
     node_name,
+    scaled,
 )
-from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
 __all__ = ["TasmotaDialect"]
@@ -157,13 +157,11 @@ def _shutter(motor: DeviceState) -> dict[str, object]:
 
 def _parsed(kind: str, name: str, value: str) -> tuple[str, ...]:
     name = name.rstrip("0123456789")
-    wanted = to_number(value)
-    if kind == "lamp" and name == "power":
-        return lamp_order(is_on={"on": True, "1": True, "off": False, "0": False}.get(value.lower()))
-    if wanted is None:
-        return cover_order(name.removeprefix("shutter")) if kind in {"window", "cover"} else ()
-    if kind == "lamp":
-        if name == "ct":
-            return lamp_order(kelvin=1e6 / wanted) if wanted else ()
-        return lamp_order(brightness=wanted / 100) if name == "dimmer" else ()
-    return (number_text(wanted / 100),) if name == "shutterposition" and kind in {"window", "cover"} else ()
+    return device_orders(
+        kind,
+        is_on={"on": True, "1": True, "off": False, "0": False}.get(value.lower()) if name == "power" else None,
+        brightness=scaled(value, 100) if name == "dimmer" else None,
+        kelvin=mired_kelvin(value) if name == "ct" else None,
+        position=scaled(value, 100) if name == "shutterposition" else None,
+        action=name.removeprefix("shutter") if to_number(value) is None else "",
+    )

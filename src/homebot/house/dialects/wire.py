@@ -9,8 +9,20 @@ from collections.abc import Mapping
 
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.simulated_device import number_text
+from homebot.support.numbers import to_number
 
-__all__ = ["as_json", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
+__all__ = [
+    "as_json",
+    "as_object",
+    "as_text",
+    "device_orders",
+    "hardware_address",
+    "json_value",
+    "lamp_order",
+    "mired_kelvin",
+    "node_name",
+    "scaled",
+]
 
 LONGEST = 10_000
 """Bytes of a command; none of a device is as long."""
@@ -18,20 +30,30 @@ LONGEST = 10_000
 STEPS = 4
 """Decimals of a share of 1: finer than any device's own steps."""
 
+_MIRED = 1e6
+_MOVES = frozenset({"open", "close", "stop"})
+_ACTIONS = {"window": _MOVES, "cover": _MOVES, "lock": frozenset({"lock", "unlock"})}
+
 
 def as_json(value: object) -> bytes:
     """Return *value* as compact JSON."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(errors="replace")
 
 
-def as_object(payload: bytes) -> Mapping[str, object]:
-    """Return the JSON object in *payload*; empty where there is none."""
+def json_value(payload: bytes) -> object:
+    """Return the JSON value of *payload*; None if it is invalid or too long."""
     if len(payload) > LONGEST:
-        return {}
+        return None
     try:
-        value = json.loads(payload)
+        value: object = json.loads(payload)
     except (ValueError, RecursionError):
-        return {}
+        return None
+    return value
+
+
+def as_object(payload: bytes) -> Mapping[str, object]:
+    """Return the JSON object in *payload*; empty for none."""
+    value = json_value(payload)
     return value if isinstance(value, dict) else {}
 
 
@@ -40,10 +62,22 @@ def as_text(payload: bytes) -> str:
     return payload[:LONGEST].decode(errors="replace").strip()
 
 
+def scaled(value: object, full: float) -> float | None:
+    """Return the share of *full* that the number *value* is; None for another value."""
+    number = to_number(value)
+    return None if number is None else number / full
+
+
+def mired_kelvin(value: object) -> float | None:
+    """Return the kelvin of a colour temperature in mired; None for another value."""
+    number = to_number(value)
+    return _MIRED / number if number else None
+
+
 def lamp_order(
     *, is_on: bool | None = None, brightness: float | None = None, kelvin: float | None = None
 ) -> tuple[str, ...]:
-    """Return the commands to a lamp for one message: the wanted values, None for absent ones.
+    """Return the commands to a lamp for one message; None for absent values.
 
     Args:
         is_on: Whether it should shine.
@@ -58,9 +92,33 @@ def lamp_order(
     return (*warmth, *(() if is_on is None else ("on",)))
 
 
-def cover_order(text: str) -> tuple[str, ...]:
-    """Return the command for ``open``, ``close`` or ``stop`` in any case; empty for another text."""
-    return (text.lower(),) if text.lower() in {"open", "close", "stop"} else ()
+def device_orders(
+    kind: str,
+    *,
+    is_on: bool | None = None,
+    brightness: float | None = None,
+    kelvin: float | None = None,
+    position: float | None = None,
+    action: str = "",
+    target: float | None = None,
+) -> tuple[str, ...]:
+    """Return the commands to a device of *kind* for the values in one message; values of other kinds are ignored.
+
+    Args:
+        kind: The kind of the device.
+        is_on: See :func:`lamp_order`, also for the next two.
+        brightness: From 0 to 1.
+        kelvin: A colour temperature.
+        position: Of a motor, from 0 to 1.
+        action: ``open``, ``close`` or ``stop`` of a motor, ``lock`` or ``unlock`` of a lock, in any case.
+        target: Of a thermostat, in °C.
+    """
+    if kind == "lamp":
+        return lamp_order(is_on=is_on, brightness=brightness, kelvin=kelvin)
+    number = {"window": position, "cover": position, "thermostat": target}.get(kind)
+    if number is not None:
+        return (number_text(number),)
+    return (action.lower(),) if action.lower() in _ACTIONS.get(kind, ()) else ()
 
 
 def hardware_address(device: SimulatedDeviceInfo, digits: int = 12) -> str:

@@ -16,11 +16,11 @@ from homebot.house.dialects.wire import (
     as_json,
     as_object,
     as_text,
-    cover_order,
+    device_orders,
     hardware_address,
-    lamp_order,
+    mired_kelvin,
+    scaled,
 )
-from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
 __all__ = ["EXPOSES", "Zigbee2MqttDialect"]
@@ -253,17 +253,12 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
 
 def _parsed(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
     state = str(wanted.get("state", ""))
-    if kind == "lamp":
-        brightness, mireds = to_number(wanted.get("brightness")), to_number(wanted.get("color_temp"))
-        return lamp_order(
-            is_on={"on": True, "off": False}.get(state.lower()),
-            brightness=None if brightness is None else brightness / LEVELS,
-            kelvin=MIRED / mireds if mireds else None,
-        )
-    if kind in {"window", "cover"}:
-        position = to_number(wanted.get("position"))
-        return cover_order(state) if position is None else (number_text(position / 100),)
-    if kind == "lock":
-        return (state.lower(),) if state in {"LOCK", "UNLOCK"} else ()
-    target = to_number(wanted.get("occupied_heating_setpoint")) if kind == "thermostat" else None
-    return () if target is None else (number_text(target),)
+    return device_orders(
+        kind,
+        is_on={"on": True, "off": False}.get(state.lower()),
+        brightness=scaled(wanted.get("brightness"), LEVELS),
+        kelvin=mired_kelvin(wanted.get("color_temp")),
+        position=scaled(wanted.get("position"), 100),
+        action=state if kind != "lock" or state.isupper() else "",
+        target=to_number(wanted.get("occupied_heating_setpoint")),
+    )

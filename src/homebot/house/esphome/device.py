@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import anyio
 from anyio.abc import SocketStream
@@ -117,30 +118,32 @@ class EsphomeServedDevice(ServedDevice):
         finally:
             self._watchers.discard(client)
 
-    def _answer(self, client: _ApiClient, name: str, fields: object) -> None:
+    def _answer(self, client: _ApiClient, name: str, fields: Mapping[str, Any]) -> None:
+        if name == "SubscribeStatesRequest":
+            self._watchers.add(client)
+        for message in self._responses(name, fields):
+            client.put(message)
+        if name == f"{self._entity.component}CommandRequest":
+            for command in self._entity.commands(fields):
+                self.on_command(command)
+
+    def _responses(self, name: str, fields: Mapping[str, Any]) -> tuple[ApiMessage, ...]:
+        """Return the answers to a request."""
         match name:
             case "HelloRequest":
-                client.put(("HelloResponse", {**_VERSION, "name": self.name}))
+                return (("HelloResponse", {**_VERSION, "name": self.name}),)
             case "DeviceInfoRequest":
-                client.put(self._info())
+                return (self._info(),)
             case "ListEntitiesRequest":
-                client.put(self._listed())
-                client.put(("ListEntitiesDoneResponse", {}))
+                return self._listed(), ("ListEntitiesDoneResponse", {})
             case "SubscribeStatesRequest":
-                self._watchers.add(client)
-                client.put(self._state())
-            case "PingRequest":
-                client.put(("PingResponse", {}))
-            case "DisconnectRequest":
-                client.put(("DisconnectResponse", {}))
+                return (self._state(),)
+            case "PingRequest" | "DisconnectRequest":
+                return ((name.replace("Request", "Response"), {}),)
             case "AuthenticationRequest":
-                given = fields.get("password") if isinstance(fields, dict) else None
-                client.put(("AuthenticationResponse", {"invalid_password": given != self._password}))
-            case _ if name == f"{self._entity.component}CommandRequest" and isinstance(fields, dict):
-                for command in self._entity.commands(fields):
-                    self.on_command(command)
+                return (("AuthenticationResponse", {"invalid_password": fields.get("password") != self._password}),)
             case _:
-                pass
+                return ()
 
     def _info(self) -> ApiMessage:
         pairs = [self.mac[at : at + 2].upper() for at in range(0, 12, 2)]

@@ -1,7 +1,7 @@
 """Shelly devices of the second generation and later, on the network by themselves.
 
-A device answers calls on a WebSocket at ``/rpc`` and by HTTP at ``/rpc`` and ``/rpc/METHOD``, tells at ``/shelly`` what
-it is, and sends what changed to every WebSocket that has called it. What it says is what it says over MQTT.
+A device answers calls on a WebSocket at ``/rpc`` and by HTTP at ``/rpc`` and ``/rpc/METHOD``, describes itself at
+``/shelly``, and sends changes to every WebSocket that has called it. Its frames are those of MQTT.
 
 Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels, Authentication; Overview, Common Device Traits.
 """
@@ -18,7 +18,7 @@ from anyio.abc import TaskStatus
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.shelly_rpc import ShellyRpcDialect, describe_shelly
-from homebot.house.dialects.wire import as_json, as_object
+from homebot.house.dialects.wire import as_json, as_object, json_value
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
@@ -109,12 +109,12 @@ class ServedShelly(ServedDevice):
         return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Take a WebSocket to ``/rpc``."""
+        """Accept a WebSocket to ``/rpc``."""
         del peer
         return path == "/rpc"
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take a call, and answer it."""
+        """Run a call, and answer it."""
         call = as_object(message)
         if not isinstance(call.get("src"), str):
             return
@@ -203,8 +203,5 @@ def _hash(*texts: str) -> str:
 
 
 def _parsed(text: str) -> object:
-    try:
-        value: object = json.loads(text)
-    except ValueError:
-        return text
-    return value
+    value = json_value(text.encode(errors="replace"))
+    return text if value is None and text != "null" else value

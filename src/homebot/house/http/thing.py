@@ -14,7 +14,7 @@ from anyio.abc import TaskStatus
 
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, hardware_address
+from homebot.house.dialects.wire import as_json, hardware_address, json_value
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.http.thing_properties import THING_PROPERTIES, ThingProperty
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
@@ -112,20 +112,20 @@ class ServedThing(ServedDevice):
         if path == "/properties":
             return WebReply(as_json({name: one.read(self.state) for name, one in self._properties.items()}))
         name = path.removeprefix("/properties/")
-        one = self._properties.get(name) if name != path else None
-        if one is None:
+        if name == path or name not in self._properties:
             return WebReply(b"", 404)
+        return self._answer_property(self._properties[name], request)
+
+    def _answer_property(self, one: ThingProperty, request: WebRequest) -> WebReply:
         if request.method == "GET":
             return WebReply(as_json(one.read(self.state)))
-        orders = one.order(_parsed(request.body)) if one.order is not None and request.method == "PUT" else None
-        if orders is None:
-            return WebReply(b"", 400)
-        for text in orders:
+        orders = one.order(json_value(request.body)) if one.order is not None and request.method == "PUT" else None
+        for text in orders or ():
             self.on_command(text)
-        return WebReply(b"", 204)
+        return WebReply(b"", 400 if orders is None else 204)
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Let a peer observe a property."""
+        """Accept an observer of a property."""
         name = path.removeprefix("/properties/")
         if not peer.takes_events or name not in self._properties or not self._lets_in(peer.headers):
             return False
@@ -134,7 +134,7 @@ class ServedThing(ServedDevice):
         return True
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take nothing: it has no WebSockets."""
+        """Do nothing: it has no WebSockets."""
 
     def _lets_in(self, headers: Mapping[str, str]) -> bool:
         return not self._login or headers.get("authorization") == self._login
@@ -151,11 +151,3 @@ class ServedThing(ServedDevice):
 
 def _event(name: str, value: object) -> bytes:
     return f"event: {name}\ndata: {json.dumps(value)}".encode()
-
-
-def _parsed(body: bytes) -> object:
-    try:
-        value: object = json.loads(body[:10_000])
-    except (ValueError, RecursionError):
-        return None
-    return value

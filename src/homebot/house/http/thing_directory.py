@@ -1,18 +1,17 @@
-"""A directory of Thing Descriptions: they are registered, listed in pages, and their changes are told as events.
+"""A directory of Thing Descriptions: registrations, lists in pages, and events of changes.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from hashlib import blake2b
 
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.house.dialects.wire import as_json
+from homebot.house.dialects.wire import as_json, json_value
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.support.numbers import to_number
 
@@ -70,16 +69,16 @@ class ThingDirectoryServer:
         await self.server.serve(task_status=task_status)
 
     def register(self, description: Mapping[str, object]) -> None:
-        """Take in a description, or another one of the same thing."""
+        """Add or replace a description."""
         thing_id = str(description["id"])
         change = "thing_updated" if thing_id in self.things else "thing_created"
         self.things[thing_id] = description
-        self._tell(change, description if change == "thing_created" else {"id": thing_id})
+        self._send_event(change, description if change == "thing_created" else {"id": thing_id})
 
     def delete(self, thing_id: str) -> None:
-        """Take a thing out."""
+        """Remove a thing."""
         if self.things.pop(thing_id, None) is not None:
-            self._tell("thing_deleted", {"id": thing_id})
+            self._send_event("thing_deleted", {"id": thing_id})
 
     def answer(self, request: WebRequest) -> WebReply:
         """Return the answer to a request of HTTP."""
@@ -110,7 +109,7 @@ class ThingDirectoryServer:
         return True
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take nothing: it has no WebSockets."""
+        """Do nothing: it has no WebSockets."""
 
     def _listed(self, request: WebRequest) -> WebReply:
         wanted, offset = (to_number(request.query.get(name)) or 0 for name in ("limit", "offset"))
@@ -128,17 +127,14 @@ class ThingDirectoryServer:
         return WebReply(body, content_type=LD_TYPE, headers=headers)
 
     def _registered(self, thing_id: str, body: bytes) -> WebReply:
-        try:
-            description = json.loads(body)
-        except (ValueError, RecursionError):
-            return WebReply(b"", 400)
+        description = json_value(body)
         if not isinstance(description, dict) or description.get("id", thing_id) != thing_id:
             return WebReply(b"", 400)
         is_new = thing_id not in self.things
         self.register({**description, "id": thing_id})
         return WebReply(b"", 201 if is_new else 204)
 
-    def _tell(self, change: str, fields: Mapping[str, object]) -> None:
+    def _send_event(self, change: str, fields: Mapping[str, object]) -> None:
         for peer in self.server.peers:
             peer.send(f"event: {change}\ndata: ".encode() + as_json(fields))
 

@@ -62,7 +62,7 @@ class WebPeer:
     """The other end of a WebSocket, or of a stream of server-sent events.
 
     Args:
-        takes_events: Whether it is sent events; what is sent to it is then the text of one, without its last line.
+        takes_events: Whether it receives events; a sent text is then one event, without its last line.
         headers: The header fields of the request that opened it, names in lower case.
 
     Attributes:
@@ -98,7 +98,7 @@ class WebDevice(Protocol):
         """Return the answer to a request."""
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Take a new WebSocket to *path*, or a new stream of events from there; false where there is none."""
+        """Accept a new WebSocket to *path*, or a new stream of events from there; false if there is none."""
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
         """Handle a WebSocket message."""

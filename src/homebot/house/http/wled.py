@@ -5,7 +5,6 @@ Source: WLED 0.15, https://kno.wled.ge/interfaces/json-api and /websocket.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 
 import anyio
@@ -13,7 +12,7 @@ from anyio.abc import TaskStatus
 
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, hardware_address, lamp_order
+from homebot.house.dialects.wire import as_json, hardware_address, json_value, lamp_order, scaled
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.support.numbers import to_number
@@ -106,17 +105,17 @@ class ServedWled(ServedDevice):
         return WebReply(b"Not found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
-        """Take a WebSocket to ``/ws``, and send it everything."""
+        """Accept a WebSocket to ``/ws``, and send it everything."""
         if path == "/ws":
             peer.send(self._state_and_info())
         return path == "/ws"
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take a state over a WebSocket."""
-        peer.send(self._state_and_info() if self._apply(_parsed(message)) else b'{"success":true}')
+        """Apply a state from a WebSocket."""
+        peer.send(self._state_and_info() if self._apply(json_value(message)) else b'{"success":true}')
 
     def _obey(self, path: str, body: bytes) -> WebReply:
-        wanted = _parsed(body)
+        wanted = json_value(body)
         if not isinstance(wanted, dict):
             return WebReply(b'{"error":9}', 400)
         is_verbose = self._apply(wanted)
@@ -125,26 +124,21 @@ class ServedWled(ServedDevice):
         return WebReply(as_json(self._state() if path == "/json/state" else self._everything()))
 
     def _apply(self, wanted: object) -> bool:
-        """Take a state, and return whether the whole state is to be answered."""
+        """Apply a state, and return whether the answer is the whole state."""
         if not isinstance(wanted, dict):
             return False
-        listed = wanted.get("seg")
-        first = listed[0] if isinstance(listed, list) and listed else listed
-        segment = first if isinstance(first, dict) else {}
+        segment = _first_segment(wanted)
         if isinstance(chosen := wanted.get("ps"), int):
             self.preset = chosen
         self.segment |= {name: segment[name] for name in ("col", "fx", "sx", "ix") if name in segment}
         for own, given in ((self.sync, wanted.get("udpn")), (self.night_light, wanted.get("nl"))):
             if isinstance(given, dict):
                 own.update({name: value for name, value in given.items() if name in own})
-        steps, brightness = to_number(segment.get("cct")), to_number(wanted.get("bri"))
-        is_on = wanted.get("on")
-        if is_on == "t":
-            is_on = not self.state.is_on
+        is_on = not self.state.is_on if wanted.get("on") == "t" else wanted.get("on")
         for command in lamp_order(
             is_on=is_on if isinstance(is_on, bool) else None,
-            brightness=None if brightness is None else brightness / FULL,
-            kelvin=None if steps is None else steps if steps > FULL else WARMEST + STEP * steps,
+            brightness=scaled(wanted.get("bri"), FULL),
+            kelvin=_kelvin(segment.get("cct")),
         ):
             self.on_command(command)
         self.show()
@@ -232,9 +226,13 @@ class ServedWled(ServedDevice):
         }
 
 
-def _parsed(body: bytes) -> object:
-    try:
-        value: object = json.loads(body)
-    except (ValueError, RecursionError):
-        return None
-    return value
+def _first_segment(wanted: Mapping[str, object]) -> Mapping[str, object]:
+    listed = wanted.get("seg")
+    first = listed[0] if isinstance(listed, list) and listed else listed
+    return first if isinstance(first, dict) else {}
+
+
+def _kelvin(cct: object) -> float | None:
+    """Return the kelvin of a white, in kelvin or in steps."""
+    steps = to_number(cct)
+    return steps if steps is None or steps > FULL else WARMEST + STEP * steps

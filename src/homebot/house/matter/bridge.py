@@ -58,9 +58,9 @@ class MatterBridge(CommissionedNode):
             self.attributes[f"{_AGGREGATOR}/29/3"] = list(self._devices)
         attributes = bridged_attributes(device.device, device.state, is_reachable=True)
         self.attributes.update(at_endpoint(endpoint, attributes))
-        self._server.tell("node_updated", self.describe())
+        self._server.send_event("node_updated", self.describe())
         if is_new:
-            self._server.tell("endpoint_added", {"node_id": self.node_id, "endpoint_id": endpoint})
+            self._server.send_event("endpoint_added", {"node_id": self.node_id, "endpoint_id": endpoint})
 
     def miss(self, device: BridgedDevice) -> None:
         """Report that a device does not answer the bridge."""

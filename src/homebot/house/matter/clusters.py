@@ -93,20 +93,12 @@ def state_attributes(kind: str, state: DeviceState) -> Attributes:
 
 def command_orders(kind: str, cluster: int, command: str, payload: Mapping[str, object]) -> tuple[str, ...] | None:
     """Return the orders that a command gives a device; None for a command that it does not have."""
-    if kind in {"lamp", "plug"} and cluster == 6:
-        return (command.lower(),) if command in {"On", "Off"} else None
-    if kind == "lamp":
-        return _lamp_orders(cluster, command, payload)
-    if kind in {"window", "cover"} and cluster == 258:
-        if command == "GoToLiftPercentage":
-            closed = _number(payload.get("liftPercent100thsValue"))
-            return None if closed is None else (number_text(1 - closed / 10_000),)
-        found = {"UpOrOpen": "open", "DownOrClose": "close", "StopMotion": "stop"}.get(command)
-        return None if found is None else (found,)
-    if kind == "lock" and cluster == 257:
-        found = {"LockDoor": "lock", "UnlockDoor": "unlock"}.get(command)
-        return None if found is None else (found,)
-    return None
+    if order := _COMMANDS.get((cluster, command)):
+        kinds, text = order
+        return (text,) if kind in kinds else None
+    numbers = _NUMBERS.get((cluster, command))
+    number = _number(payload.get(numbers[1])) if numbers is not None and kind in numbers[0] else None
+    return None if numbers is None or number is None else numbers[2](number)
 
 
 def write_orders(kind: str, path: str, value: object) -> tuple[str, ...] | None:
@@ -130,16 +122,37 @@ def _endpoint(kind: str, state: DeviceState) -> Attributes:
     }
 
 
-def _lamp_orders(cluster: int, command: str, payload: Mapping[str, object]) -> tuple[str, ...] | None:
-    if cluster == 8 and command == "MoveToLevelWithOnOff":
-        level = _number(payload.get("level"))
-        if level is None:
-            return None
-        return lamp_order(brightness=level / _LEVELS) if level else ("off",)
-    if cluster == 768 and command == "MoveToColorTemperature":
-        mireds = _number(payload.get("colorTemperatureMireds"))
-        return lamp_order(kelvin=_MIREDS / mireds) if mireds else None
-    return None
+_MOTORS: Final = frozenset({"window", "cover"})
+_SWITCHES: Final = frozenset({"lamp", "plug"})
+_COMMANDS: Final[Mapping[tuple[int, str], tuple[frozenset[str], str]]] = {
+    (6, "On"): (_SWITCHES, "on"),
+    (6, "Off"): (_SWITCHES, "off"),
+    (258, "UpOrOpen"): (_MOTORS, "open"),
+    (258, "DownOrClose"): (_MOTORS, "close"),
+    (258, "StopMotion"): (_MOTORS, "stop"),
+    (257, "LockDoor"): (frozenset({"lock"}), "lock"),
+    (257, "UnlockDoor"): (frozenset({"lock"}), "unlock"),
+}
+"""By cluster and command without fields: the kinds that have it, and its order."""
+
+_NUMBERS: Final[Mapping[tuple[int, str], tuple[frozenset[str], str, Callable[[float], tuple[str, ...] | None]]]] = {
+    (8, "MoveToLevelWithOnOff"): (
+        frozenset({"lamp"}),
+        "level",
+        lambda level: lamp_order(brightness=level / _LEVELS) if level else ("off",),
+    ),
+    (768, "MoveToColorTemperature"): (
+        frozenset({"lamp"}),
+        "colorTemperatureMireds",
+        lambda mireds: lamp_order(kelvin=_MIREDS / mireds) if mireds else None,
+    ),
+    (258, "GoToLiftPercentage"): (
+        _MOTORS,
+        "liftPercent100thsValue",
+        lambda closed: (number_text(1 - closed / 10_000),),
+    ),
+}
+"""By cluster and command with a number: the kinds that have it, the field, and its orders."""
 
 
 def _lamp(lamp: DeviceState) -> Attributes:

@@ -6,8 +6,8 @@ Source: python-matter-server 8.1, ``docs/websockets_api.md`` (schema version 11)
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Final, TypeAlias
 
 import anyio
 from anyio.abc import TaskStatus
@@ -19,6 +19,10 @@ __all__ = ["CommissionedNode", "SimulatedMatterServer"]
 
 SCHEMA: Final = 11
 _FAILED, _NOT_COMMISSIONED, _NOT_READY, _NO_NODE, _WRONG_ARGUMENTS, _NO_COMMAND = 0, 1, 3, 5, 8, 9
+
+
+_Answer: TypeAlias = tuple[int | None, object]
+"""An error code or None, and the result or the problem."""
 
 
 class CommissionedNode(ABC):
@@ -61,6 +65,9 @@ class CommissionedNode(ABC):
         }
 
 
+_Handler: TypeAlias = Callable[[CommissionedNode, Mapping[str, object]], _Answer]
+
+
 class SimulatedMatterServer:
     """A server with its nodes, which it keeps when they are away.
 
@@ -80,6 +87,12 @@ class SimulatedMatterServer:
         self.calls: list[tuple[str, Mapping[str, object]]] = []
         self._commissionable: list[CommissionedNode] = []
         self._last_node_id = 0
+        self._node_commands: Mapping[str, _Handler] = {
+            "get_node": lambda node, _args: (None, node.describe()),
+            "remove_node": self._remove_node,
+            "write_attribute": _write,
+            "device_command": _invoke,
+        }
 
     @property
     def url(self) -> str:
@@ -93,7 +106,7 @@ class SimulatedMatterServer:
     def reach(self, node: CommissionedNode) -> None:
         """Reach a node, which is commissioned now unless it waits for its setup code."""
         if node.node_id:
-            self.tell("node_updated", node.describe())
+            self.send_event("node_updated", node.describe())
         elif node.setup_code:
             self._commissionable.append(node)
         else:
@@ -102,24 +115,24 @@ class SimulatedMatterServer:
     def miss(self, node: CommissionedNode) -> None:
         """Report that a node cannot be reached."""
         if node.node_id in self.nodes:
-            self.tell("node_updated", node.describe())
+            self.send_event("node_updated", node.describe())
         elif node in self._commissionable:
             self._commissionable.remove(node)
 
     def remove(self, node: CommissionedNode) -> None:
         """Remove a node from the fabric."""
         if self.nodes.pop(node.node_id, None) is not None:
-            self.tell("node_removed", node.node_id)
+            self.send_event("node_removed", node.node_id)
             node.node_id = 0
             if node.setup_code and node.is_available:
                 self._commissionable.append(node)
 
     def report(self, node: CommissionedNode, path: str, value: object) -> None:
         """Report that an attribute has a new value."""
-        self.tell("attribute_updated", [node.node_id, path, value])
+        self.send_event("attribute_updated", [node.node_id, path, value])
 
-    def tell(self, event: str, data: object) -> None:
-        """Send an event to all clients that listen."""
+    def send_event(self, event: str, data: object) -> None:
+        """Send an event to all listening clients."""
         frame = as_json({"event": event, "data": data})
         for peer in self.server.peers:
             if peer.name:
@@ -149,7 +162,7 @@ class SimulatedMatterServer:
         return path == "/ws"
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Take a command, and answer it."""
+        """Run a command, and answer it."""
         frame = as_object(message)
         message_id, command, args = frame.get("message_id"), frame.get("command"), frame.get("args") or {}
         if not isinstance(message_id, str) or not isinstance(command, str) or not isinstance(args, dict):
@@ -163,28 +176,27 @@ class SimulatedMatterServer:
         else:
             peer.send(as_json({"message_id": message_id, "error_code": code, "details": result}))
 
-    def _run(self, command: str, args: Mapping[str, object]) -> tuple[int | None, object]:
-        """Carry a command out; return an error code or None, and the result or the problem."""
+    def _run(self, command: str, args: Mapping[str, object]) -> _Answer:
+        """Run a command; return an error code or None, and the result or the problem."""
         if command in {"start_listening", "get_nodes"}:
             return None, [one.describe() for one in self.nodes.values()]
         if command == "commission_with_code":
             return self._commission_with_code(args)
-        if command not in {"device_command", "write_attribute", "get_node", "remove_node"}:
+        if command not in self._node_commands:
             return _NO_COMMAND, f"Invalid Command: {command}"
         node_id = args.get("node_id")
         node = self.nodes.get(node_id) if isinstance(node_id, int) else None
         if node is None:
             return _NO_NODE, f"Node {node_id} does not exist or has not been interviewed."
-        if command == "get_node":
-            return None, node.describe()
-        if command == "remove_node":
-            self.remove(node)
-            return None, None
-        if not node.is_available:
+        if command in {"device_command", "write_attribute"} and not node.is_available:
             return _NOT_READY, f"Node {node_id} is not (yet) available."
-        return _write(node, args) if command == "write_attribute" else _invoke(node, args)
+        return self._node_commands[command](node, args)
 
-    def _commission_with_code(self, args: Mapping[str, object]) -> tuple[int | None, object]:
+    def _remove_node(self, node: CommissionedNode, _args: Mapping[str, object]) -> _Answer:
+        self.remove(node)
+        return None, None
+
+    def _commission_with_code(self, args: Mapping[str, object]) -> _Answer:
         if not isinstance(args.get("code"), str):
             return _WRONG_ARGUMENTS, ""
         if args.get("network_only") is not True:
@@ -201,18 +213,17 @@ class SimulatedMatterServer:
         self._last_node_id += 1
         node.node_id = self._last_node_id
         self.nodes[node.node_id] = node
-        self.tell("node_added", node.describe())
+        self.send_event("node_added", node.describe())
 
 
-def _write(node: CommissionedNode, args: Mapping[str, object]) -> tuple[int | None, object]:
+def _write(node: CommissionedNode, args: Mapping[str, object]) -> _Answer:
     path, value = args.get("attribute_path"), args.get("value")
     if not isinstance(path, str):
         return _WRONG_ARGUMENTS, "attribute_path"
-    status = 0 if node.write(path, value) else 0x88
-    return None, [{"Path": {}, "Status": status}]
+    return None, [{"Path": {}, "Status": 0 if node.write(path, value) else 0x88}]
 
 
-def _invoke(node: CommissionedNode, args: Mapping[str, object]) -> tuple[int | None, object]:
+def _invoke(node: CommissionedNode, args: Mapping[str, object]) -> _Answer:
     endpoint, cluster, name = args.get("endpoint_id"), args.get("cluster_id"), args.get("command_name")
     payload = args.get("payload")
     if not isinstance(endpoint, int) or not isinstance(cluster, int):
