@@ -11,8 +11,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from homebot.conventions.bluetooth import Advertisement, Broadcast
-from homebot.conventions.bluetooth.broadcast import full_uuid
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, full_uuid
 from homebot.conventions.bluetooth.sensor_libraries import MOMENT, SensorLibraryParser
 from homebot.conventions.description import AutoExpiry
 from homebot.devices.value import PlainValue
@@ -125,7 +124,7 @@ def test_values_have_capabilities_and_units_of_the_vocabulary(
     assert {one.part for one in found.values} <= {one.id for one in found.parts}
 
 
-def test_units_are_converted_and_what_has_no_standard_meaning_keeps_its_own() -> None:
+def test_units_are_converted_or_stay_the_devices_own() -> None:
     """A RuuviTag says millivolts, and what it moved."""
     found = read(SensorLibraryParser({}), TAG)
     measured = values(found)
@@ -154,7 +153,7 @@ def test_an_advertisement_that_is_repeated_reports_nothing_new() -> None:
     assert values(read(parser, BUTTON))["button_0", "press"] == "single"
 
 
-def test_what_an_event_says_is_unknown_after_a_moment() -> None:
+def test_the_value_of_an_event_is_unknown_after_a_moment() -> None:
     """The sensor never says that the motion is over."""
     assert read(SensorLibraryParser({}), MOTION).expiries == {"motion": (AutoExpiry("occupancy", MOMENT),)}
     assert not read(SensorLibraryParser({}), BUTTON).expiries
@@ -176,7 +175,7 @@ def test_without_data_no_library_is_asked() -> None:
     assert not SensorLibraryParser({}).concerns(Advertisement("D0:00:00:00:00:01", -60, "Phone"))
 
 
-def test_what_a_library_fails_at_is_refused_in_our_words() -> None:
+def test_a_failure_of_a_library_is_a_wire_error() -> None:
     """Its exception says nothing to a user, and must not end the gateway."""
     with pytest.raises(WireError, match="ruuvitag_ble cannot read it"):
         SensorLibraryParser({}).read(Advertisement("DE:AD:7B:3F:EF:AF", -60, manufacturer_data={RUUVI: b""}), 0.0)

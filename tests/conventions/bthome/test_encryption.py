@@ -138,7 +138,7 @@ def test_a_packet_that_cannot_be_opened_does_not_move_the_counter() -> None:
     assert opened(key, packet(500)) == b"\x01\x61"
 
 
-def test_one_that_is_too_short_is_refused() -> None:
+def test_a_too_short_packet_is_refused() -> None:
     with pytest.raises(WireError, match="too short"):
         opened(BindKey(KEY, ADDRESS), EXAMPLE[:9])
 
@@ -152,7 +152,7 @@ def test_a_key_is_not_shown() -> None:
 
 
 @given(st.binary(min_size=1, max_size=20), st.integers(0, 2**32 - 1), st.integers(0, 14), st.integers(1, 255))
-def test_what_was_changed_on_its_way_is_refused(objects: bytes, counter: int, where: int, change: int) -> None:
+def test_a_changed_packet_is_refused(objects: bytes, counter: int, where: int, change: int) -> None:
     sealed = bytearray(seal(KEY, ADDRESS, 0x41, counter, objects))
     at = 1 + where % (len(sealed) - 1)
     sealed[at] ^= change

@@ -12,9 +12,9 @@ from habluetooth import BluetoothServiceInfoBleak
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.bthome import BTHOME_OBJECTS, read_packet
 from homebot.conventions.bthome.encryption import BindKey, seal
 from homebot.conventions.bthome.objects import (
+    BTHOME_OBJECTS,
     COMMAND,
     DEVICE_TYPE,
     FIRMWARE_3,
@@ -24,7 +24,7 @@ from homebot.conventions.bthome.objects import (
     TEXT,
     TIMESTAMP,
 )
-from homebot.conventions.bthome.packet import BTHOME_UUID, read_frame, read_objects
+from homebot.conventions.bthome.packet import BTHOME_UUID, read_frame, read_objects, read_packet
 
 ADDRESS = "5448E68F80A5"
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")

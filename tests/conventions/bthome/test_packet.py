@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.bthome import BTHOME_OBJECTS, read_packet
-from homebot.conventions.bthome.packet import read_frame, read_objects
+from homebot.conventions.bthome.objects import BTHOME_OBJECTS
+from homebot.conventions.bthome.packet import read_frame, read_objects, read_packet
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
@@ -140,7 +140,7 @@ def test_reading_stops_at_an_object_that_is_not_known() -> None:
         ("405301FF", "not UTF-8"),
     ],
 )
-def test_what_is_no_packet_is_refused_with_a_reason(data: str, named: str) -> None:
+def test_an_invalid_packet_is_refused_with_a_reason(data: str, named: str) -> None:
     with pytest.raises(WireError, match=named):
         read_packet(bytes.fromhex(data))
 

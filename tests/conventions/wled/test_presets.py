@@ -3,7 +3,7 @@
 import pytest
 from tests.conventions.wled.wled_documents import RGB_0_15
 
-from homebot.conventions.wled import WledStrip, preset_names
+from homebot.conventions.wled.strip import WledStrip, preset_names
 from homebot.errors import RefusedError
 
 NAMES = {1: "Warm", 2: "Preset 2", 5: "Warm (5)", 7: "Party"}

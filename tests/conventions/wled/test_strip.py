@@ -61,7 +61,7 @@ def test_effects_that_cannot_be_chosen_have_no_name() -> None:
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
-def test_lamps_have_what_the_light_capabilities_of_their_segments_say(name: str) -> None:
+def test_lamps_have_the_light_capabilities_of_their_segments(name: str) -> None:
     lamps = [one for one in strip(DOCUMENTS[name]).parts() if one.service_type == "light"]
     assert {one.id: {able.name for able in one.capabilities} for one in lamps} == LAMPS[name]
 
@@ -84,7 +84,7 @@ def test_every_reading_is_of_a_part_that_can_report_it(name: str) -> None:
         assert can_report(part_of(DOCUMENTS[name], part), capability, value)
 
 
-def test_who_it_is() -> None:
+def test_the_facts_of_a_device() -> None:
     described = strip(RGB_0_15)
     assert described.name == "Shelf"
     assert described.metadata == {
@@ -137,7 +137,7 @@ def test_capabilities_of_inactive_segments_are_listed_before_0_14() -> None:
     assert strip(older).parts() == strip(TWO_SEGMENTS_0_15).parts()
 
 
-def test_a_segment_that_says_what_it_can_do_is_believed() -> None:
+def test_the_declared_abilities_of_a_segment_count() -> None:
     """From WLED 16 on."""
     newer = copy.deepcopy(RGB_0_15)
     for segment in newer["state"]["seg"]:
@@ -198,7 +198,7 @@ def test_a_transition_is_for_the_one_command(seconds: float, tenths: int) -> Non
         ("nightlight", "on_off", 1.0),
     ],
 )
-def test_what_a_part_cannot_do_is_refused(part: str, capability: str, value: PlainValue) -> None:
+def test_an_impossible_command_of_a_part_is_refused(part: str, capability: str, value: PlainValue) -> None:
     with pytest.raises(RefusedError):
         strip(TWO_SEGMENTS_0_15).write(part, capability, value, 0.0)
 
@@ -237,6 +237,6 @@ def test_any_document_is_described_and_read(where: str, name: str, odd: Any, dat
 
 
 @pytest.mark.parametrize("document", [{}, {"state": {}}, {"state": [], "info": {}}, {"state": {}, "info": None}])
-def test_what_is_no_document_is_refused(document: dict[str, Any]) -> None:
+def test_an_invalid_document_is_refused(document: dict[str, Any]) -> None:
     with pytest.raises(WireError, match="no state or no info"):
         strip(document)

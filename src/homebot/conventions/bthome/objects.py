@@ -39,7 +39,7 @@ class BTHomeObject:
         factor: By which the number is multiplied, as text, so that no digit is lost: ``0.01``.
         unit: The unit of the product, where the vocabulary has none for the capability.
         is_diagnostic: Whether it is an observation of the device itself.
-        is_inverted: Whether true means the opposite of what it means in the vocabulary.
+        is_inverted: Whether true is false in the vocabulary.
     """
 
     name: str

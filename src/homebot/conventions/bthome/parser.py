@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bthome.objects import BTHomeObject
-from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomePacket, read_frame, read_objects
+from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, read_frame, read_objects
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
@@ -57,11 +57,19 @@ class _BTHomeSender:
         self.silence = 0.0
         self.was_read = False
 
-    def is_repeated(self, data: bytes, now: float) -> bool:
-        """Return whether *data* are the last packet again."""
-        return data == self.data and (self.packet_id is not None or now - self.received_at <= REPEATS_WITHIN)
+    def read(self, data: bytes, frame: BTHomeFrame, key: BindKey | None, now: float) -> tuple[BroadcastValue, ...]:
+        """Return the new values in *data*; none if they are the last packet again.
 
-    def record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
+        Raises:
+            WireError: They cannot be decrypted, are a replay, or an object in them is invalid.
+        """
+        is_recent = self.packet_id is not None or now - self.received_at <= REPEATS_WITHIN
+        if self.was_read and data == self.data and is_recent:
+            return ()
+        body = frame.body if key is None else key.open(frame, now)
+        return () if body is None else self._record_packet(read_objects(body), now)
+
+    def _record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
         """Store the parts of a packet, and return its values; none if it is older than the last one."""
         if self._is_late(packet.packet_id, now):
             return ()
@@ -117,10 +125,7 @@ class BTHomeParser(BroadcastParser):
         if key is not None and not frame.is_encrypted:
             raise WireError("BTHome: it is not encrypted, although a bind key is configured for it", data)
         is_locked = frame.is_encrypted and key is None
-        values: tuple[BroadcastValue, ...] = ()
-        if not is_locked and not (device.was_read and device.is_repeated(data, now)):
-            body = frame.body if key is None else key.open(frame, now)
-            values = () if body is None else device.record_packet(read_objects(body), now)
+        values = () if is_locked else device.read(data, frame, key, now)
         device.data, device.received_at = data, now
         if frame.is_trigger_based:
             device.silence = TRIGGER_BASED

@@ -186,8 +186,8 @@ class DirectoryRegistry:
     def _of(self, path: str, source: str) -> EndpointRegistration:
         found = self._by_path[path]
         if found.source != source:
-            what = f"the registration of {shown(found.parameters['ep'])}"
-            raise RefusedError(what, "it is another host's", FORBIDDEN)
+            registration = f"the registration of {shown(found.parameters['ep'])}"
+            raise RefusedError(registration, "it is another host's", FORBIDDEN)
         return found
 
 

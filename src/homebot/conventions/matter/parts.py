@@ -7,7 +7,7 @@ Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, is_oven_cabinet
@@ -79,26 +79,31 @@ def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tupl
         by_suffix.setdefault(ability.part_suffix, []).append(ability)
     main = tuple(by_suffix.pop(""))
     if any(one.read is not None or one.capability.name == "press" for one in main):
-        service_type, is_guessed = _service_type(endpoint, main)
-        part = Part(
-            id=str(endpoint.id),
-            name=_name(endpoint),
-            service_type="window_covering" if covers and service_type == "closure" else service_type,
-            advertised=_advertised(endpoint),
-            guessed=is_guessed,
-            capabilities=tuple(one.capability for one in main),
-        )
-        yield part, main
+        yield _main_part(endpoint, main, covers=covers), main
     for suffix, found in by_suffix.items():
-        is_battery = suffix == BATTERY
-        part = Part(
-            id=f"{endpoint.id}-{suffix}",
-            name="" if is_battery else suffix.replace("_", " ").capitalize(),
-            service_type="x_battery" if is_battery else "air_quality_sensor",
-            category="diagnostic" if is_battery else "",
-            capabilities=tuple(one.capability for one in found),
-        )
-        yield part, tuple(found)
+        yield _extra_part(endpoint, suffix, found), tuple(found)
+
+
+def _main_part(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...], *, covers: bool) -> Part:
+    service_type, is_guessed = _service_type(endpoint, abilities)
+    return Part(
+        id=str(endpoint.id),
+        name=_name(endpoint),
+        service_type="window_covering" if covers and service_type == "closure" else service_type,
+        advertised=_advertised(endpoint),
+        guessed=is_guessed,
+        capabilities=tuple(one.capability for one in abilities),
+    )
+
+
+def _extra_part(endpoint: MatterEndpoint, suffix: str, abilities: Iterable[MatterAbility]) -> Part:
+    """Return a part beside the main one: the battery, or a plain measurement of the air."""
+    capabilities = tuple(one.capability for one in abilities)
+    part_id = f"{endpoint.id}-{suffix}"
+    if suffix == BATTERY:
+        return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
+    name = suffix.replace("_", " ").capitalize()
+    return Part(id=part_id, name=name, service_type="air_quality_sensor", capabilities=capabilities)
 
 
 def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:

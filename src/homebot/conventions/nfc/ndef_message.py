@@ -9,7 +9,7 @@ import codecs
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
-from typing import Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from homebot.devices.tags import TagProblem
 from homebot.errors import PeerError, WireError
@@ -91,8 +91,7 @@ class NdefRecord:
 
 def load_ndef() -> None:
     """Load the library with the encodings that it uses, which reads files; call it in a thread, before the others."""
-    import ndef  # noqa: PLC0415, F401 - an extra
-
+    _ndef()
     for name in ("latin", "idna"):  # the first use of an encoding loads its module
         codecs.lookup(name)
 
@@ -121,7 +120,7 @@ def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:
 
 def write_ndef(*records: NdefRecord) -> bytes:
     """Return *records* as a message."""
-    import ndef  # noqa: PLC0415 - an extra
+    ndef = _ndef()
 
     made = []
     for one in records:
@@ -140,7 +139,7 @@ def _decoded(message: bytes, known: Mapping[str, object] | None = None) -> list[
     Raises:
         WireError: It is not an NDEF message, or one of too many records.
     """
-    import ndef  # noqa: PLC0415 - an extra
+    ndef = _ndef()
 
     more = {} if known is None else {"known_types": dict(known)}
     try:
@@ -158,7 +157,7 @@ def _read(record: object) -> Iterator[NdefRecord]:
     Raises:
         WireError: It is one of these, and damaged.
     """
-    import ndef  # noqa: PLC0415 - an extra
+    ndef = _ndef()
 
     if not isinstance(record, ndef.Record):
         return
@@ -182,10 +181,17 @@ def _well_known(record: object) -> Iterator[NdefRecord]:
     Raises:
         WireError: It is damaged.
     """
-    import ndef  # noqa: PLC0415 - an extra
+    ndef = _ndef()
 
     for one in _decoded(b"".join(ndef.message_encoder([record]))):
         if isinstance(one, ndef.UriRecord):
             yield NdefRecord("uri", one.iri.encode())
         elif isinstance(one, ndef.TextRecord):
             yield NdefRecord("text", one.text.encode())
+
+
+def _ndef() -> Any:
+    """Return the library, which has no types."""
+    import ndef  # noqa: PLC0415 - an extra
+
+    return ndef

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import anyio
 
 from homebot.conventions.payload import as_fields, parse_object
-from homebot.conventions.wled import Fields, WledStrip, effect_names, preset_names
+from homebot.conventions.wled.strip import Fields, WledStrip, effect_names, preset_names
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
