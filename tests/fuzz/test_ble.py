@@ -46,7 +46,7 @@ IBEACON = bytes.fromhex("0215f7826da64fa24e988024bc5b71e0893e00010002c5")
 UID = bytes.fromhex("00ee00112233445566778899aabbccddeeff0000")
 
 
-def test_damaged_bthome_packets_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_bthome_packets_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         damage = mutator(rng)
         parser = BTHomeParser({SEALED: KEY})
@@ -110,7 +110,7 @@ def test_a_recorded_encrypted_packet_is_never_reported_again(fuzz: Fuzz, mutator
     fuzz.run("bthome-replay", case)
 
 
-def test_damaged_beacons_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         damage = mutator(rng)
         parser = BeaconParser({})
@@ -133,7 +133,7 @@ def test_damaged_beacons_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mut
     fuzz.run("beacons", case)
 
 
-def test_damaged_advertisements_of_other_sensors_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_advertisements_of_other_sensors_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     """The libraries that read them raise whatever they like."""
     pytest.importorskip("ruuvitag_ble")
     from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser  # noqa: PLC0415 - an extra
@@ -165,7 +165,7 @@ def test_damaged_advertisements_of_other_sensors_are_refused_or_understood(fuzz:
     fuzz.run("sensor-libraries", case)
 
 
-def test_damaged_reports_and_values_of_a_profile_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_reports_and_values_of_a_profile_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         damage = mutator(rng)
         profile = BUILT_IN["gatt_light"]

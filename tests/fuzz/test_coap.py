@@ -56,7 +56,7 @@ DOCUMENTS = (
 TYPES = ("application/cbor", "application/senml+cbor", "application/senml+json", "application/json", "text/plain")
 
 
-def test_damaged_links_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_links_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         damaged = mutator(rng).damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
         with suppress(WireError):
@@ -71,7 +71,7 @@ def test_damaged_links_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutat
     fuzz.run("coap links", case)
 
 
-def test_damaged_payloads_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         mutate, document = mutator(rng), rng.choice(DOCUMENTS)
         encoded = encode_cbor(document) if rng.random() < 0.7 else json.dumps(document, default=str).encode()
@@ -86,7 +86,7 @@ def test_damaged_payloads_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mu
     fuzz.run("coap payloads", case)
 
 
-def test_damaged_descriptions_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         mutate = mutator(rng, ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//["))
         try:

@@ -32,7 +32,7 @@ WANTED: tuple[PlainValue, ...] = (True, False, 0.0, 50.0, 4000.0, 20.0, (120.0, 
 FEATURES = (0, 1, 2, 5, 31, 4096, 0xFFFF)
 
 
-def test_damaged_nodes_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_nodes_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         damage = mutator(rng)
         attributes = dict(rng.choice(NODES))
@@ -77,7 +77,7 @@ def check_device(rng: random.Random, device: NodeDevice) -> None:
                     json.dumps(order.server_call(1, endpoint.id), allow_nan=False)
 
 
-def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     frames = (
         {"event": "attribute_updated", "data": [1, "1/6/0", True]},
         {"message_id": "1", "result": []},

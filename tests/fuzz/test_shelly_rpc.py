@@ -23,7 +23,7 @@ EVENTS = '{"method":"NotifyEvent","params":{"ts":1.0,"events":[{"component":"inp
 WORDS = tuple(sorted({key for model in MODELS.values() for key in (*model.status, *model.config)}))
 
 
-def test_damaged_frames_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         mutate = mutator(rng, WORDS)
         model = rng.choice(list(MODELS.values()))

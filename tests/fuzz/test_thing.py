@@ -54,5 +54,5 @@ ROWS = [
 ]
 
 
-def test_damaged_descriptions_are_refused_or_understood(fuzz: Fuzz) -> None:
+def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz) -> None:
     fuzz.convention("thing", lambda: ThingDescriptions(ThingSettings()), ROWS)

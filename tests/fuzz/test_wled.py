@@ -21,7 +21,7 @@ TEXTS = [json.dumps(one) for one in (RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHI
 WORDS = ("seg", "seglc", "lc", "col", "cct", "bri", "on", "id", "state", "info", "leds")
 
 
-def test_damaged_documents_are_refused_or_understood(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_documents_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
     def case(rng: random.Random) -> None:
         mutate = mutator(rng, WORDS)
         try:

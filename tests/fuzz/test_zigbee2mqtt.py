@@ -11,5 +11,5 @@ if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz
 
 
-def test_damaged_devices_are_refused_or_understood(fuzz: Fuzz, devices: Callable[[str], list[dict[str, Any]]]) -> None:
+def test_damaged_devices_are_refused_or_read(fuzz: Fuzz, devices: Callable[[str], list[dict[str, Any]]]) -> None:
     fuzz.convention("zigbee2mqtt", lambda: Zigbee2Mqtt(Zigbee2MqttSettings()), devices("zigbee2mqtt"))

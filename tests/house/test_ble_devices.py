@@ -76,7 +76,7 @@ def read(heard: Heard, key: bytes | None = None) -> dict[str, object]:
         ("thermostat", DeviceState(text="", celsius=-3.5), ("temperature", -3.5)),
     ],
 )
-async def test_a_sensor_broadcasts_what_home_assistant_reads(
+async def test_a_sensor_broadcasts_packets_that_home_assistant_reads(
     kind: str, state: DeviceState, measured: tuple[str, object], key: bytes | None
 ) -> None:
     air = radio()
@@ -121,7 +121,7 @@ async def test_a_light_takes_commands_and_notifies() -> None:
             assert values == [b"\x01\x80"]
 
 
-async def test_a_light_without_power_vanishes_and_the_client_is_told() -> None:
+async def test_a_light_without_power_vanishes_and_disconnects_its_client() -> None:
     air = radio()
     light = BluetoothLight(SimulatedDeviceInfo("h", "lamp", "it", "lights", "hall"), print, air)
     async with on_air(air, light, DeviceState(text="off")) as heard:
@@ -137,7 +137,7 @@ async def test_a_light_without_power_vanishes_and_the_client_is_told() -> None:
         assert heard == []
 
 
-async def test_what_does_not_broadcast_is_refused() -> None:
+async def test_a_device_that_does_not_broadcast_is_refused() -> None:
     with pytest.raises(UsageError, match="'window' does not broadcast BTHome"):
         BroadcastingSensor(SimulatedDeviceInfo("h", "window", "it", "s", "hall"), print, radio())
 

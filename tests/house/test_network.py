@@ -105,19 +105,19 @@ def test_a_house_names_the_gateways_that_its_devices_need() -> None:
     }
 
 
-def test_a_missing_library_is_told_with_what_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_names_the_extra_of_a_missing_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "zeroconf" else name)
     with pytest.raises(UsageError, match=r"'wled' needs zeroconf; install it with: pip install \"homebot\[mdns\]\""):
         HouseNetwork(["wled"]).gateways()
 
 
-def test_a_family_without_such_a_device_is_told_with_those_it_has() -> None:
+def test_an_error_names_the_devices_of_a_family() -> None:
     house = {"rooms": {"hall": {}}, "devices": {"door": {"kind": "lock", "room": "hall", "dialect": "wled"}}}
     with pytest.raises(ConfigError, match="'wled' has no lock, only lamp"):
         parse_world(house, "test")
 
 
-def test_an_unknown_dialect_is_told_with_all_there_are() -> None:
+def test_an_error_of_an_unknown_dialect_names_all() -> None:
     house = {"rooms": {"hall": {}}, "devices": {"lamp": {"kind": "lamp", "room": "hall", "dialect": "telepathy"}}}
     with pytest.raises(ConfigError, match=r"must be one of thesis, .*wled, got 'telepathy'"):
         parse_world(house, "test")

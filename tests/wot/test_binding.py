@@ -43,7 +43,7 @@ def thing(on_forms: list[dict[str, Any]], source: str = "", **more: Any) -> Thin
         ("http://lamp/td", "", "//other/on", "http://other/on"),
     ],
 )
-def test_addresses_are_resolved_whatever_the_scheme(source: str, base: str, href: str, expected: str) -> None:
+def test_addresses_of_any_scheme_are_resolved(source: str, base: str, href: str, expected: str) -> None:
     (on,) = thing([{"href": href}], source, base=base).affordances
     assert on.forms[0].href == expected
 
@@ -68,7 +68,7 @@ def test_only_forms_that_the_protocol_can_use_count_and_the_best_comes_first() -
     assert WEB.observe_forms(on) == (*WEB.push_forms(on), *WEB.read_forms(on))
 
 
-def test_what_the_protocol_cannot_use_can_be_neither_read_nor_set() -> None:
+def test_unusable_forms_are_neither_read_nor_written() -> None:
     (part,) = parts_of(thing([{"href": "coap://lamp/on"}]), WEB)
     (on_off,) = part.part.capabilities
     assert (on_off.readable, on_off.settable, part.affordances[0].observed) == (False, False, None)

@@ -70,7 +70,7 @@ FLAG, PERCENT = {"type": "boolean"}, {"type": "integer", "minimum": 0, "maximum"
         ({"lamp1": FLAG, "lamp2": FLAG}, ("Light",), "lamp1"),
     ],
 )
-def test_the_switch_of_a_thing_is_what_is_known_best_as_one(
+def test_the_switch_of_a_thing_is_its_best_known_switch(
     properties: dict[str, Any], types: tuple[str, ...], switch: str
 ) -> None:
     """And not the first value that is yes or no: to turn a lamp on locked it for children."""
@@ -101,7 +101,7 @@ def test_an_object_that_can_be_set_is_one_value() -> None:
         ("x", "parsec", 2.0, "measurement", 2.0),
     ],
 )
-def test_a_unit_is_converted_and_says_what_is_measured(
+def test_a_unit_is_converted_and_names_the_quantity(
     name: str, unit: str, wire: float, capability: str, value: float
 ) -> None:
     (part,) = parts({name: {"type": "number", "unit": unit, "readOnly": True}})

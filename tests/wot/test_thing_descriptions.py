@@ -301,7 +301,7 @@ def test_semantic_types_come_first_then_names_then_types_of_values() -> None:
         ([], {"colour": "string", "brightness": "number", "on": "boolean"}, None),
     ],
 )
-def test_a_thing_is_what_its_types_or_else_its_properties_say(
+def test_a_thing_has_the_type_of_its_types_or_properties(
     types: list[str], properties: dict[str, str], expected: dict[str, tuple[str, list[str]]] | None
 ) -> None:
     expected = (
@@ -423,7 +423,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
         ("properties/" + "x" * 201, {}, "a name of at most 200 characters is expected"),
     ],
 )
-def test_what_breaks_the_shape_is_refused_with_its_field(path: str, value: object, problem: str) -> None:
+def test_an_invalid_field_is_named_in_the_refusal(path: str, value: object, problem: str) -> None:
     with pytest.raises(WireError) as caught:
         read_thing(changed(path, value))
     assert str(caught.value).startswith(problem) or (problem.startswith("a name") and problem in str(caught.value))

@@ -64,6 +64,6 @@ def test_a_report_of_another_form_is_refused(data: str) -> None:
         STRIP.read(bytes.fromhex(data), GattState.unknown(255))
 
 
-def test_what_no_frame_sets_is_refused() -> None:
+def test_a_command_without_a_frame_is_refused() -> None:
     with pytest.raises(RefusedError, match="no frame"):
         STRIP.write("level", 50.0, GattState.unknown(255))

@@ -89,7 +89,7 @@ def test_an_encrypted_press_that_is_sent_again_is_one_press() -> None:
         assert values(read(parser, pressed, now)) == []
 
 
-def test_a_device_that_was_forgotten_does_not_take_a_replay() -> None:
+def test_a_forgotten_device_refuses_a_replay() -> None:
     parser = BTHomeParser({ADDRESS: KEY})
     old, new = (
         seal(KEY, bytes.fromhex(ADDRESS.replace(":", "")), 0x41, counter, b"\x3a\x01").hex() for counter in (7, 200)
@@ -114,7 +114,7 @@ def test_a_device_is_forgotten() -> None:
     assert values(read(parser, "400001" + "0164", 0.1)) == [("battery", 100.0)]
 
 
-def test_an_ibeacon_says_who_it_is_and_how_strong() -> None:
+def test_an_ibeacon_has_an_identity_and_a_strength() -> None:
     data = bytes.fromhex("0215" + "f7826da64fa24e988024bc5b71e0893e" + "00010203" + "c5")
     advertisement = Advertisement(ADDRESS, -60, manufacturer_data={0x004C: data})
     parser = BeaconParser({})
@@ -125,7 +125,7 @@ def test_an_ibeacon_says_who_it_is_and_how_strong() -> None:
     assert found.rssi_at_1m == -59
 
 
-def test_an_eddystone_says_its_power_at_no_distance() -> None:
+def test_an_eddystone_has_its_power_at_no_distance() -> None:
     data = bytes.fromhex("00" + "ee" + "00112233445566778899" + "aabbccddeeff" + "0000")
     found = BeaconParser({}).read(Advertisement(ADDRESS, -60, service_data={EDDYSTONE: data}), 0.0)
     assert found is not None

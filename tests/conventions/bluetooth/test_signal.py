@@ -33,7 +33,7 @@ def test_one_strong_packet_does_not_change_the_signal() -> None:
     assert signal.value(5) == -70
 
 
-def test_old_packets_and_what_is_unknown_do_not_count() -> None:
+def test_old_packets_and_unknown_values_do_not_count() -> None:
     signal = SignalFilter()
     signal.add(-50, 0)
     signal.add(127, 20)
@@ -52,7 +52,7 @@ def test_a_device_may_be_silent_for_half_a_minute() -> None:
     assert presence(0.1, 0.2, 1.3).stale_after(0) == 30
 
 
-def test_one_that_is_seldom_heard_may_be_silent_for_three_intervals() -> None:
+def test_a_rare_advertiser_may_be_silent_for_three_intervals() -> None:
     assert presence(60, 120, 180).stale_after(0) == 300
 
 

@@ -73,7 +73,7 @@ def test_settings_that_cannot_work_are_refused_with_their_key(table: dict[str, o
         CoapGatewaySettings.model_validate(table)
 
 
-def test_a_gateway_that_could_find_nothing_says_so() -> None:
+def test_a_gateway_that_cannot_find_devices_is_an_error() -> None:
     with pytest.raises(UsageError, match="the gateway finds no device: set devices"):
         CoapGateway.check(CoapGatewaySettings())
     missing = {"devices": ["coap://h"], "credentials": [{"uri": "coap://h/*", "oscore": "/nowhere"}]}

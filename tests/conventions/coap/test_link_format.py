@@ -61,7 +61,7 @@ def test_links_are_read_as_rfc_6690_spells_them(text: str, links: tuple[WebLink,
         (b"<" + b"a" * 300_000 + b">", "longer than 262144"),
     ],
 )
-def test_what_is_no_list_of_links_is_refused(payload: bytes, problem: str) -> None:
+def test_an_invalid_list_of_links_is_refused(payload: bytes, problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         parse_links(payload)
 
@@ -79,7 +79,7 @@ _links = st.builds(WebLink, _targets, st.lists(st.tuples(_names, _values), max_s
 
 
 @given(st.lists(_links, max_size=5).map(tuple))
-def test_what_is_written_is_read_again(links: tuple[WebLink, ...]) -> None:
+def test_written_values_are_read_again(links: tuple[WebLink, ...]) -> None:
     assert parse_links(format_links(links)) == links
 
 

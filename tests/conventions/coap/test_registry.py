@@ -35,7 +35,7 @@ def test_a_link_that_is_no_address_is_refused_and_does_not_end_the_lookup() -> N
     assert registry.look_up_resources({}) == ()
 
 
-def test_renewing_gives_a_new_lifetime_and_registering_again_takes_the_place_of_the_old_one() -> None:
+def test_renewing_gives_a_new_lifetime_and_registering_again_replaces() -> None:
     registry = DirectoryRegistry()
     path = registry.register({"ep": "lamp", "lt": "60"}, LINKS, HOST, BASE, 0.0).path
     registry.renew(path, {"lt": "100"}, HOST, 50.0)
@@ -67,7 +67,7 @@ def test_renewing_gives_a_new_lifetime_and_registering_again_takes_the_place_of_
         ({"href": "/t"}, 1),
     ],
 )
-def test_resources_are_looked_up_by_what_is_said_of_them_or_of_their_endpoint(
+def test_resources_are_looked_up_by_their_attributes_or_those_of_their_endpoint(
     query: dict[str, str], count: int
 ) -> None:
     registry = DirectoryRegistry()
@@ -99,7 +99,7 @@ def test_endpoints_are_looked_up_by_their_resources_as_well() -> None:
         ({"ep": "a", **{str(number): "" for number in range(30)}}, "more than 20 parameters"),
     ],
 )
-def test_what_breaks_the_rules_is_refused(parameters: dict[str, str], problem: str) -> None:
+def test_an_invalid_registration_is_refused(parameters: dict[str, str], problem: str) -> None:
     registry = DirectoryRegistry()
     with pytest.raises(WireError, match=problem):
         registry.register(parameters, (), HOST, BASE, 0.0)

@@ -78,14 +78,14 @@ def test_hardware_addresses_are_those_of_the_device(
     assert identifiers_of(found(name, "_http._tcp", "x.local.", **properties)) == expected
 
 
-def test_no_address_is_found_in_what_is_random() -> None:
+def test_random_text_contains_no_address() -> None:
     random, timed = "8d1f5f7f-2c7b-4a6f-9d1f-5f7f2c7b4a6f", "d3b8c0d0-1dd2-11b2-ac7c-f430b9ab12cd"
     assert identifiers_of(found("Cast", "_googlecast._tcp", f"{random}.local.", id=random)) == (f"id:{random}",)
     assert "mac:f430b9ab12cd" in identifiers_of(found("Printer", "_ipp._tcp", "x.local.", uuid=timed))
 
 
 @pytest.mark.parametrize("properties", [{"id": "1"}, {"serial": ""}, {"uuid": "lamp"}])
-def test_what_many_devices_are_called_identifies_none(properties: dict[str, str]) -> None:
+def test_common_names_identify_no_device(properties: dict[str, str]) -> None:
     assert identifiers_of(found("Lamp", "_http._tcp", "raspberrypi.local.", **properties)) == ()
 
 
@@ -100,7 +100,7 @@ def test_facts_have_the_names_of_the_directory_and_nothing_that_does_not_show() 
     assert facts_of(found("x", "_http._tcp", "x.local.", md="a\x1b[2J"))["model"] == "a\N{REPLACEMENT CHARACTER}[2J"
 
 
-def test_addresses_are_sorted_by_what_works_best() -> None:
+def test_addresses_are_sorted_best_first() -> None:
     heard = ["fe80::1%3", "fd00::7", "192.168.1.20", "fe80::2", "224.0.0.1", "0.0.0.0", "no address", "169.254.3.4"]  # noqa: S104
     assert usable_addresses(heard, with_loopback=False) == ("192.168.1.20", "fd00::7", "169.254.3.4", "fe80::1%3")
 

@@ -55,6 +55,6 @@ def test_any_bytes_are_read(data: bytes) -> None:
 
 
 @given(st.dictionaries(st.text("abcdefgh-_ 0123", min_size=1, max_size=20), st.text(max_size=40), max_size=20))
-def test_what_is_written_is_read(properties: dict[str, str]) -> None:
+def test_written_values_are_read(properties: dict[str, str]) -> None:
     record = read_txt(strings(*(f"{key}={value}".encode() for key, value in properties.items())))
     assert (dict(record.properties), record.problem) == (properties, "")

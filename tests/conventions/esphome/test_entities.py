@@ -208,14 +208,14 @@ def test_commands_are_made(
         ("update", {}, "version", "2"),
     ],
 )
-def test_what_an_entity_cannot_do_is_refused(
+def test_an_impossible_command_of_an_entity_is_refused(
     kind: str, info: dict[str, Any], capability: str, value: PlainValue
 ) -> None:
     with pytest.raises(RefusedError):
         entity(kind, **info).command(capability, value)
 
 
-def test_who_wants_a_code_gets_none_without() -> None:
+def test_a_missing_code_is_refused() -> None:
     with pytest.raises(WrongCodeError, match="it needs a code"):
         entity("lock", requires_code=True).command("lock", "unlocked")
     panel = entity("alarm_control_panel", requires_code=True, supported_features=2)

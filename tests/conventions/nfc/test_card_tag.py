@@ -71,7 +71,7 @@ def test_other_blocks_of_a_type_2_tag_stay_as_they_are() -> None:
     assert tag.read().message == uri("homebot:device/a")
 
 
-def test_a_tag_without_room_says_so_and_keeps_what_it_has() -> None:
+def test_a_too_small_tag_is_an_error_and_stays_unchanged() -> None:
     storage, before = StorageCard(48), uri("http://a/")
     storage.put(b"\x03" + bytes([len(before)]) + before + b"\xfe")
     for tag in (CardTag(storage.transmit), CardTag(transmit_to(card(before, capacity=46)))):
@@ -84,7 +84,7 @@ def test_a_tag_without_room_says_so_and_keeps_what_it_has() -> None:
         assert tag.read().message == exact
 
 
-def test_a_protected_tag_says_so() -> None:
+def test_a_protected_tag_is_an_error() -> None:
     storage = StorageCard(access=0x0F)
     storage.put(b"\x03\x00\xfe")
     for tag in (CardTag(storage.transmit), CardTag(transmit_to(card(is_writable=False)))):
@@ -114,7 +114,7 @@ def test_a_type_4_tag_that_announces_more_than_it_has_cannot_be_read() -> None:
     assert MAX_MESSAGE < 65535
 
 
-def test_what_tells_no_number_is_no_tag() -> None:
+def test_a_tag_without_number_is_refused() -> None:
     with pytest.raises(TagError, match="no number"):
         CardTag(lambda _apdu: (b"", 0x6A81))
     with pytest.raises(TagError, match="reading failed"):

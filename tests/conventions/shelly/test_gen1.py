@@ -67,7 +67,7 @@ def test_an_announcement_describes_a_plug(say: Say) -> None:
     assert all(not one.state_requests for one in device.parts[1:])
 
 
-def test_the_same_announcement_on_its_second_topic_says_nothing_new(say: Say) -> None:
+def test_the_same_announcement_on_its_second_topic_counts_once(say: Say) -> None:
     described(say("shellies/announce", PLUG))
     assert say("shellies/shellyplug-s-122881/announce", PLUG) == ()
     assert described(say("shellies/announce", PLUG)).topic == "shellies/announce"
@@ -171,20 +171,20 @@ def test_the_meter_of_a_shelly_2_has_no_index(say: Say, part: Find) -> None:
     assert meter.read("shellies/shellyswitch-A8032A000000/relay/power", b"5", retained=False) == {"power": 5.0}
 
 
-def test_an_accessory_is_taken_when_it_is_heard(say: Say) -> None:
+def test_an_accessory_is_described_with_its_first_report(say: Say) -> None:
     say("shellies/announce", PLUG)
     topic = "shellies/shellyplug-s-122881/ext_temperature/0"
     assert ids(say(topic, "21.5"))["ext_temperature:0"] == "temperature_sensor"
     assert say(topic, "21.6") == ()
 
 
-def test_one_that_does_not_announce_itself_is_known_once_it_is_online(say: Say) -> None:
+def test_a_device_without_announcement_is_described_once_online(say: Say) -> None:
     assert say("shellies/hall/relay/0", "on") == ()
     assert ids(say("shellies/hall/online", "true", retained=True)) == {"relay:0": "switch"}
     assert described(say("shellies/hall/relay/1", "on")).identifiers == ()
 
 
-def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
+def test_a_new_name_replaces_the_old_one(say: Say) -> None:
     say("shellies/shellyplug-s-122881/announce", PLUG)
     gone, there = say("shellies/kitchen/announce", PLUG)
     assert gone == DeviceWithdrawn("shellies/shellyplug-s-122881", "it has been renamed kitchen")
@@ -194,7 +194,7 @@ def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
     assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
 
 
-def test_what_wakes_only_to_tell_has_no_availability(say: Say) -> None:
+def test_a_sleeping_device_has_no_availability(say: Say) -> None:
     thermometer = described(say("shellies/announce", {"id": "shellyht-077A17", "model": "SHHT-1"}))
     assert thermometer.availability is None
 
@@ -209,7 +209,7 @@ def test_a_repeated_press_is_none(say: Say, part: Find) -> None:
     assert button.read(topic, b'{"event":"","event_cnt":6}', retained=False) == {}
 
 
-def test_a_press_after_a_new_description_is_not_taken_for_the_first_that_is_heard(say: Say, part: Find) -> None:
+def test_a_press_after_a_new_description_is_not_the_first_one(say: Say, part: Find) -> None:
     """The device announces itself at each link, and is described anew when it is heard on one more topic."""
     switch = {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}
     topic = "shellies/shellyix3-1BC57A/input_event/0"
@@ -220,14 +220,14 @@ def test_a_press_after_a_new_description_is_not_taken_for_the_first_that_is_hear
     assert after.read(topic, b'{"event":"S","event_cnt":5}', retained=False) == {"press": "single"}
 
 
-def test_the_first_press_of_a_button_that_wakes_to_tell_it_counts(say: Say, part: Find) -> None:
+def test_the_first_press_of_a_sleeping_button_counts(say: Say, part: Find) -> None:
     button = part(say("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1"}), "input:0").codec
     topic = "shellies/shellybutton1-1CD6EB/input_event/0"
     assert button.read(topic, b'{"event":"L","event_cnt":1}', retained=False) == {"press": "long"}
 
 
 @pytest.mark.parametrize(("device_id", "first"), [("shellydw2-189127", "state"), ("shellyem-A8032A1339F2", "emeter:0")])
-def test_what_a_device_is_there_for_comes_first(say: Say, device_id: str, first: str) -> None:
+def test_the_main_purpose_of_a_device_comes_first(say: Say, device_id: str, first: str) -> None:
     assert next(iter(ids(say("shellies/announce", {"id": device_id})))) == first
 
 
@@ -243,7 +243,7 @@ def test_what_a_device_is_there_for_comes_first(say: Say, device_id: str, first:
         ("color", (120.0, 100.0), 0.0, "set", b'{"turn":"on","mode":"color","red":0,"green":255,"blue":0,"white":0}'),
     ],
 )
-def test_a_bulb_is_told(
+def test_commands_of_a_bulb(
     say: Say,
     part: Find,
     capability: str,
@@ -257,7 +257,7 @@ def test_a_bulb_is_told(
     assert told == (Publication(f"shellies/shellybulb-099CF9/color/0/{suffix}", payload),)
 
 
-def test_a_bulb_tells_its_colour_or_its_white(say: Say, part: Find) -> None:
+def test_a_bulb_reports_its_colour_or_its_white(say: Say, part: Find) -> None:
     lamp = part(say("shellies/announce", BULB), "color:0").codec
     topic = "shellies/shellybulb-099CF9/color/0/status"
     told = '{"ison":true,"mode":"MODE","red":255,"green":128,"blue":0,"gain":30,"brightness":60,"temp":4000}'
@@ -275,7 +275,7 @@ def test_a_bulb_tells_its_colour_or_its_white(say: Say, part: Find) -> None:
     }
 
 
-def test_a_motion_sensor_tells_all_in_one_message(say: Say, part: Find) -> None:
+def test_a_motion_sensor_reports_all_in_one_message(say: Say, part: Find) -> None:
     heard = say("shellies/announce", {"id": "shellymotion2-233F91", "model": "SHMOS-02"})
     status = b'{"motion":true,"vibration":false,"lux":100,"bat":80,"tmp":{"value":21.5,"is_valid":false}}'
     told = {
@@ -297,7 +297,7 @@ def test_the_first_motion_sensor_has_no_thermometer(say: Say) -> None:
     assert list(ids(heard)) == ["motion", "vibration", "lux", "battery"]
 
 
-def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
+def test_commands_of_a_radiator_valve_are_degrees(say: Say, part: Find) -> None:
     valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"
     assert valve.write("heating_setpoint", 21.5) == (Publication(f"{base}/thermostat/0/command/target_t", b"21.5"),)
@@ -307,7 +307,7 @@ def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
     assert valve.read(f"{base}/info", status, retained=False) == expected
 
 
-def test_a_radiator_valve_that_counts_in_fahrenheit_is_told_so(say: Say, part: Find) -> None:
+def test_commands_of_a_fahrenheit_valve_are_fahrenheit(say: Say, part: Find) -> None:
     valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"
     status = b'{"pos":40,"target_t":{"value":68,"units":"F"},"tmp":{"value":59,"units":"F","is_valid":true}}'
@@ -335,14 +335,14 @@ def test_more_devices_than_there_is_room_for_push_out_unknown_ones(shelly: Shell
     assert ids(say("shellies/announce", PLUG))
 
 
-def test_what_is_heard_of_parts_comes_by_the_filters(shelly: Shelly) -> None:
+def test_the_filters_match_the_topics_of_parts(shelly: Shelly) -> None:
     for suffix in ("announce", "online", "relay/0", "relay/0/power", "light/0/status", "sensor/flood", "status"):
         topic = f"shellies/shellyplug-s-122881/{suffix}"
         assert any(topic_matches(one, topic) for one in shelly.filters()), suffix
     assert not any(topic_matches(one, "shellies/x/relay/0/command") for one in shelly.filters())
 
 
-def test_a_meter_counts_what_is_drawn_and_what_is_fed_back(say: Say, part: Find) -> None:
+def test_a_meter_counts_drawn_and_returned_energy(say: Say, part: Find) -> None:
     meter = part(say("shellies/announce", {"id": "shellyem3-A8032A1339F2", "model": "SHEM-3"}), "emeter:0").codec
     topic = "shellies/shellyem3-A8032A1339F2/emeter/0"
     assert meter.read(f"{topic}/total", b"1500.0", retained=False) == {"energy": 1.5}

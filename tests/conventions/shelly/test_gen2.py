@@ -1,3 +1,4 @@
+import contextlib
 import json
 from collections.abc import Callable
 
@@ -67,7 +68,7 @@ def called(publications: tuple[Publication, ...]) -> tuple[str, object]:
     return frame["method"], frame["params"]
 
 
-def test_one_that_comes_online_is_asked_who_it_is(say: Say) -> None:
+def test_a_device_that_comes_online_is_asked_for_its_identity(say: Say) -> None:
     (question,) = say(f"{ID}/online", "true", retained=True)
     assert isinstance(question, DeviceRequest)
     assert question.key == ID
@@ -99,7 +100,7 @@ def test_its_answers_describe_it(say: Say) -> None:
     )
 
 
-def test_the_same_answer_again_says_nothing_new(say: Say) -> None:
+def test_the_same_answer_again_describes_nothing(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     assert say(f"homebot/{ID}/rpc", answer({"sys": SYS, "switch:0": {**SWITCH, "output": False}})) == ()
 
@@ -140,27 +141,27 @@ def test_one_below_shellies_is_known_by_its_notifications(say: Say) -> None:
     assert device.key == "shellies/hall"
 
 
-def test_one_that_never_answers_is_asked_less_and_less(say: Say) -> None:
+def test_a_silent_device_is_asked_less_and_less(say: Say) -> None:
     asked = [len(say("lookalike/online", "true")) for _ in range(64)]
     assert sum(asked) == 7
     assert len(say("lookalike/online", "true", retained=True)) == 1
 
 
-def test_one_that_comes_back_is_asked_again(say: Say) -> None:
+def test_a_returned_device_is_asked_again(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     assert say(f"{ID}/online", "true", retained=True) == ()
     (question,) = say(f"{ID}/online", "true")
     assert isinstance(question, DeviceRequest)
 
 
-def test_a_new_profile_takes_the_place_of_the_old(say: Say) -> None:
+def test_a_new_profile_replaces_the_old_one(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH, "switch:1": SWITCH})
     (device,) = say(f"homebot/{ID}/rpc", answer({"sys": SYS, "cover:0": COVER}))
     assert isinstance(device, DeviceAnnounced)
     assert [one.part.service_type for one in device.parts] == ["window_covering"]
 
 
-def test_one_of_which_nothing_is_left_is_withdrawn(say: Say) -> None:
+def test_a_device_without_components_is_withdrawn(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (DeviceWithdrawn(ID, "it has no components left"),)
 
@@ -179,7 +180,7 @@ def test_a_changed_configuration_is_asked_for(say: Say) -> None:
     assert say(f"{ID}/events/rpc", frame) == ()
 
 
-def test_what_wakes_tells_its_whole_status(say: Say, part: Find) -> None:
+def test_a_sleeping_device_is_described_by_its_whole_status(say: Say, part: Find) -> None:
     name = "shellyplusht-a8032a000001"
     status = {
         "sys": {"mac": "A8032A000001", "wakeup_period": 7200},
@@ -217,7 +218,7 @@ def test_a_relay_is_switched_and_read_on_three_topics(say: Say, part: Find) -> N
     }
 
 
-def test_what_a_device_is_there_for_comes_first(say: Say) -> None:
+def test_the_main_purpose_of_a_device_comes_first(say: Say) -> None:
     (device,) = introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}})
     assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
@@ -243,7 +244,7 @@ def test_names_of_components_are_names_of_parts(say: Say, part: Find) -> None:
         ("tilt", 50.0, ("Cover.GoToPosition", {"id": 0, "slat_pos": 50})),
     ],
 )
-def test_a_cover_is_told(say: Say, part: Find, capability: str, value: PlainValue, expected: object) -> None:
+def test_commands_of_a_cover(say: Say, part: Find, capability: str, value: PlainValue, expected: object) -> None:
     cover = part(introduce(say, {"cover:0": {**COVER, "slat_pos": 100}}), "cover:0").codec
     assert called(cover.write(capability, value)) == expected
 
@@ -282,7 +283,7 @@ def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say, part: Find) 
         ),
     ],
 )
-def test_a_lamp_is_told(
+def test_commands_of_a_lamp(
     say: Say, part: Find, component: str, capability: str, value: PlainValue, transition: float, expected: object
 ) -> None:
     lamp = part(introduce(say, {component: {"output": False}}), component)
@@ -290,14 +291,14 @@ def test_a_lamp_is_told(
     assert called(lamp.codec.write(capability, value, transition=transition)) == expected
 
 
-def test_a_lamp_tells_its_colour(say: Say, part: Find) -> None:
+def test_a_lamp_reports_its_colour(say: Say, part: Find) -> None:
     lamp = part(introduce(say, {"rgb:0": {"output": False}}), "rgb:0").codec
     status = b'{"output":true,"brightness":75,"rgb":[255,128,0]}'
     expected = {"on_off": True, "level": 75.0, "color": (30.118, 100.0)}
     assert lamp.read(f"{ID}/status/rgb:0", status, retained=False) == expected
 
 
-def test_a_button_tells_presses_but_not_kept_ones(say: Say, part: Find) -> None:
+def test_a_button_reports_live_presses_only(say: Say, part: Find) -> None:
     button = part(
         introduce(say, {"input:0": {"id": 0, "state": None}}, config={"input:0": {"type": "button"}}), "input:0"
     )
@@ -331,7 +332,7 @@ def test_a_value_of_the_users_is_a_setting(say: Say, part: Find) -> None:
         setting.codec.write("number", 11.0)
 
 
-def test_a_bluetooth_sensor_means_what_its_object_id_says(say: Say, part: Find) -> None:
+def test_a_bluetooth_sensor_has_the_meaning_of_its_object_id(say: Say, part: Find) -> None:
     heard = introduce(say, {"bthomesensor:200": {"value": True}}, config={"bthomesensor:200": {"obj_id": 45}})
     sensor = part(heard, "bthomesensor:200")
     assert sensor.part.service_type == "contact_sensor"
@@ -356,7 +357,7 @@ def test_a_bluetooth_sensor_without_a_name_has_that_of_its_device(
     assert part(introduce(say, components, config=own), "bthomesensor:200").part.name == expected
 
 
-def test_a_thermostat_is_told_degrees_and_mode(say: Say, part: Find) -> None:
+def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say, part: Find) -> None:
     thermostat = part(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
     assert called(thermostat.write("heating_setpoint", 21.5)) == (
         "Thermostat.SetConfig",
@@ -405,7 +406,7 @@ def test_other_answers_are_passed_over(say: Say) -> None:
     assert say("homebot/rpc", {"id": 1, "src": ID, "error": {"code": 404, "message": "No handler"}}) == ()
 
 
-def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
+def test_unknown_devices_are_bounded(shelly: Shelly, say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     for number in range(3000):
         say(f"stranger{number}/online", "true")
@@ -414,7 +415,7 @@ def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
     assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
 
 
-def test_one_that_never_answers_is_known_by_what_it_tells(say: Say, part: Find) -> None:
+def test_a_silent_device_is_described_by_its_reports(say: Say, part: Find) -> None:
     (described, question) = say(f"{ID}/status/switch:0", {"id": 0, "output": True})
     assert isinstance(question, DeviceRequest)
     assert isinstance(described, DeviceAnnounced)
@@ -428,7 +429,7 @@ def test_one_that_never_answers_is_known_by_what_it_tells(say: Say, part: Find) 
     assert not any(isinstance(one, DeviceAnnounced) for one in say(f"{ID}/status/switch:0", {"id": 0, "output": False}))
 
 
-def test_what_it_answers_counts_more_than_what_it_told(say: Say) -> None:
+def test_answers_are_preferred_to_reports(say: Say) -> None:
     say(f"{ID}/status/switch:7", {"id": 7, "output": True})
     (described,) = introduce(say, {"switch:0": SWITCH})
     assert isinstance(described, DeviceAnnounced)
@@ -437,14 +438,25 @@ def test_what_it_answers_counts_more_than_what_it_told(say: Say) -> None:
 
 
 @pytest.mark.parametrize("prefix", ["boiler", "shelly-kitchen", "shellyplus1-a8032abe54", "zigbee2mqtt"])
-def test_who_is_not_named_by_an_address_is_not_known_by_what_it_tells(say: Say, prefix: str) -> None:
+def test_a_prefix_without_address_is_not_described_by_reports(say: Say, prefix: str) -> None:
     assert say(f"{prefix}/status/switch:0", {"id": 0, "output": True}) == ()
 
 
-def test_so_much_is_kept_of_what_one_tells_without_answering(shelly: Shelly, say: Say) -> None:
+def test_reports_of_a_silent_device_are_bounded(shelly: Shelly, say: Say) -> None:
     for number in range(10):
         say(f"{ID}/status/switch:{number}", {"id": number, "output": True, "x": "y" * 20_000})
     described = say(f"{ID}/status/switch:10", {"id": 10, "output": True})[0]
     assert isinstance(described, DeviceAnnounced)
     assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
     assert shelly.reader.dropped == 4
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b"[" * 100_000, b"{" * 5_000_000, b'{"src":"x","result":' + b'{"a":' * 10_000],
+    ids=["list", "long", "deep"],
+)
+@pytest.mark.parametrize("topic", ["homebot/x/rpc", "x/events/rpc", "shellies/announce"])
+def test_a_long_or_deep_message_describes_nothing(shelly: Shelly, topic: str, payload: bytes) -> None:
+    with contextlib.suppress(WireError):
+        assert shelly.read_message(topic, payload, retained=False) == ()

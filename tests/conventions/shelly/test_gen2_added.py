@@ -43,7 +43,7 @@ def gateway(say: Say) -> Say:
     return say
 
 
-def test_what_was_added_is_a_part_with_the_name_that_it_was_given(gateway: Say, part: Find) -> None:
+def test_an_added_component_is_a_part_with_its_given_name(gateway: Say, part: Find) -> None:
     found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
     assert (found.part.service_type, found.part.name) == ("temperature_sensor", "Shelf 200")
 
@@ -63,7 +63,7 @@ def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway:
     ]
 
 
-def test_the_question_for_the_next_page_takes_the_place_of_no_other(gateway: Say) -> None:
+def test_the_request_of_the_next_page_replaces_no_other(gateway: Say) -> None:
     """Who is asked again, as after a new link, may be telling the first page meanwhile."""
     gateway(ANSWERS, page(0, 1, sensor(200, 21.5)))
     (again,) = gateway(f"{ID}/online", "true")
@@ -73,7 +73,7 @@ def test_the_question_for_the_next_page_takes_the_place_of_no_other(gateway: Say
     assert again.key != more.key
 
 
-def test_the_same_pages_tell_how_it_is(gateway: Say, part: Find) -> None:
+def test_the_same_pages_report_the_status(gateway: Say, part: Find) -> None:
     found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
     message = json.dumps(page(0, 1, sensor(200, 22.0))).encode()
     assert found.codec.read(ANSWERS, message, retained=False) == {"temperature": 22.0}
@@ -82,7 +82,7 @@ def test_the_same_pages_tell_how_it_is(gateway: Say, part: Find) -> None:
     assert gateway(ANSWERS, page(0, 1, sensor(200, 22.0))) == ()
 
 
-def test_what_was_removed_is_gone_with_the_next_list(gateway: Say) -> None:
+def test_a_removed_component_is_gone_with_the_next_list(gateway: Say) -> None:
     gateway(ANSWERS, page(0, 2, sensor(200, 1.0), sensor(201, 2.0)))
     (device,) = gateway(ANSWERS, page(0, 1, sensor(201, 2.0)))
     assert isinstance(device, DeviceAnnounced)

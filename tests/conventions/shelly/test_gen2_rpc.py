@@ -102,7 +102,7 @@ def test_a_transition_is_sent_along() -> None:
 @pytest.mark.parametrize(
     ("loads", "expected"), [(["", "Lights"], "light"), (["light", ""], "switch"), (["light"], "switch"), (7, "switch")]
 )
-def test_a_relay_is_a_light_where_its_owner_says_that_it_feeds_one(loads: object, expected: str) -> None:
+def test_a_relay_is_a_light_by_its_configured_load(loads: object, expected: str) -> None:
     device = Gen2RpcDevice("shellyplus2pm-a8032abe54dc")
     device.record_answer("config", {"sys": {"device": {}, "ui_data": {"consumption_types": loads}}}, 100)
     device.record_answer("status", {"sys": {"uptime": 1}, "switch:1": {"id": 1, "output": True}}, 100)
@@ -135,7 +135,7 @@ def test_a_part_that_is_gone_is_refused() -> None:
         device.calls("switch:7", "on_off", True, 0.0)
 
 
-def test_a_notification_says_what_changed() -> None:
+def test_a_notification_reports_changes() -> None:
     """Shelly Gen2+ API, Notifications, NotifyStatus."""
     device = asked(MODELS["Pro 4PM"])
     device.describe()
@@ -167,7 +167,7 @@ def test_a_sleeper_reports_its_whole_status_and_is_missed_after_two_and_a_half_p
     assert dict(device.read_notification(frame(news)))["temperature:0"] == {"temperature": 14.7}
 
 
-def test_a_battery_reports_only_what_it_was_described_with() -> None:
+def test_a_battery_reports_only_described_values() -> None:
     model = MODELS["H&T Gen3"]
     device = Gen2RpcDevice(model.info["id"])
     device.record_answer("info", model.info, 100)
@@ -178,7 +178,7 @@ def test_a_battery_reports_only_what_it_was_described_with() -> None:
 
 
 @pytest.mark.parametrize("event", ["config_changed", "component_added", "component_removed"])
-def test_a_device_that_is_set_up_anew_says_so(event: str) -> None:
+def test_a_device_reports_a_changed_setup(event: str) -> None:
     events = [{"component": "sys", "event": event, "restart_required": False, "ts": 1.0, "cfg_rev": 13}]
     assert is_setup_change({"method": "NotifyEvent", "params": {"ts": 1.0, "events": events}})
     assert not is_setup_change({"method": "NotifyStatus", "params": {"events": events}})

@@ -141,7 +141,7 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
         ),
     ],
 )
-def test_a_component_tells(
+def test_a_component_reports(
     say: Say, part: Find, key: str, config: object, part_id: str, service_type: str, status: object, expected: object
 ) -> None:
     found = part(introduce(say, key, status, config), part_id)
@@ -155,12 +155,12 @@ def test_a_component_tells(
     ("key", "config"),
     [("input:0", {"enable": False}), ("bthomesensor:200", {"obj_id": 9999}), ("ble:0", {}), ("switch:", {})],
 )
-def test_what_is_off_or_unknown_is_no_part(say: Say, key: str, config: object) -> None:
+def test_disabled_and_unknown_inputs_are_no_parts(say: Say, key: str, config: object) -> None:
     assert introduce(say, key, {"state": True, "value": 1}, config) == ()
 
 
 @pytest.mark.parametrize(("key", "config"), [("bthomedevice:200", {}), ("bthomesensor:200", {"obj_id": 58})])
-def test_a_button_heard_by_bluetooth_tells_each_press(say: Say, part: Find, key: str, config: object) -> None:
+def test_a_bluetooth_button_reports_each_press(say: Say, part: Find, key: str, config: object) -> None:
     button = part(introduce(say, key, {"rssi": -60}, config), key)
     event = {"method": "NotifyEvent", "params": {"events": [{"component": key, "event": "double_push"}]}}
     assert button.part.service_type == "generic_switch"
@@ -209,7 +209,7 @@ def test_a_water_valve_of_a_maker_is_a_valve(say: Say, part: Find) -> None:
     ]
 
 
-def test_what_turns_a_device_of_a_maker_on_is_a_switch(say: Say, part: Find) -> None:
+def test_the_state_of_a_makers_device_is_a_switch(say: Say, part: Find) -> None:
     config = {"id": 200, "name": "Power", "owner": "service:0", "role": "state", "access": "crw"}
     switch = part(introduce(say, "boolean:200", {"value": True}, config), "boolean:200")
     assert (switch.part.service_type, switch.part.category) == ("switch", "")
@@ -235,7 +235,7 @@ def test_a_number_of_the_user_has_the_unit_that_the_device_shows(
     assert (found.name, found.unit) == (capability, "W")
 
 
-def test_a_boolean_of_the_user_is_no_zone_whatever_its_role(say: Say, part: Find) -> None:
+def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say, part: Find) -> None:
     mine = part(introduce(say, "boolean:200", {"value": False}, {"name": "zone0", "role": "zone0"}), "boolean:200")
     assert mine.part.service_type == "x_setting"
 

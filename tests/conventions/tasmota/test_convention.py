@@ -109,7 +109,7 @@ def test_sensors_come_before_the_config() -> None:
     assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
 
 
-def test_a_config_that_says_nothing_new_gives_the_same_description() -> None:
+def test_an_unchanged_config_gives_the_same_description() -> None:
     convention = discovery()
     device = one(take(convention, "config", config()))
     assert one(take(convention, "config", config())) is device
@@ -180,7 +180,7 @@ def test_other_topics_say_nothing() -> None:
         assert convention.read_message(topic, b"{}", retained=True) == ()
 
 
-def test_the_last_will_tells_whether_it_can_be_reached() -> None:
+def test_the_last_will_reports_availability() -> None:
     availability = one(take(discovery(), "config", config(onln="Da", ofln="Weg"))).availability
     assert availability is not None
     (will,) = availability.sources

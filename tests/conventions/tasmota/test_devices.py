@@ -17,11 +17,14 @@ import pytest
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.devices.value import PlainValue
+from homebot.errors import WireError
 
 Device: TypeAlias = dict[str, Any]
 
 LINES = Path(__file__).with_name("devices.jsonl").read_text(encoding="utf-8").splitlines()
 DEVICES: list[Device] = [json.loads(line) for line in LINES]
+CONFIG = "tasmota/discovery/2462AB000011/config"
+SENSORS = "tasmota/discovery/2462AB000011/sensors"
 UNTOLD_BY_HOME_ASSISTANT = {"generic_switch"}
 
 
@@ -84,3 +87,24 @@ def test_commands_are_those_of_home_assistant(device: Device) -> None:
         (publication,) = parts[part_id].codec.write(capability, plain, transition=transition)
         assert (publication.topic, publication.payload.decode()) == (topic, payload)
         assert topic in parts[part_id].part.writes
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b"x" * 5_000_000, b'{"a":' * 10_000, b"[" * 9_999 + b"]" * 9_999, b'{"ver": NaN}', b'{"t": "\\ud800"}', b"[]"],
+    ids=["junk", "open", "deep", "NaN", "surrogate", "list"],
+)
+@pytest.mark.parametrize("topic", [CONFIG, SENSORS])
+def test_an_attack_is_refused_in_short_words(topic: str, payload: bytes) -> None:
+    convention = TasmotaDiscovery(TasmotaSettings())
+    with pytest.raises(WireError) as refused:
+        convention.read_message(topic, payload, retained=False)
+    assert convention.rejected == 1
+    assert len(str(refused.value)) < 400
+
+
+def test_names_are_cut_to_a_line() -> None:
+    fields = {**DEVICES[0]["config"], "mac": "2462AB000011", "dn": "<b>\x1b[31m" + "n" * 200}
+    (found,) = TasmotaDiscovery(TasmotaSettings()).read_message(CONFIG, json.dumps(fields).encode(), retained=True)
+    assert isinstance(found, DeviceAnnounced)
+    assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)

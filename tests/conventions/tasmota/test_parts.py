@@ -64,12 +64,12 @@ def test_a_device_has_words_of_its_own() -> None:
     assert told(relay, "on_off", value=False) == ("c/Power1", "Aus")
 
 
-def test_a_relay_is_a_lamp_where_the_user_says_so() -> None:
+def test_a_relay_is_a_lamp_by_the_users_option() -> None:
     assert only(rl=[1], so={"30": 1}).part.service_type == "light"
     assert only(rl=[1], so={"30": 0}).part.service_type == "switch"
 
 
-def test_a_dimmer_is_told_in_one_go() -> None:
+def test_commands_of_a_dimmer_are_one_backlog() -> None:
     lamp = only(rl=[2], lt_st=1)
     assert told(lamp, "on_off", value=True) == ("c/Backlog", "NoDelay;Power1 ON")
     assert told(lamp, "level", 50.0) == ("c/Backlog", "NoDelay;Dimmer 50")
@@ -79,7 +79,7 @@ def test_a_dimmer_is_told_in_one_go() -> None:
     assert said(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
 
 
-def test_power_is_told_apart_where_it_does_not_follow_the_dimmer() -> None:
+def test_power_is_a_command_of_its_own_if_it_does_not_follow_the_dimmer() -> None:
     assert told(only(rl=[2], lt_st=1, so={"20": 1}), "level", 50.0)[1] == "NoDelay;Dimmer 50;NoDelay;Power1 ON"
 
 
@@ -94,7 +94,7 @@ def test_whites_are_kelvin() -> None:
     assert told(lamp, "color_temperature", 4_000.0)[1] == "NoDelay;Power1 ON;NoDelay;CT 250"
 
 
-def test_colours_and_whites_of_one_lamp_take_turns() -> None:
+def test_colours_and_whites_of_one_lamp_alternate() -> None:
     lamp = only(rl=[2], lt_st=5)
     color = {"HSBColor": "240,100,40", "White": 0, "CT": 380}
     assert said(lamp, "t/STATE", color) == {"color": (240.0, 100.0), "color_temperature": None}
@@ -105,7 +105,7 @@ def test_colours_and_whites_of_one_lamp_take_turns() -> None:
 
 
 @pytest.mark.parametrize("color", [1, "a,b,c", "1,2", "361,1,1", "1," * 999, None])
-def test_a_colour_that_is_none_says_nothing(color: object) -> None:
+def test_an_invalid_colour_is_ignored(color: object) -> None:
     assert said(only(rl=[2], lt_st=3), "t/STATE", {"HSBColor": color, "Color": color}) == {}
 
 
@@ -123,7 +123,7 @@ def test_each_channel_may_be_a_dimmer() -> None:
     assert said(second, "t/STATE", {"Channel1": 10, "Channel2": 20}) == {"level": 20.0}
 
 
-def test_how_fast_it_fades_depends_on_what_it_shows() -> None:
+def test_the_fade_speed_depends_on_the_state() -> None:
     lamp = only(rl=[2], lt_st=1)
     assert told(lamp, "level", 50.0, 2.0)[1] == "NoDelay;Fade2 1;NoDelay;Speed2 8;NoDelay;Dimmer 50"
     said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40})
@@ -161,7 +161,7 @@ def test_a_shutter_has_two_outputs(outputs: tuple[int, ...], count: int) -> None
     assert count_shutters(outputs) == count
 
 
-def test_a_shutter_is_read_and_told() -> None:
+def test_reports_and_commands_of_a_shutter() -> None:
     shutter = only(rl=[3, 3], sht=[[-90, 90, 20]])
     assert said(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": -1, "Tilt": 0}}) == {
         "position": 30.0,
@@ -217,7 +217,7 @@ def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
     assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
 
 
-def test_a_push_switch_tells_its_state_and_presses() -> None:
+def test_a_push_switch_reports_state_and_presses() -> None:
     parts = built(swc=[5])
     press = parts["switch_1_press"]
     assert press.part.service_type == "generic_switch"
@@ -236,13 +236,13 @@ def test_a_push_switch_tells_its_state_and_presses() -> None:
         ({"73": 1}, "PENTA", {"press": "quintuple"}),
     ],
 )
-def test_buttons_tell_presses(options: dict[str, int], action: str, expected: dict[str, str]) -> None:
+def test_buttons_report_presses(options: dict[str, int], action: str, expected: dict[str, str]) -> None:
     button = only(btn=[1, 0], so=options)
     assert button.part.id == "button_1"
     assert said(button, "s/RESULT", {"Button1": {"Action": action}}) == expected
 
 
-def test_buttons_that_switch_directly_tell_nothing() -> None:
+def test_buttons_that_switch_directly_report_nothing() -> None:
     assert built(btn=[1]) == {}
 
 
@@ -293,7 +293,7 @@ def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
     assert built({**sensors, "TempUnit": "C"})[part_id].part.category == category
 
 
-def test_a_meter_may_tell_fewer_phases_than_it_announced() -> None:
+def test_a_meter_may_report_fewer_phases_than_announced() -> None:
     parts = built({"ENERGY": {"Power": [1, 2]}})
     assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}
     assert said(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {}
@@ -301,7 +301,7 @@ def test_a_meter_may_tell_fewer_phases_than_it_announced() -> None:
     assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": None}}) == {"power": None}
 
 
-def test_what_is_no_sensor_is_left_out() -> None:
+def test_other_leaves_are_left_out() -> None:
     assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
     assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()
 
@@ -311,7 +311,7 @@ def test_sensors_are_bounded() -> None:
     assert len(built({"A": {f"n{number}": number for number in range(10_000)}})) == MOST_SENSORS
 
 
-def test_the_strength_of_the_signal_is_told_beside_the_state() -> None:
+def test_the_signal_strength_is_a_diagnostic_part() -> None:
     config = read_config(
         MAC, json.dumps({"ver": 1, "mac": MAC, "ft": "%prefix%/", "tp": ["c", "s", "t"], "rl": []}).encode()
     )
@@ -321,7 +321,7 @@ def test_the_strength_of_the_signal_is_told_beside_the_state() -> None:
     assert said(wifi, "t/STATE", {"Wifi": 1}) == {}
 
 
-def test_the_relays_of_a_fans_speeds_are_told_and_switched_by_nobody() -> None:
+def test_the_relays_of_a_fans_speeds_are_read_only() -> None:
     """Home Assistant shows them as switches: *all on* there would set the fan between two speeds."""
     parts = built(rl=[1, 1, 1, 1], fan=1)
     relay = parts["power_3"]

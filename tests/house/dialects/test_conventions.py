@@ -130,13 +130,13 @@ TYPES = {
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs())
-def test_a_device_is_taken_for_what_it_is(name: str, kind: str) -> None:
+def test_a_device_has_the_type_of_its_parts(name: str, kind: str) -> None:
     """By what it announces alone."""
     assert TYPES[kind] & {part.part.service_type for part in bench(name, kind).parts}
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs())
-def test_its_birth_says_that_it_is_there_and_its_will_that_it_is_not(name: str, kind: str) -> None:
+def test_birth_and_will_report_availability(name: str, kind: str) -> None:
     """Shelly's contacts run on batteries and are asleep most of the time, which is no bad sign."""
     there = bench(name, kind)
     (described,) = there.described
@@ -152,7 +152,7 @@ def test_its_birth_says_that_it_is_there_and_its_will_that_it_is_not(name: str, 
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs("lamp"))
-def test_a_lamp_is_heard_and_obeys(name: str, kind: str) -> None:
+def test_a_lamp_reports_and_obeys(name: str, kind: str) -> None:
     """On, off, and as bright as told."""
     lamp = bench(name, kind)
     assert lamp.hear()["on_off"] is False
@@ -166,7 +166,7 @@ def test_a_lamp_is_heard_and_obeys(name: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in CONVENTIONS if name != "shelly_rpc"])
-def test_a_lamp_is_as_warm_as_told(name: str) -> None:
+def test_a_lamp_has_the_commanded_colour_temperature(name: str) -> None:
     """All of these families but one have lamps with warm and cold light."""
     lamp = bench(name, "lamp")
     lamp.tell("color_temperature", 4000.0)
@@ -174,7 +174,7 @@ def test_a_lamp_is_as_warm_as_told(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "kind"), [*pairs("cover"), *pairs("window")])
-def test_a_motor_goes_where_it_is_told(name: str, kind: str) -> None:
+def test_a_motor_moves_to_the_commanded_position(name: str, kind: str) -> None:
     """And says where it is, and while it goes."""
     motor = bench(name, kind)
     motor.tell("movement", "open")
@@ -190,7 +190,7 @@ def test_a_motor_goes_where_it_is_told(name: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs("lock"))
-def test_a_lock_is_heard_and_obeys(name: str, kind: str) -> None:
+def test_a_lock_reports_and_obeys(name: str, kind: str) -> None:
     lock = bench(name, kind)
     assert lock.hear()["lock"] == "locked"
     lock.tell("lock", "unlocked")
@@ -198,7 +198,7 @@ def test_a_lock_is_heard_and_obeys(name: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs("thermostat"))
-def test_a_thermostat_is_heard_and_obeys(name: str, kind: str) -> None:
+def test_a_thermostat_reports_and_obeys(name: str, kind: str) -> None:
     thermostat = bench(name, kind)
     thermostat.tell("heating_setpoint", 23.5)
     told = thermostat.hear()
@@ -216,7 +216,9 @@ def test_a_thermostat_is_heard_and_obeys(name: str, kind: str) -> None:
     ],
 )
 @pytest.mark.parametrize("name", CONVENTIONS)
-def test_what_a_sensor_feels_is_known(name: str, kind: str, felt: float, names: set[str], value: PlainValue) -> None:
+def test_a_sensor_reports_its_measurement(
+    name: str, kind: str, felt: float, names: set[str], value: PlainValue
+) -> None:
     """In canonical units; an open door is open, whichever way round the wire has it."""
     if kind not in DIALECTS[name].kinds:
         assert name in {"tasmota", "shelly", "shelly_rpc"}
@@ -227,7 +229,7 @@ def test_what_a_sensor_feels_is_known(name: str, kind: str, felt: float, names: 
 
 
 @pytest.mark.parametrize("name", ["zigbee2mqtt", "tasmota", "shelly"])
-def test_who_does_not_have_its_state_kept_says_it_when_asked(name: str) -> None:
+def test_a_device_without_retained_state_reports_on_request(name: str) -> None:
     """As conventions ask once they listen."""
     lamp = bench(name, "lamp")
     asked = [one for part in lamp.parts for one in part.state_requests]

@@ -47,7 +47,7 @@ def test_payloads_are_read_by_their_type(content_type: str, payload: bytes, docu
 
 
 @pytest.mark.parametrize("pack", [{}, [], [1], [{}], [{"n": 1, "v": 1}], [{"v": "x"}], [{"v": float("inf")}]])
-def test_what_is_no_senml_is_refused(pack: object) -> None:
+def test_invalid_senml_is_refused(pack: object) -> None:
     with pytest.raises(WireError):
         read_senml(pack)
 
@@ -63,7 +63,7 @@ WORDS = {"true", "false", "null"}
     | st.integers(-(2**40), 2**40)
     | st.text(st.characters(categories=["L"]), min_size=1, max_size=9).filter(lambda text: text not in WORDS),
 )
-def test_what_is_written_in_any_type_is_read_again(content_type: str, value: object) -> None:
+def test_written_documents_of_any_type_are_read_again(content_type: str, value: object) -> None:
     found = coap_formats(content_type)
     assert found is not None
     document = found.parse(found.encode(value))

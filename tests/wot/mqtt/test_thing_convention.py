@@ -80,7 +80,7 @@ def test_a_description_is_a_device() -> None:
     assert (lamp.part.service_type, lamp.part.reads, lamp.part.writes) == ("light", ("lamp/on",), ("lamp/on/set",))
 
 
-def test_the_empty_payload_takes_a_description_back() -> None:
+def test_the_empty_payload_withdraws_a_description() -> None:
     convention = ThingDescriptions(ThingSettings())
     assert convention.read_message(TOPIC, b"", retained=False) == (
         DeviceWithdrawn("lamp", "its description was withdrawn"),
@@ -129,7 +129,7 @@ def test_prefixes_can_be_chosen() -> None:
         (prop("t", "string"), "", b'"' + b"x" * 300_000 + b'"', {}),
     ],
 )
-def test_what_a_thing_says_is_read_in_the_vocabularys_units(
+def test_values_of_a_thing_are_read_in_the_vocabularys_units(
     schema: dict[str, Any], types: str, payload: bytes, told: dict[str, PlainValue]
 ) -> None:
     """JSON as its schema says, or bare words; what cannot be meant says nothing."""
@@ -155,7 +155,7 @@ def test_what_a_thing_says_is_read_in_the_vocabularys_units(
         (prop("t", "string"), "", "text", "ä", '"ä"'.encode()),
     ],
 )
-def test_a_command_is_spelt_as_the_schema_says(
+def test_a_command_is_encoded_by_the_schema(
     schema: dict[str, Any], types: str, capability: str, value: PlainValue, payload: bytes
 ) -> None:
     (part,) = take(thing({"p": schema | {"@type": types}})).parts
@@ -175,7 +175,7 @@ def test_a_command_is_spelt_as_the_schema_says(
         (prop("t", "string", enum=["eco", "max"]), "", "option", "party", "it takes eco, max"),
     ],
 )
-def test_what_is_no_value_of_a_part_is_refused(
+def test_an_invalid_value_of_a_part_is_refused(
     schema: dict[str, Any], types: str, capability: str, value: PlainValue, problem: str
 ) -> None:
     (part,) = take(thing({"p": schema | {"@type": types}})).parts
@@ -183,7 +183,7 @@ def test_what_is_no_value_of_a_part_is_refused(
         part.codec.write(capability, value)
 
 
-def test_plain_text_is_told_as_it_is() -> None:
+def test_plain_text_is_sent_unchanged() -> None:
     schema = prop("t", "string", enum=["on", "off"], **{"@type": "OnOffProperty"})
     for form in schema["forms"]:
         form["contentType"] = "text/plain"
@@ -230,7 +230,7 @@ def test_actions_are_pushed_and_kept_events_are_none() -> None:
     assert hot.codec.read("lamp/1/hot", b'"very"', retained=True) == {}
 
 
-def test_what_is_about_other_protocols_or_payloads_is_there_and_no_more() -> None:
+def test_parts_of_other_protocols_or_payloads_are_neither_read_nor_set() -> None:
     """A house's own lamp, exported and imported elsewhere, is not told what its own convention would spell."""
     part = Part(
         id="",
@@ -306,7 +306,7 @@ _values = st.none() | st.booleans() | st.floats() | st.text(max_size=5) | st.tup
     st.binary() | _ends.map(str).map(str.encode),
     _values,
 )
-def test_nothing_that_is_said_or_told_breaks_a_part(
+def test_no_message_or_command_breaks_a_part(
     types: str,
     unit: str,
     kind: str,
