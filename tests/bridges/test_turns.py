@@ -6,7 +6,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 
 
 class WorkClock:
@@ -25,11 +25,11 @@ def clock() -> WorkClock:
 
 
 @pytest.fixture
-def turns(clock: WorkClock) -> Turns:
-    return Turns(lambda: clock.now)
+def turns(clock: WorkClock) -> ServerTurns:
+    return ServerTurns(lambda: clock.now)
 
 
-async def test_whoever_works_long_lets_everything_else_run_in_between(turns: Turns, clock: WorkClock) -> None:
+async def test_whoever_works_long_lets_everything_else_run_in_between(turns: ServerTurns, clock: WorkClock) -> None:
     rounds = 0
 
     async def count_rounds() -> None:
@@ -52,7 +52,7 @@ async def test_whoever_works_long_lets_everything_else_run_in_between(turns: Tur
         tasks.cancel_scope.cancel()
 
 
-async def test_turns_go_round_in_the_order_of_asking(turns: Turns, clock: WorkClock) -> None:
+async def test_turns_go_round_in_the_order_of_asking(turns: ServerTurns, clock: WorkClock) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:
@@ -68,7 +68,7 @@ async def test_turns_go_round_in_the_order_of_asking(turns: Turns, clock: WorkCl
     assert "".join(got) == "abcabcabc"
 
 
-async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns, clock: WorkClock) -> None:
+async def test_one_who_gives_up_costs_nobody_a_turn(turns: ServerTurns, clock: WorkClock) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:
@@ -85,6 +85,6 @@ async def test_one_who_gives_up_costs_nobody_a_turn(turns: Turns, clock: WorkClo
     assert got == ["b"]
 
 
-async def test_little_work_waits_for_nothing(turns: Turns) -> None:
+async def test_little_work_waits_for_nothing(turns: ServerTurns) -> None:
     for _ in range(10):
         assert turns.has_time()

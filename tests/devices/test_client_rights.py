@@ -76,78 +76,21 @@ def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> No
     assert may(ALL_RIGHTS, one)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "valve_group_1",
-        "Garage door left",
-        "Gate motor 2",
-        "Front gate",
-        "Main valve",
-        "Gates",
-        "Back door lock",
-        "Door garage",
-        "Door of the garage",
-        "Garage left door",
-        "GarageDoor",
-        "Valve of the garden",
-        "Gate to the field",
-        "Door opener",
-        "Gate opener 2",
-        "Lock relay",
-        "Boiler 1",
-        "Kitchen oven clock",
-        "Open gate",
-        "Garage door toggle",
-        "Gate impulse",
-        "Open front door",
-        "Door open",
-        "Open garage",
-        "Unlock the front door",
-        "Front door unlock",
-        "Unlatch",
-        "Front door release",
-        "Gate strike",
-        "Disarm",
-        "Water heater",
-        "Immersion heater 2",
-        "Hot water",
-        "Geyser",
-        "Sauna",
-        "Sauna heater",
-        "Fireplace left",
-        "Garagentor",
-        "Garagentor links",
-        "Tor",
-        "Einfahrtstor auf/zu",
-        "Tor Einfahrt",
-        "Haustür",
-        "Haustuer Summer",
-        "Türschloss",
-        "Schloss Haustür",
-        "Türöffner unten",
-        "Wasserventil Garten",
-        "Backofen",
-        "Boiler Bad",
-        "Oven plug",
-        "Porte de garage",
-        "Porte du garage gauche",
-        "Serrure de la porte d'entrée",
-        "Ouverture portail",
-        "Portail voiture",
-        "Vanne d'eau",
-        "Chauffe-eau",
-        "Cancello",
-        "Apri cancello",
-        "Porta del garage",
-        "Caldaia",
-        "Válvula principal",
-        "Puerta del garaje",
-        "Horno",
-        "Garagedeur",
-        "Poort openen",
-    ],
+NAMES_THAT_ASK = (
+    "valve_group_1, Garage door left, Gate motor 2, Front gate, Main valve, Gates, Back door lock, Door garage, "
+    "Door of the garage, Garage left door, GarageDoor, Valve of the garden, Gate to the field, Door opener, "
+    "Gate opener 2, Lock relay, Boiler 1, Kitchen oven clock, Open gate, Garage door toggle, Gate impulse, "
+    "Open front door, Door open, Open garage, Unlock the front door, Front door unlock, Unlatch, "
+    "Front door release, Gate strike, Disarm, Water heater, Immersion heater 2, Hot water, Geyser, Sauna, "
+    "Sauna heater, Fireplace left, Garagentor, Garagentor links, Tor, Einfahrtstor auf/zu, Tor Einfahrt, "
+    "Haustür, Haustuer Summer, Türschloss, Schloss Haustür, Türöffner unten, Wasserventil Garten, Backofen, "
+    "Boiler Bad, Oven plug, Porte de garage, Porte du garage gauche, Serrure de la porte d'entrée, "
+    "Ouverture portail, Portail voiture, Vanne d'eau, Chauffe-eau, Cancello, Apri cancello, Porta del garage, "
+    "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen"
 )
+
+
+@pytest.mark.parametrize("name", NAMES_THAT_ASK.split(", "))
 @pytest.mark.parametrize(
     ("service_type", "capability"),
     [
@@ -214,67 +157,19 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
     assert not always_asks(one, one.parts[0])
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "Gate light",
-        "Lock monitor",
-        "Plug",
-        "Garage",
-        "Door",
-        "Door lamp",
-        "Garage light",
-        "Valve battery",
-        "Heizung Bad",
-        "Door bell garage",
-        "Garage door light",
-        "Garage heater left",
-        "Gate lamp 2",
-        "Valve amplifier",
-        "Front left",
-        "Navigate",
-        "Block heater",
-        "Child lock",
-        "Child lock 2",
-        "Clock",
-        "Gateway",
-        "Letter opener",
-        "Door sensor 1",
-        "EV charger",
-        "Door open alarm",
-        "Window open detection",
-        "Open",
-        "Toggle",
-        "Release",
-        "Door chime",
-        "Stop",
-        "Hot water pump",
-        "Cold water",
-        "Sauna light",
-        "Fireplace lamp",
-        "Boiler room fan",
-        "Boilerraum",
-        "Cooker hood",
-        "Garagentor Licht",
-        "Torbeleuchtung",
-        "Hauslicht",
-        "Ventilator",
-        "Motor",
-        "Monitor",
-        "Store",
-        "Kinderzimmer",
-        "Radiator",
-        "Lampe du portail",
-        "Sonnette portail",
-        "Porte",
-        "Lumière garage",
-        "Luce cancello",
-        "Luz puerta garaje",
-        "Poortlamp",
-        "Deurbel poort",
-        "Puerta",
-    ],
+OTHER_NAMES = (
+    "Gate light, Lock monitor, Plug, Garage, Door, Door lamp, Garage light, Valve battery, Heizung Bad, "
+    "Door bell garage, Garage door light, Garage heater left, Gate lamp 2, Valve amplifier, Front left, "
+    "Navigate, Block heater, Child lock, Child lock 2, Clock, Gateway, Letter opener, Door sensor 1, EV charger, "
+    "Door open alarm, Window open detection, Open, Toggle, Release, Door chime, Stop, Hot water pump, "
+    "Cold water, Sauna light, Fireplace lamp, Boiler room fan, Boilerraum, Cooker hood, Garagentor Licht, "
+    "Torbeleuchtung, Hauslicht, Ventilator, Motor, Monitor, Store, Kinderzimmer, Radiator, Lampe du portail, "
+    "Sonnette portail, Porte, Lumière garage, Luce cancello, Luz puerta garaje, Poortlamp, Deurbel poort, "
+    "Puerta"
 )
+
+
+@pytest.mark.parametrize("name", OTHER_NAMES.split(", "))
 @pytest.mark.parametrize(("service_type", "capability"), [("plug", "on_off"), ("x_setting", "push")])
 def test_a_plug_or_button_of_another_name_does_not(name: str, service_type: str, capability: str) -> None:
     one = device(name, part(service_type, capability))
@@ -282,29 +177,18 @@ def test_a_plug_or_button_of_another_name_does_not(name: str, service_type: str,
     assert may(LOCAL_RIGHTS, one)
 
 
-@pytest.mark.parametrize(
-    "model",
-    [
-        "Hilo water heater controller",
-        "Calypso smart water heater controller",
-        "Water heater switch",
-        "Smart Boiler Switch",
-        "Boiler control relay module used in Enel Homix system",
-        "Dry contact switch for central heating boilers",
-        "Battery Zigbee thermostat with dry contact for boiler control",
-        "Smart sprinkler timer",
-        "Smart sprinkler timer with measurements",
-        "Hose faucet water timer",
-        "Parkside smart watering timer",
-        "Smart watering kit",
-        "Stove guard for safe cooking",
-        "2.5 Stove guard",
-        "Water walve",
-        "Smart water/gas valve",
-        "IOT remote control smart gas lock",
-        "Zigbee smart water valve with flow meter and temperature sensor",
-    ],
+MODELS_THAT_ASK = (
+    "Hilo water heater controller, Calypso smart water heater controller, Water heater switch, "
+    "Smart Boiler Switch, Boiler control relay module used in Enel Homix system, "
+    "Dry contact switch for central heating boilers, "
+    "Battery Zigbee thermostat with dry contact for boiler control, Smart sprinkler timer, "
+    "Smart sprinkler timer with measurements, Hose faucet water timer, Parkside smart watering timer, "
+    "Smart watering kit, Stove guard for safe cooking, 2.5 Stove guard, Water walve, Smart water/gas valve, "
+    "IOT remote control smart gas lock, Zigbee smart water valve with flow meter and temperature sensor"
 )
+
+
+@pytest.mark.parametrize("model", MODELS_THAT_ASK.split(", "))
 def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str) -> None:
     """Relays of zigbee-herdsman-converters 26.112."""
     one = of_model(model, "switch", "on_off")

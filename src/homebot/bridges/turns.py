@@ -1,4 +1,4 @@
-"""Turns of the tasks of a server within its turn budget."""
+"""ServerTurns of the tasks of a server within its turn budget."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import final
 
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["Turns"]
+__all__ = ["ServerTurns"]
 
 
 @final
-class Turns:
+class ServerTurns:
     """Hands out turns; a piece of work is the part of a task between two of them.
 
     Args:

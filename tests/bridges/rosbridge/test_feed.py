@@ -13,7 +13,7 @@ from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import SubscribeOperation
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node, Publisher
 from homebot.messages import Int32
@@ -45,7 +45,7 @@ class Client:
 @asynccontextmanager
 async def feeding(client: Client, *requests: SubscribeOperation) -> AsyncIterator[Publisher[Int32]]:
     graph = Graph()
-    outbox = Outbox(client.send, lambda: None, Turns(), 1000)
+    outbox = Outbox(client.send, lambda: None, ServerTurns(), 1000)
     feed = Feed(Node(graph, "door"), "/n", Int32, 10, Backlog(10_000, DoorBacklog(10_000)), outbox)
     for request in requests:
         feed.add(request)

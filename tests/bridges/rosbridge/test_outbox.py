@@ -11,7 +11,7 @@ import pytest
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.messages.json import JsonObject
 
 pytestmark = pytest.mark.virtual_time
@@ -55,7 +55,7 @@ class Topic:
 
 @asynccontextmanager
 async def sending(client: Client, limit: int = 1000) -> AsyncIterator[Outbox]:
-    outbox = Outbox(client.send, client.cut, Turns(), limit)
+    outbox = Outbox(client.send, client.cut, ServerTurns(), limit)
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(outbox.run)
         yield outbox

@@ -10,7 +10,7 @@ import pytest
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import CallService, Frame
 from homebot.bridges.rosbridge.services import call_service
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import ALL_RIGHTS
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.graph import Graph, Node
@@ -32,7 +32,7 @@ async def answer_of(service: str, timeout: float = 0.0) -> object:
     async with Node(graph, "blind") as blind, Node(graph, "door") as door:
         blind.create_service(Trigger, service, slow)
         op = CallService(op="call_service", service=service, timeout=timeout)
-        await call_service(door, op, Turns(), ClientAccess("local", ALL_RIGHTS), frames.append)
+        await call_service(door, op, ServerTurns(), ClientAccess("local", ALL_RIGHTS), frames.append)
     (frame,) = frames
     return (json.loads(frame) if isinstance(frame, str) else frame)["values"]
 

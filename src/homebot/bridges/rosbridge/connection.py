@@ -12,7 +12,7 @@ from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 
 __all__ = ["DoorConnection"]
 
@@ -32,7 +32,9 @@ class DoorConnection(ServerConnection):
         arguments: As the library makes connections.
     """
 
-    def __init__(self, turns: Turns, arriving: dict[DoorConnection, None], *arguments: Any, **settings: Any) -> None:
+    def __init__(
+        self, turns: ServerTurns, arriving: dict[DoorConnection, None], *arguments: Any, **settings: Any
+    ) -> None:
         super().__init__(*arguments, **settings)
         self._turns = turns
         self._arriving = arriving

@@ -14,7 +14,7 @@ from typing import Protocol, final
 
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.rosbridge.protocol import Frame, encode_frame
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 
 __all__ = ["MessageSource", "Outbox"]
 
@@ -47,7 +47,7 @@ class Outbox:
     """
 
     def __init__(
-        self, send: Callable[[str | bytes], Awaitable[None]], cut: Callable[[], None], turns: Turns, limit: int
+        self, send: Callable[[str | bytes], Awaitable[None]], cut: Callable[[], None], turns: ServerTurns, limit: int
     ) -> None:
         self._send = send
         self._cut = cut

@@ -29,7 +29,7 @@ from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
@@ -84,7 +84,7 @@ class Door:
         self._error_log = ClientErrorLog(node)
         self._counters = DoorCounters()
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
-        self._turns = Turns()
+        self._turns = ServerTurns()
         self._expected = ExpectedTopics(node.graph)
         self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
         refusals = Refusals(node, self._error_log)

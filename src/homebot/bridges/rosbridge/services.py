@@ -13,7 +13,7 @@ from homebot.bridges.rosbridge.protocol import (
     service_success,
 )
 from homebot.bridges.rosbridge.types import message_from_client
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
@@ -73,7 +73,7 @@ _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a clie
 
 
 async def call_service(
-    node: Node, op: CallService, turns: Turns, access: ClientAccess, answer: Callable[[Frame], None]
+    node: Node, op: CallService, turns: ServerTurns, access: ClientAccess, answer: Callable[[Frame], None]
 ) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
@@ -107,7 +107,7 @@ def missing_service(node: Node, op: CallService) -> str:
     return "" if is_known else _unavailable(node, ServiceUnavailableError(name))
 
 
-async def _success(op: CallService, response: Message, turns: Turns) -> Frame:
+async def _success(op: CallService, response: Message, turns: ServerTurns) -> Frame:
     pieces = message_to_pieces(response)
     written = [next(pieces)]
     for piece in pieces:

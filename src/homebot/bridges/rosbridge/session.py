@@ -44,7 +44,7 @@ from homebot.bridges.rosbridge.refusals import operation_text
 from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
@@ -320,7 +320,7 @@ class _Holdings:
     def __len__(self) -> int:
         return len(self.publications) + len(self.subscriptions) + len(self.services)
 
-    async def close(self, turns: Turns) -> None:
+    async def close(self, turns: ServerTurns) -> None:
         """Give everything back, a little each time the event loop goes round."""
         for kind in (self.services, self.publications, self.subscriptions):
             while kind.close_one():

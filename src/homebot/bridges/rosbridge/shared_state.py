@@ -13,7 +13,7 @@ from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import CLIENTS_LEFT
 from homebot.graph import EntityKind, Graph, Node
 
@@ -97,7 +97,7 @@ class SharedState:
 
     node: Node
     settings: DoorSettings
-    turns: Turns
+    turns: ServerTurns
     backlog: DoorBacklog
     expected: ExpectedTopics
     counters: DoorCounters

@@ -31,7 +31,7 @@ from homebot.bridges.thing_directory.listed_devices import ListedDevices
 from homebot.bridges.thing_directory.requests import MAX_BODY_BYTES, DirectoryRequest, DirectoryRequests
 from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
 from homebot.bridges.token_check import TokenCheck
-from homebot.bridges.turns import Turns
+from homebot.bridges.turns import ServerTurns
 from homebot.conventions.payload import compact_json
 from homebot.devices.device import KeyValue
 from homebot.devices.health import Count, HealthRequest, HealthResponse
@@ -82,7 +82,7 @@ class ThingDirectoryBridge:
         self._announce = announce
         self._error_log = ClientErrorLog(node)
         self._tokens = TokenCheck({} if settings.token is None else {"token": settings.token}, node.graph.clock)
-        self._turns = Turns()
+        self._turns = ServerTurns()
         self._server = BoundedServer(settings, self._handle, node.graph.clock, self._log_error)
         version = token_hex(4)
         self._devices = ListedDevices(
