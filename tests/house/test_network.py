@@ -30,64 +30,40 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
 APP = Path(__file__).parents[2] / "examples" / "02_window_light"
 
 
-class ToldLamp(SimulatedLamp):
-    """A lamp of which tests wait until it was told something."""
+class AwaitedLamp(SimulatedLamp):
+    """A lamp of which tests wait until it is turned on."""
 
-    def __init__(self, name: str, awaited: str) -> None:
-        super().__init__(name, is_on=awaited == "off")
-        self.awaited = awaited
-        self.told = anyio.Event()
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.turned_on = anyio.Event()
 
     def _obey(self, command: str) -> tuple[str, ...]:
-        if command == self.awaited:
-            self.told.set()
+        if command == "on":
+            self.turned_on.set()
         return super()._obey(command)
-
-
-def lamps_of_every_family(awaited: str) -> dict[str, ToldLamp]:
-    return {
-        family: ToldLamp(f"{family}_lamp", awaited)
-        for family, spec in FAMILIES.items()
-        if "lamp" in spec.kinds and family != "matter_plug"
-    }
-
-
-def hall_with(lamps: dict[str, ToldLamp]) -> World:
-    rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
-    return World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
-
-
-async def test_the_light_service_turns_off_a_lamp_of_every_family() -> None:
-    """The same app as over MQTT, without a line changed; it leaves alone what is at a plug, as that may be a fridge."""
-    lamps = lamps_of_every_family("off")
-    config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": {"light_service": {}}}, "test")
-    async with alone_on_loopback(), MemoryBroker() as broker:
-        host = HostedBroker.in_memory(broker)
-        async with Runtime(config, house=hall_with(lamps), with_door=False, services=[host]):
-            with anyio.fail_after(PATIENCE):
-                for lamp in lamps.values():
-                    await lamp.told.wait()
-    assert [lamp.is_on for lamp in lamps.values()] == [False] * len(lamps)
 
 
 async def test_the_app_of_the_examples_turns_on_a_lamp_of_every_family(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was written for a window and a lamp that speak MQTT."""
     monkeypatch.syspath_prepend(str(APP))
-    lamps = lamps_of_every_family("on")
+    families = [name for name, spec in FAMILIES.items() if "lamp" in spec.kinds and name != "matter_plug"]
+    lamps = {family: AwaitedLamp(f"{family}_lamp") for family in families}
+    rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
+    world = World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
     apps = {"window_light": {"class": "window_light:WindowLight"}}
     config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": apps}, "test")
     async with alone_on_loopback(), MemoryBroker() as broker:
         host = HostedBroker.in_memory(broker)
         window = broker.make_client(MqttOptions.from_url(broker.url, client_id="window"))
         async with (
-            Runtime(config, house=hall_with(lamps), with_door=False, services=[host]) as runtime,
+            Runtime(config, house=world, with_door=False, services=[host]) as runtime,
             Node(runtime.graph, "watcher") as watcher,
             window.connected(),
         ):
             with anyio.fail_after(PATIENCE):
                 while len(await Devices(watcher).find("lights")) < len(lamps):  # noqa: ASYNC110
                     await anyio.sleep(0.2)
-                while not all(lamp.told.is_set() for lamp in lamps.values()):
+                while not all(lamp.turned_on.is_set() for lamp in lamps.values()):
                     await window.publish("home425/windows/kitchen/out", b"open")
                     await anyio.sleep(1)
     assert [lamp.is_on for lamp in lamps.values()] == [True] * len(lamps)

@@ -102,11 +102,8 @@ class ConfiguredNames:
         Raises:
             ServiceError: The directory does not answer.
         """
-        stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if self._rooms else []
-        for key, name in self._rooms[:_MOST]:
-            if fold(name) not in map(fold, stated) and not await self._is_area(name):
-                areas = {device.area for device in await self._fitting()} - {""}
-                yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
+        async for problem in self._unknown_rooms():
+            yield problem
         for key, name in self._devices[:_MOST]:
             if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
                 names = [name for device in await self._fitting() for name in _names(device)]
@@ -115,6 +112,13 @@ class ConfiguredNames:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
+
+    async def _unknown_rooms(self) -> AsyncIterator[str]:
+        stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if self._rooms else []
+        for key, name in self._rooms[:_MOST]:
+            if fold(name) not in map(fold, stated) and not await self._is_area(name):
+                areas = {device.area for device in await self._fitting()} - {""}
+                yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
 
     async def _is_area(self, name: str) -> bool:
         return any(fold(device.area) == fold(name) for device in await self._fitting(AreaIs(fold(name))))

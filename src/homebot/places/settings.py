@@ -122,11 +122,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         key = f"places.devices.{name}"
         if not name.strip():
             raise ConfigError(source, key, "is no device: the id is empty")
-        room, _ = plan.locate(device.room) if device.room else ("", ())
-        if room and rooms and plan.room(room) is None and fold(room) != OUTSIDE:
-            known = [one.name for one in rooms]
-            hint = did_you_mean(room, known, f"rooms are {', '.join(known)}")
-            raise ConfigError(source, f"{key}.room", f"there is no room {room!r}; {hint}")
+        room = _room(device.room, plan, source, f"{key}.room") if device.room else ""
         stated: list[tuple[FactName, Iterable[str]]] = [
             ("area", (room,) if room else ()),
             ("name", device.aliases),
@@ -141,6 +137,16 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
             OwnerFact(kind, value, stated_by, now) for kind, values in stated for value in _distinct(values)
         )
     return Places(rooms, devices)
+
+
+def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
+    """Return the room that *name* means; if rooms are configured, it is one of them or outside."""
+    room, _ = plan.locate(name)
+    if room and plan.rooms and plan.room(room) is None and fold(room) != OUTSIDE:
+        known = [one.name for one in plan.rooms]
+        hint = did_you_mean(room, known, f"rooms are {', '.join(known)}")
+        raise ConfigError(source, key, f"there is no room {room!r}; {hint}")
+    return room
 
 
 def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, ...]:

@@ -14,7 +14,6 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
 from homebot.house.devices import SimulatedLamp
-from homebot.house.dialects import DIALECTS as DIALECTS_KNOWN
 from homebot.testing.virtual_house import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
@@ -65,50 +64,6 @@ async def test_an_app_acts_on_devices_of_any_convention_and_sees_what_became_of_
         with pytest.raises(RefusedError, match=r"tilt of blind#\S+ was refused: it takes"):
             await blind.set_tilt(50)
         assert await devices.find(DoorLock) == ()
-
-
-async def test_a_followed_query_sees_a_lamp_go_on_and_off(world: World) -> None:
-    """By its own word, whoever told it."""
-    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "app") as node:
-        devices = Devices(node)
-        await anyio.sleep(10)
-        burning = devices.follow(Light, on=True)
-        (lamp,) = await devices.find(Light, area="kitchen")
-        await lamp.turn_on()
-        change = await anext(burning)
-        assert (change.kind, change.handle) == ("appeared", lamp)
-        await lamp.turn_off()
-        while change.kind != "removed":
-            change = await anext(burning)
-        assert lamp.on is False
-
-
-DIALECTS = ("thesis", *sorted(DIALECTS_KNOWN.keys() - {"thesis"}))
-EVERYBODY = "\n".join(f'devices.lamp_{one} = {{ kind = "lamp", room = "hall", dialect = "{one}" }}' for one in DIALECTS)
-
-
-@pytest.fixture
-def mixed_world(tmp_path: Path) -> World:
-    file = tmp_path / "mixed.toml"
-    file.write_text(f"rooms.hall = {{}}\n{EVERYBODY}\n")
-    return load_world(file)
-
-
-async def test_one_call_turns_on_lamps_of_every_dialect(mixed_world: World) -> None:
-    """Each by its own convention, and none twice."""
-    async with virtual_house_of(world=mixed_world) as house, Node(house.runtime.graph, "app") as node:
-        devices = Devices(node)
-        await anyio.sleep(30)
-        found = await devices.find(Light)
-        assert len(found) == len(DIALECTS)
-        for lamp in found:
-            await lamp.turn_on(level=40)
-        await anyio.sleep(5)
-        lamps = [one.device for one in mixed_world.devices.values()]
-        assert [round(one.brightness, 2) for one in lamps if isinstance(one, SimulatedLamp) and one.is_on] == [
-            0.4
-        ] * len(DIALECTS)
-        assert len(await devices.find(Light, on=True)) == len(DIALECTS)
 
 
 THESIS_HOUSE = """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from typing import get_args
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
@@ -111,32 +112,21 @@ def _in_unit(capability: CapabilityType) -> str:
 
 
 def _field(field: str, name: Token, value: Token) -> Query:
-    word = fold(value.text)
-    match field:
-        case "area":
-            return InArea(word)
-        case "type":
-            return _type(value)
-        case "freshness" | "reachable":
-            return _condition(field, name, value)
-        case "can" | "has":
-            if word not in CAPABILITY_WORDS:
-                raise UsageError(f"{value.text!r} is not a capability")
-            return CanDo(CAPABILITY_WORDS[word], settable=field == "can")
-        case "text":
-            return And(tuple(HasText(one) for one in words_of(value.text)))
-        case "gateway":
-            return GatewayIs(value.text)
-        case "category":
-            if word not in _CATEGORIES:
-                raise UsageError(f"{name.text} is {' or '.join(_CATEGORIES)}, not {value.text!r}")
-            return FactIs(field, word)
-        case "tag":
-            return FactIs(field, word)
-        case "id" | "convention":
-            return FactIs(field, value.text.casefold())
-        case _:
-            return FactIs(field or _fact(name), word)
+    parse = _FIELDS.get(field)
+    return FactIs(field or _fact(name), fold(value.text)) if parse is None else parse(name, value)
+
+
+def _capability(value: Token, *, settable: bool) -> Query:
+    capability = CAPABILITY_WORDS.get(fold(value.text))
+    if capability is None:
+        raise UsageError(f"{value.text!r} is not a capability")
+    return CanDo(capability, settable=settable)
+
+
+def _category(name: Token, value: Token) -> Query:
+    if (word := fold(value.text)) not in _CATEGORIES:
+        raise UsageError(f"{name.text} is {' or '.join(_CATEGORIES)}, not {value.text!r}")
+    return FactIs("category", word)
 
 
 def _fact(name: Token) -> str:
@@ -148,13 +138,14 @@ def _fact(name: Token) -> str:
     raise UsageError(f"{name.text[:40]!r} at character {name.at} is unknown; {hint}")
 
 
-def _condition(field: str, name: Token, value: Token) -> Query:
-    word = fold(value.text)
-    if field == "reachable":
-        if word not in _REACHABLE:
-            raise UsageError(f"{name.text} is yes, no or unknown, not {value.text!r}")
-        return ReachableIs(_REACHABLE[word])
-    if word not in _FRESHNESS:
+def _reachable(name: Token, value: Token) -> Query:
+    if (word := fold(value.text)) not in _REACHABLE:
+        raise UsageError(f"{name.text} is yes, no or unknown, not {value.text!r}")
+    return ReachableIs(_REACHABLE[word])
+
+
+def _freshness(name: Token, value: Token) -> Query:
+    if (word := fold(value.text)) not in _FRESHNESS:
         raise UsageError(f"{name.text} is one of {', '.join(_FRESHNESS)}, not {value.text!r}")
     return CONDITIONS[word]
 
@@ -170,3 +161,19 @@ def _type(value: Token) -> TypeIs:
                 f"did you mean {' or '.join(similar)}? If devices were announced as one, put it in quotation marks"
             )
     return type_is(value.text)
+
+
+_FIELDS: Mapping[str, Callable[[Token, Token], Query]] = {
+    "area": lambda _, value: InArea(fold(value.text)),
+    "type": lambda _, value: _type(value),
+    "freshness": _freshness,
+    "reachable": _reachable,
+    "can": lambda _, value: _capability(value, settable=True),
+    "has": lambda _, value: _capability(value, settable=False),
+    "text": lambda _, value: And(tuple(HasText(word) for word in words_of(value.text))),
+    "gateway": lambda _, value: GatewayIs(value.text),
+    "category": _category,
+    "id": lambda _, value: FactIs("id", value.text.casefold()),
+    "convention": lambda _, value: FactIs("convention", value.text.casefold()),
+}
+"""The fields that are no facts of their own name, with their parsers: name and value."""

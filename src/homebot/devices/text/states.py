@@ -137,24 +137,28 @@ class TextDecoder:
         return {self._measured: None} if self._measured and means_unknown(text) else _NOTHING
 
     def _learn(self, name: str, capability: Capability) -> None:
-        known = CAPABILITIES.get(name)
-        kind = known.kind if known else ""
-        if kind == "bool":
-            for value, text in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
-                self._texts.setdefault(text.encode(), self._values(name, bool(value)))
-        elif kind == "text":
-            options = capability.options or (known.options if known else ())
-            for text in options:
-                self._texts.setdefault(text.encode(errors="replace"), self._values(name, text))
-            self._text_capability = self._text_capability or ("" if options else name)
-        elif kind == "number":
-            low, high = bounds_of(capability)
-            if name == "color_temperature":
-                self._kelvin = low, high
-            else:
-                share = 100 if name in FRACTION_CAPABILITIES else 1
-                self._numbers.append((name, low / share, high / share))
-                self._measured = self._measured or ("" if capability.settable else name)
+        match CAPABILITIES[name].kind if name in CAPABILITIES else "":
+            case "bool":
+                for value, text in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
+                    self._texts.setdefault(text.encode(), self._values(name, bool(value)))
+            case "text":
+                self._learn_texts(name, capability.options or CAPABILITIES[name].options)
+            case "number":
+                self._learn_number(name, capability)
+
+    def _learn_texts(self, name: str, options: tuple[str, ...]) -> None:
+        for text in options:
+            self._texts.setdefault(text.encode(errors="replace"), self._values(name, text))
+        self._text_capability = self._text_capability or ("" if options else name)
+
+    def _learn_number(self, name: str, capability: Capability) -> None:
+        low, high = bounds_of(capability)
+        if name == "color_temperature":
+            self._kelvin = low, high
+            return
+        share = 100 if name in FRACTION_CAPABILITIES else 1
+        self._numbers.append((name, low / share, high / share))
+        self._measured = self._measured or ("" if capability.settable else name)
 
     def _values(self, name: str, value: PlainValue) -> Decoded:
         return {name: value, **{other: implied for other, implied in _implied(name, value) if other in self._names}}
