@@ -85,3 +85,13 @@ def test_a_start_loads_no_more_than_it_needs(tmp_path: Path) -> None:
     assert [one for one in loaded if one in NOT_NEEDED] == []
     assert "home425 is running" in done.stderr
     assert len([one for one in loaded if one.startswith("homebot")]) <= _MOST_MODULES
+
+
+def test_commands_of_a_client_start_without_pydantic() -> None:
+    """It takes longer to import than such a command to run."""
+    names = ("devices", "do", "doctor", "find", "leases", "places", "service", "show", "tag", "topic", "why")
+    code = (
+        f"import sys, {', '.join(f'homebot.cli.commands.{name}' for name in names)}\nprint('pydantic' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "False\n"

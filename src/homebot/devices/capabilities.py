@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Mapping
 from types import MappingProxyType
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 
-from homebot.devices.value import PlainValue
+if TYPE_CHECKING:
+    from homebot.devices.value import PlainValue
 
 __all__ = ["CAPABILITIES", "EVENTS", "LIGHTS_UP", "CapabilityType", "ValueKind", "implied_settings"]
 
