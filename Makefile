@@ -4,7 +4,6 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
-DOCS = .venv-docs
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
@@ -39,7 +38,7 @@ test-fast: $(VENV)/.dev
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
 test-peers: $(VENV)/.dev
-	$(BIN)/python -m pytest -m peers tests/peers $(ARGS)
+	$(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
 
 # 100,000 cases for each target; `make fuzz SEED=...` repeats a run.
 ## Runs generated cases against everything that handles untrusted input: about an hour.
@@ -60,7 +59,7 @@ days: $(VENV)/.dev
 # NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
 ## Runs the long sets: generated cases, random days, all tests in full size, lowest versions. Takes hours.
 nightly: fuzz days test-lowest
-	@NIGHTLY=1 $(MAKE) coverage
+	@NIGHTLY=1 $(MAKE) coverage test-peers
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev
@@ -75,15 +74,15 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 ## Builds the documentation as a site, in site/; a broken link or cross reference is an error.
-docs: $(DOCS)/.ready
-	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --strict $(ARGS)
-	@echo "open site/index.html, or: $(DOCS)/bin/mkdocs serve"
+docs: $(VENV)/.docs
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict $(ARGS)
+	@echo "open site/index.html, or: $(BIN)/mkdocs serve"
 
 ## Builds the wheel into dist/ and checks it for a package index.
-wheel: $(DOCS)/.ready
+wheel: $(VENV)/.docs
 	@rm -rf dist
-	@$(DOCS)/bin/pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
-	@$(DOCS)/bin/twine check --strict dist/*
+	@$(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+	@$(BIN)/twine check --strict dist/*
 
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
@@ -104,7 +103,7 @@ test-lowest:
 
 ## Removes everything that these targets created.
 clean:
-	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -117,9 +116,8 @@ $(VENV)/.dev: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all]"
 	@touch $@ $(VENV)/.run
 
-$(DOCS)/.ready: pyproject.toml constraints.txt
-	@$(PYTHON) -m venv $(DOCS)
-	@$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+$(VENV)/.docs: $(VENV)/.dev
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	@touch $@
 
 # Only what users install, so that start-up and memory are those of a user's installation.

@@ -22,7 +22,8 @@ import pytest
 from tests.patience import PATIENCE
 from tests.peers.avahi import avahi, why_no_avahi
 from tests.peers.network import Lan, Machine
-from tests.peers.other_python import python_with
+from tests.peers.other_python import ROOT, python_with
+from tests.sizes import NIGHTLY
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
@@ -40,14 +41,19 @@ COMPILE_WITHIN = 600.0
 
 
 @pytest.fixture(scope="module")
-def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The program that is the device."""
+def firmware() -> Path:
+    """The program that is the device; to compile it takes minutes, which ``make nightly`` has."""
+    folder = ROOT / "esphome-firmware"
+    if (folder / BUILT).exists() and (folder / CONFIGURATION.name).read_bytes() == CONFIGURATION.read_bytes():
+        return folder / BUILT
+    if not NIGHTLY:
+        pytest.skip("ESPHome's firmware is compiled by make nightly")
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed, which compiles ESPHome's firmware")
     program = os.environ.get("HOMEBOT_ESPHOME") or shutil.which("esphome")
     if program is None:
         program = str(Path(python_with("esphome", "3.12", "3.13")).with_name("esphome"))
-    folder = tmp_path_factory.mktemp("esphome")
+    folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(CONFIGURATION, folder)
     command = [program, "compile", CONFIGURATION.name]
     try:
