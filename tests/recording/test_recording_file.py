@@ -75,9 +75,9 @@ def test_lines_that_come_too_fast_are_dropped_and_counted_where_they_are_missing
     for _ in range(50_010):
         buffer.add(line)
     assert buffer.lost == 10
-    assert len(buffer.take()) == 50_000
+    assert len(buffer.pop()) == 50_000
     buffer.add(line)
-    assert [one for one in buffer.take() if '"count":10' in one] == [line_text(RecordingLine(1, LostLines(count=10)))]
+    assert [one for one in buffer.pop() if '"count":10' in one] == [line_text(RecordingLine(1, LostLines(count=10)))]
     assert buffer.is_empty
 
 
@@ -85,6 +85,6 @@ def test_lines_are_taken_in_portions() -> None:
     buffer = LineBuffer()
     for number in range(5):
         buffer.add(RecordingLine(number, LostLines(count=number)))
-    assert len(buffer.take(most=2)) == 2
-    assert len(buffer.take(most_bytes=1)) == 1
-    assert len(buffer.take()) == 2
+    assert len(buffer.pop(most=2)) == 2
+    assert len(buffer.pop(most_bytes=1)) == 1
+    assert len(buffer.pop()) == 2

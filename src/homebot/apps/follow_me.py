@@ -20,8 +20,8 @@ class FollowMeSettings(AppSettings):
 
     Attributes:
         dark_below: Lux below which a room is dark, by the darkest of its light sensors.
-        without_light_sensor: Whether a room is taken for dark where no current light sensor tells.
-        rooms: The rooms in which lamps are turned on, empty for all; leave out those where people sleep.
+        without_light_sensor: Whether a room without a current light sensor counts as dark.
+        rooms: The rooms in which lamps are turned on, empty for all; leave out bedrooms.
     """
 
     dark_below: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 50.0
@@ -41,9 +41,9 @@ class FollowMe(RoomApp):
         super().__init__(node, settings, settings.rooms)
         self._settings = settings
         self._rooms = {fold(room) for room in settings.rooms}
-        self.watch(self.devices.follow(OccupancySensor, occupied=True, fresh=True), self._take)
+        self.watch(self.devices.follow(OccupancySensor, occupied=True, fresh=True), self._on_motion)
 
-    def _take(self, change: HandleChange[OccupancySensor]) -> None:
+    def _on_motion(self, change: HandleChange[OccupancySensor]) -> None:
         if change.kind == "appeared" and (not self._rooms or fold(change.handle.area) in self._rooms):
             self.start(change.handle.area, self._light_up)
 

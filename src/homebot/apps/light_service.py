@@ -24,17 +24,17 @@ class LightService(RoomApp):
         super().__init__(node, settings)
         self._answered: dict[Light, Time] = {}  # the newest report of each, which comes as a change and as a text
         self._turning_off: set[Light] = set()
-        self.watch(self.devices.follow(Light), self._take)
+        self.watch(self.devices.follow(Light), self._on_light)
         node.create_timer(LOOKS_AGAIN, self._look_again)
 
-    def _take(self, change: HandleChange[Light]) -> None:
+    def _on_light(self, change: HandleChange[Light]) -> None:
         if change.kind == "appeared":
-            self.listen(change.handle.device, partial(self._hear, change.handle.device))
+            self.listen(change.handle.device, partial(self._on_message, change.handle.device))
         if change.handle.on is False and change.kind != "removed" and change.handle not in self._turning_off:
             self.log_limited("light_service.is_off", change.handle, "is off")
         self._start(change.handle)
 
-    def _hear(self, device: Device, message: RawMessage) -> None:
+    def _on_message(self, device: Device, message: RawMessage) -> None:
         if message.payload.strip().lower() == b"on":  # of a lamp that was on already, no change
             for lamp in self.devices.handles(device, Light):
                 self._start(lamp)

@@ -25,7 +25,7 @@ class LightsOutSettings(AppSettings):
 
 
 class LightsOut(RoomApp):
-    """Turns off the lamps of a room once all its motion sensors, at least one, have told of no motion for a while."""
+    """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while."""
 
     Settings = LightsOutSettings
 
@@ -33,17 +33,17 @@ class LightsOut(RoomApp):
         super().__init__(node, settings)
         self._quiet_after = settings.quiet_after
         self._quiet: dict[OccupancySensor, str] = {}  # none that is stale, unreachable or silent; and the room of each
-        self.watch(self.devices.follow(OccupancySensor, occupied=False, fresh=True), self._take_sensor)
-        self.watch(self.devices.follow(Light, on=True), self._take_lamp)
+        self.watch(self.devices.follow(OccupancySensor, occupied=False, fresh=True), self._on_sensor)
+        self.watch(self.devices.follow(Light, on=True), self._on_lamp)
 
-    def _take_sensor(self, change: HandleChange[OccupancySensor]) -> None:
+    def _on_sensor(self, change: HandleChange[OccupancySensor]) -> None:
         sensor, room = change.handle, self._quiet.pop(change.handle, None)
         if change.kind != "removed" and sensor.reachable is not False:
             self._quiet[sensor] = sensor.area
         if room != self._quiet.get(sensor):
             self.start(sensor.area, self._count_down)
 
-    def _take_lamp(self, change: HandleChange[Light]) -> None:
+    def _on_lamp(self, change: HandleChange[Light]) -> None:
         if change.kind == "appeared":
             self.start(change.handle.area, self._count_down)
 

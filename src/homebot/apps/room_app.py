@@ -29,7 +29,7 @@ ResultT = TypeVar("ResultT")
 
 
 def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
-    """Return those of *handles* that are in *room* itself; of a floor, those that are in no room of it.
+    """Return the *handles* in *room* itself; for a floor those in none of its rooms.
 
     Case and accents do not matter. A device without a room is in none.
     """
@@ -44,7 +44,7 @@ class RoomApp(App):
     Args:
         node: The node of the app.
         settings: Its settings.
-        rooms: The rooms that its key ``rooms`` names; one that does not exist is logged and shown by `homebot doctor`.
+        rooms: The rooms of its key ``rooms``; an unknown one is logged and shown by `homebot doctor`.
     """
 
     def __init__(self, node: Node, settings: BaseModel, rooms: Iterable[str] = ()) -> None:
@@ -127,7 +127,7 @@ class RoomApp(App):
                 return True
             from homebot.devices.outcomes import Superseded  # noqa: PLC0415 - it came with the command
 
-            if isinstance(outcome, Superseded):  # somebody wants something newer
+            if isinstance(outcome, Superseded):  # a newer wish replaces it
                 return False
             problem = outcome.text
         self.node.log.warning("app.command_failed", message=f"{handle.name}: {problem}", device=handle.device.id)

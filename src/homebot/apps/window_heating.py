@@ -21,7 +21,7 @@ class WindowHeatingSettings(AppSettings):
 
 
 class WindowHeating(RoomApp):
-    """Lowers the heating while a window or contact of its room is open; keeps a setpoint that is changed meanwhile.
+    """Lowers the heating while a window or contact of its room is open; leaves a setpoint that was changed meanwhile.
 
     The setpoints to restore are kept in memory only: a heater that is lowered at the end of a run stays lowered.
     """
@@ -33,10 +33,10 @@ class WindowHeating(RoomApp):
         self._open_for, self._low = settings.open_for, settings.lowered_to
         self._open: set[ContactSensor | Closure] = set()
         self._setpoints: dict[Thermostat, float] = {}
-        self.watch(self.devices.follow(ContactSensor, is_open=True), self._take)
-        self.watch(self.devices.follow(Closure, closed=False), self._take)
+        self.watch(self.devices.follow(ContactSensor, is_open=True), self._on_window)
+        self.watch(self.devices.follow(Closure, closed=False), self._on_window)
 
-    def _take(self, change: HandleChange[ContactSensor] | HandleChange[Closure]) -> None:
+    def _on_window(self, change: HandleChange[ContactSensor] | HandleChange[Closure]) -> None:
         room, is_closed = change.handle.area, change.kind == "removed"
         was_open = bool(in_room(self._open, room))
         (self._open.discard if is_closed else self._open.add)(change.handle)

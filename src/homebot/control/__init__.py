@@ -1,4 +1,4 @@
-"""Control: the one way of commands from applications to devices, which proves what became of each."""
+"""Control: the one way of commands from applications to devices, with a proven outcome for each."""
 
 from homebot.support.lazy_names import lazy_names
 

@@ -1,4 +1,4 @@
-"""The devices that wait for the owner's approval, for who asks and for the health of the control layer."""
+"""Devices that wait for the owner's approval."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST_NAMED: Final = 5
 
 @final
 class Approvals:
-    """Tells which devices wait for approval.
+    """List of the devices that wait for approval.
 
     Args:
         lookup: Looks the devices up.
@@ -31,7 +31,7 @@ class Approvals:
         self._is_needed = is_needed
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
-        """Return the devices that wait, and why they always ask."""
+        """Return the devices that wait, and the reasons why devices always ask."""
         if request.device:
             found = tuple(one for one in await self._find(request.device) if one.id == request.device)
         else:
@@ -42,12 +42,12 @@ class Approvals:
         )
 
     async def notes(self) -> tuple[str, ...]:
-        """Return a note on the devices that wait, for people; none where the directory does not answer."""
+        """Return a note on the devices that wait, for people; none if the directory does not answer."""
         try:
             waiting = await self._waiting()
         except ServiceError:
             return ()
-        return (_note(waiting),) if waiting else ()
+        return (_waiting_note(waiting),) if waiting else ()
 
     async def _waiting(self) -> tuple[Device, ...]:
         return await self._find() if self._is_needed else ()
@@ -57,7 +57,7 @@ class Approvals:
         return await self._lookup.devices(query)
 
 
-def _note(waiting: tuple[Device, ...]) -> str:
+def _waiting_note(waiting: tuple[Device, ...]) -> str:
     named = ", ".join(f"{one.id} ({why_device_asks(one)})" for one in waiting[:_MOST_NAMED])
     named += ", …" if len(waiting) > _MOST_NAMED else ""
     count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 from homebot.control import durations
 from homebot.control.timeline.facts import Order
 from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_on
-from homebot.devices import Device, DevicePart
+from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandResult, Setting
@@ -247,27 +247,30 @@ def known_state(
 ) -> KnownState:
     """Return the certain values of the commanded part, of the capabilities *asked*.
 
-    A retained value is certain of a device that is online, by its last will: many report only changes. After a failed
-    command older values are not certain, and newer ones are not recent.
+    A retained value is certain if the device is online by its last will: many devices report only changes. After a
+    failed command older values are not certain, and newer ones are not recent.
 
     Args:
         command: The command.
         asked: Capabilities.
-        unsure_since: When a command for each capability failed, in seconds since the Unix epoch.
-        lost_at: When the connection was last lost, in seconds since the Unix epoch.
+        unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
+        lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """
     is_online = command.device.reachable.state == "yes"
     if not (is_online or command.device.freshness == "fresh"):
         return KnownState({}, is_recent=False)
     values: dict[str, PlainValue] = {}
     is_recent = True
-    for state in command.device.states:
-        capability = state.capability
-        if capability not in asked or state.part != command.part.id or not (state.live or is_online):
+    for state in _states_of(command, asked):
+        if not (state.live or is_online):
             continue
-        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability)
+        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(state.capability)
         is_sure = state.live and unsure_at is None and told_at > lost_at
         is_recent = is_recent and is_sure and abs(command.issued_at - told_at) <= durations.FRESH
         if unsure_at is None or told_at > unsure_at:
-            values[capability] = state.value.plain()
+            values[state.capability] = state.value.plain()
     return KnownState(values, is_recent)
+
+
+def _states_of(command: IssuedCommand, asked: Collection[str]) -> list[State]:
+    return [one for one in command.device.states if one.part == command.part.id and one.capability in asked]

@@ -93,12 +93,12 @@ class CommandService:
                     cause=request.cause,
                 )
             )
-            if result.outcome == "no_answer" and (why_away := await self._why_away(device)):
-                result = result.model_copy(update={"text": f"{result.text}; {why_away}"})
+            if result.outcome == "no_answer" and (reason := await self._why_unreachable(device)):
+                result = result.model_copy(update={"text": f"{result.text}; {reason}"})
         commanded.append(CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result))
 
-    async def _why_away(self, device: Device) -> str:
-        """Return why *device* is known to be away now, whatever was known when it was commanded; empty if it is not."""
+    async def _why_unreachable(self, device: Device) -> str:
+        """Return why *device* is unreachable now, which may differ from the time of the command; empty if it is not."""
         try:
             newest = await self._lookup.device(device.id)
         except ServiceError:

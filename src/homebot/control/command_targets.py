@@ -1,4 +1,4 @@
-"""The devices and parts that a command in words is for."""
+"""Targets of a command in words: devices and their parts."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
 
 SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
-"""The values by capability that a part is to have, or why it cannot have them."""
+"""The values by capability for a part, or the reason why it cannot have them."""
 
 _Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
 
 
 class NoTargetError(Exception):
-    """Nothing is commanded; the text says why."""
+    """There is nothing to command; the text says why."""
 
 
 @final
 class CommandTargets:
-    """Search for the devices and parts that a command in words is for.
+    """Search for the targets of a command in words.
 
     Args:
         node: The node of the client that queries the directory.
@@ -50,10 +50,10 @@ class CommandTargets:
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def find(self, request: CommandDevicesRequest) -> list[_Target]:
-        """Return the parts that are meant, those of each device together.
+        """Return the targets, each a device with its parts.
 
         Raises:
-            NoTargetError: None are, or too many, or a name that several devices have.
+            NoTargetError: There is none, too many, or several devices have the name.
             UsageError: It is no query.
             ServiceError: The directory does not answer.
         """
@@ -77,7 +77,7 @@ class CommandTargets:
 
     async def _called(self, target: str) -> list[_Target]:
         device_id, _, part_id = target.partition("#")
-        named = await self.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(target)))))
+        named = await self._lookup.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(target)))))
         own = [one for one in named if one.id == device_id]
         if part_id and own:
             return [(own[0], _part(own[0], part_id))]
@@ -88,10 +88,10 @@ class CommandTargets:
         return [(called[0], _main_parts(called[0]))] if called else []
 
     async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
-        """Return what fits any alternative of the query *target*, if it cannot be meant in another way.
+        """Return the targets that fit any alternative of the query *target*, if it is not ambiguous.
 
         Raises:
-            NoTargetError: It can; the message says what each reading would command.
+            NoTargetError: It is ambiguous; the message names the targets of each reading.
         """
         found, unnamed = await self._all_of(request, readings.alternatives, readings.words)
         spelled = " or ".join(f"({text})" for text in readings.alternatives)
@@ -111,7 +111,7 @@ class CommandTargets:
     async def _all_of(
         self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
     ) -> tuple[list[_Target], list[str]]:
-        """Return what fits any of *alternatives*, each device once, and those of *words* that are no name."""
+        """Return the targets that fit any of *alternatives*, and those of *words* that are no name."""
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
         for text in alternatives:
@@ -126,11 +126,11 @@ class CommandTargets:
     async def _one_query(
         self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
     ) -> list[_Target]:
-        """Return what fits a query without alternatives; nothing if nothing does."""
+        """Return the targets that fit a query without alternatives."""
         found = await self._fitting(text, is_alternative=is_alternative)
         if any(_takes(request, one) for one in found):
             return found
-        # what a type means cannot do it, and a part that has the word for a name may: a button called Garage door
+        # the word may be the name of a part that takes the command: a button called Garage door
         return await self._named_part(text, request) or found
 
     async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
@@ -138,14 +138,14 @@ class CommandTargets:
 
         Args:
             text: Their name.
-            taking: What they must take; None for anything.
+            taking: The command that one of them must take; None for any.
 
         Raises:
             NoTargetError: Several devices have such parts.
             ServiceError: The directory does not answer.
         """
         words, name = words_of(text), fold(text)
-        devices = await self.devices(And(tuple(map(HasText, words)))) if words else ()
+        devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
         named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
         found = [one for one in named if one[1] and (taking is None or _takes(taking, one))]
         if len(found) > 1:
@@ -157,14 +157,12 @@ class CommandTargets:
         query = parse_query(text)
         if _texts(query) and (named := await self._named_part(text)):
             return named
-        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
-        if not answer.success:
-            raise NoTargetError(answer.message)
-        if not answer.total:
+        total = await self._total(query)
+        if not total:
             return await self._named_part(text)
-        if answer.total > MOST_DEVICES:
-            raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        devices = await self.devices(query)
+        if total > MOST_DEVICES:
+            raise NoTargetError(f"{total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
+        devices = await self._lookup.devices(query)
         meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
         if devices and not meant:
             similar = " or ".join(device.name or device.id for device in devices[:3])
@@ -173,13 +171,12 @@ class CommandTargets:
             raise NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
         return [(device, _parts(device, query)) for device in meant]
 
-    async def devices(self, query: Query) -> tuple[Device, ...]:
-        """Return the devices that fit *query*.
-
-        Raises:
-            ServiceError: The directory does not answer.
-        """
-        return await self._lookup.devices(query)
+    async def _total(self, query: Query) -> int:
+        """Return the number of devices that fit *query*."""
+        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        if not answer.success:
+            raise NoTargetError(answer.message)
+        return answer.total
 
 
 _APPLIANCES = frozenset(
@@ -206,12 +203,11 @@ def _names(targets: list[_Target]) -> str:
 def settings_by_part(
     request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
 ) -> list[tuple[DevicePart, SpokenSettings]]:
-    """Return what *request* sets at each of *parts*, or why it cannot.
+    """Return the settings of *request* for each of *parts*, or the reason why there are none.
 
-    Parts that cannot are left out where one of another type can: a speed is for the fan, and not for its lamp. So are
-    the switches of an appliance that can: to turn an air conditioner on is not to turn on its powerful mode. A setting
-    that can, as a free text can be ``off``, is left out where any other part can; one that cannot, where another can:
-    each sets something else, such as the source and the sound of a television.
+    Only the most suitable parts are returned. A part of a type without such a setting is left out if another type has
+    one: a speed is for the fan, and not for its lamp. So are the switches of a suitable appliance, such as the powerful
+    mode of an air conditioner, and settings, such as the sound of a television, if another part is suitable.
     """
     found: list[tuple[DevicePart, SpokenSettings]] = []
     for part in parts:
@@ -235,7 +231,7 @@ def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
 
 
 def part_name(device: Device, part: DevicePart) -> str:
-    """Return what people call *part*: with its id where it has no name, and is one of several that take commands."""
+    """Return the name of *part* for people, with its id if it has no name and several parts take commands."""
     if part.part.name:
         return f"{device.name} {part.part.name}" if len(device.parts) > 1 else device.name
     return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
@@ -262,16 +258,16 @@ def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
 
 
 def _main_parts(device: Device) -> tuple[DevicePart, ...]:
-    """Return the parts that the device is there for and that take commands; else one, which refuses."""
+    """Return the main parts that take commands; else one, which refuses."""
     if not device.parts:
         raise NoTargetError(f"{device.id} takes no commands that homebot knows")
     return _controls(device.parts) or device.parts[:1]
 
 
 def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
-    """Return those of its main parts that fit the query by themselves, where any does.
+    """Return the main parts that fit the query by themselves, or all if none does.
 
-    A word that is in the names of parts, and not in what the device is called, means these.
+    A word that is in the names of parts, but not in the names of the device, selects these.
     """
     main = _main_parts(device)
     facets = PartFacets(device)

@@ -56,11 +56,11 @@ class Control:
         settings: The table ``[control]``.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.
-        approves_all: Whether no device needs an approval, whatever the settings say, as there.
-        journal_file: The file of the journal and of the device profiles; None to keep neither over a restart.
+        approves_all: Whether no device needs an approval, regardless of the settings, as there.
+        journal_file: The file of the journal and of the device profiles; None to store neither.
         store: Their store, in place of a file.
         rehearsal: Answers commands in place of the devices; None if they are sent.
-        detected: Motion sensors that detected somebody before; see :meth:`detected`.
+        detected: Motion sensors that detected a person before; see :meth:`detected`.
     """
 
     def __init__(
@@ -163,7 +163,7 @@ class Control:
         return await self._words.serve(request)
 
     async def detected(self) -> tuple[str, ...]:
-        """Return the motion sensors that have ever detected somebody: the presence guard believes only them."""
+        """Return the motion sensors that have ever detected a person: the presence guard trusts only them."""
         settings = self._given_settings
         return await self._layer.policies.detected() if settings is not None and settings.needs_house else ()
 

@@ -52,7 +52,7 @@ class ControlLayer:
         settings: The table ``[control]``.
         grants: The scope of each node that may not command everything, by its full name.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
-        detected: Motion sensors that detected somebody in another run.
+        detected: Motion sensors that detected a person in another run.
         journal_file: The file of the journal; None for memory.
         store: The store of the journal, in place of the file.
         rehearsal: Answers commands in place of the devices; None if they are sent.
@@ -102,7 +102,7 @@ class ControlLayer:
         self.explanations = Explanations(self.journal.read, lookup.device)
 
     async def run(self) -> None:
-        """Write the journal and keep the leases, until cancelled."""
+        """Write the journal and serve the leases until cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.journal.run)
             await self.leases.run()

@@ -50,13 +50,13 @@ FRESH: Final = 60.0
 """A live report is the present state for so long, so that a command for the same value is not sent."""
 
 WISH: Final = 60.0
-"""An app answers a press or a scan within it; what it does later is its own decision."""
+"""An app answers a press or a scan within it; a later command is its own decision."""
 
 LONGEST_MOVE: Final = 300.0
 """No motor is waited for any longer: gates take up to two minutes."""
 
 REMEMBERED: Final = 900.0
-"""Facts of a part are kept for so long: the presence guard asks for half an hour, with one further change kept."""
+"""Facts of a part are stored for so long; for the presence guard one older change is stored as well."""
 
 FIRST_REPORTS: Final = 600.0
 """A device that begins to report has reported each of its values within it."""

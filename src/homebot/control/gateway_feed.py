@@ -134,7 +134,7 @@ class GatewayFeed:
             create(Report, names.readings, self._on_report, _QOS, from_node=names.node)
             create(CommandAnswer, names.answers, partial(self._on_answer, gateway), _QOS, from_node=names.node)
         except InvalidNameError:
-            return  # as above
+            return  # no node publishes under such a name
         if gateway not in self._states:
             self._follow_state(gateway)
 

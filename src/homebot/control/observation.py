@@ -1,4 +1,4 @@
-"""Observation of a command by a sensor: it saw the effect, saw that there was none, or cannot tell. Pure."""
+"""Observation of a command by a sensor: the effect, its absence, or neither. Pure."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Measurement(NamedTuple):
     """Values of one sensor around one command.
 
     Attributes:
-        capability: What it measures.
+        capability: The measured capability.
         before: The value before the command.
         newest: The newest value.
     """
@@ -92,7 +92,7 @@ def rises(settings: Mapping[str, PlainValue]) -> bool | None:
 
 
 def observed(values: Measurement, *, is_rise: bool, is_heard: bool) -> Observed:
-    """Return what a sensor shows of a rise or a fall; *is_heard* is whether it reported after the device did."""
+    """Return the observation of a rise or a fall; *is_heard*: the sensor reported after the device."""
     sense, before, newest = _SENSES[values.capability], values.before, values.newest
     if isinstance(before, bool) and isinstance(newest, bool):
         if before is is_rise:

@@ -1,4 +1,4 @@
-"""Rehearsals: commands are judged and noted, and reach no device. Pure."""
+"""Rehearsals: commands are checked and recorded, and reach no device. Pure."""
 
 from __future__ import annotations
 
@@ -19,14 +19,13 @@ class Rehearsal(Protocol):
     """Answers commands that are not to be sent.
 
     Attributes:
-        is_live: Whether the devices are those of the house, on which a raw command has no effect then; in a replay what
-            it did is in the recording.
+        is_live: Whether the devices are real, so that a raw command has no effect; a replay has its recorded effect.
     """
 
     is_live: ClassVar[bool]
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """Return the outcome that is assumed of *command*; None where it is to be sent, to a gateway that is muted."""
+        """Return the assumed outcome of *command*; None to send it to a muted gateway."""
         ...
 
 
@@ -34,7 +33,7 @@ class Rehearsal(Protocol):
 class DryRun:
     """A dry run: nothing is sent.
 
-    An app goes on as if the device had obeyed, until it reports next. People are told the truth.
+    An app continues as if the device had obeyed, until the next report. A person gets a refusal.
     """
 
     is_live: ClassVar[bool] = True
@@ -48,7 +47,7 @@ class DryRun:
 
 
 def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> CommandResult:
-    """Return the result of a command in a rehearsal, which says so; one that succeeds has the *wanted* values."""
+    """Return the result of a rehearsed command, with the *wanted* values if it succeeds."""
     if not assumed.succeeded:
         return result_of(assumed)
     return result_of(assumed, wanted).model_copy(update={"text": f"not sent, and taken for done ({assumed.text})"})

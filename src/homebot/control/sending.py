@@ -57,7 +57,7 @@ class Signal:
 
 @dataclass(slots=True, eq=False)
 class OpenCommand:
-    """A command whose outcome is not known yet.
+    """A command without an outcome.
 
     Attributes:
         command: The command.
@@ -82,8 +82,8 @@ class OpenCommand:
 class Sending:
     """Sends commands, and waits until the outcome of each is known.
 
-    A command is sent again only while the one before can no longer be obeyed unseen: a network that keeps it for a
-    device that is away forgets it before; and after a lost connection the device has to report another value first.
+    A command is sent again only if the last sending cannot have an effect any more: the network has dropped its copy
+    for an unreachable device, and after a lost connection the device has to report another value first.
 
     Args:
         node: The node that sends them.

@@ -19,12 +19,12 @@ class ControlSettings(PolicySettings):
     """The table ``[control]``, with that of the policies.
 
     Attributes:
-        timeout: Seconds that a device has for its answer; one that usually takes longer has longer.
-        retries: How often a command without an answer is sent again. Momentary ones, such as a press, never are.
+        timeout: Seconds that a device has for its answer; a device with slower known answers has longer.
+        retries: The number of repetitions of a command without an answer; a press is never repeated.
         witnesses: The sensor, by its id or name, that observes the devices that fit a query; an empty one is none.
         settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.
         hand_time: Seconds for which a person's hand outranks a lease.
-        journal_days: Days for which the journal keeps what happened.
+        journal_days: Days for which the journal stores entries.
         journal_megabytes: Size of the journal's file at most; the oldest entries are dropped first.
     """
 

@@ -28,7 +28,7 @@ _ALIASES: Final[Mapping[str, str]] = MappingProxyType(
     {"kelvin": "color_temperature", "brightness": "level", "speed": "fan_speed"}
 )
 _MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater_mode")
-"""What ``mode`` means; the first that the part takes."""
+"""Meanings of ``mode``; the first that the part takes."""
 
 _PRESSED: Final = frozenset({"locate", "push", "scene"})
 """Capabilities that are made true and nothing else, so that no value need be given."""
@@ -38,7 +38,7 @@ _ROBOTS: Final = frozenset({"vacuum", "mower"})
 _ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
 )
-"""What vacuum cleaners and mowers do at a word, of which each takes one."""
+"""States of vacuum cleaners and mowers for a word; each takes one of them."""
 
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
@@ -122,7 +122,7 @@ def _decoded(given: str, part: Part) -> tuple[str, PlainValue]:
 
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return what *word* means where parts take it in another spelling: in small letters, ``2700k`` or ``40 %``."""
+    """Return the setting for another spelling of a word: in small letters, ``2700k`` or ``40 %``."""
     kelvin = _KELVIN.fullmatch(word)
     percentage = to_number(word.removesuffix("%").strip()) if word.endswith("%") else None
     spelling = f"{kelvin[1]} K" if kelvin else word if percentage is None else f"{percentage / 100:g}"
@@ -130,7 +130,7 @@ def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
         capability, value = decode_command(spelling, part)
     except RefusedError:
         return None
-    is_fraction = capability in FRACTION_CAPABILITIES or capability == "on_off"  # 0 turns off what has a switch too
+    is_fraction = capability in FRACTION_CAPABILITIES or capability == "on_off"  # 0 turns off a part with a switch
     return (capability, value) if percentage is None or is_fraction else None
 
 

@@ -1,4 +1,4 @@
-"""Raw texts to devices: judged as the commands that they are, sent once, and not verified."""
+"""Raw texts to devices: checked as the commands that they mean, sent once, and not verified."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from homebot.graph import Node
 __all__ = ["UNREAD", "TextCommands"]
 
 UNREAD: Final = "raw_text"
-"""The capability that stands for a text of which nobody knows what it does; no verb but ``use`` is about it."""
+"""The capability of a text with an unknown effect; only the verb ``use`` matches it."""
 
 _LONGEST_NOTED: Final = 500
 _MAY_BE_CODE: Final = MAY_BE_CODE | {UNREAD}
@@ -121,7 +121,7 @@ class TextCommands:
         return refused
 
     def _failed(self, request: SendTextRequest, outcome: Outcome, device: Device | None = None) -> SendTextResponse:
-        """End a text before it is known what it means."""
+        """Record and return the failure of a text that is not decoded."""
         is_code = device is not None and any(takes_code(device, one.part) for one in device.parts)
         shown = Setting.of(UNREAD, CODE_GIVEN) if is_code else _shown(UNREAD, request.payload, "")
         place = (request.device, "")
@@ -134,7 +134,7 @@ class TextCommands:
 
 
 def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
-    """Return what *payload* sets at *part*; a device may take a word in another case, or between spaces."""
+    """Return the setting of *payload* for *part*; a device may take a word in another case, or between spaces."""
     for text in (payload, payload.strip().casefold()):
         try:
             return decode_command(text, part.part)
@@ -144,7 +144,7 @@ def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
 
 
 def _shown(capability: str, value: PlainValue, address: str) -> Setting:
-    """Return what is set by a text to *address* as the journal may have it."""
+    """Return the setting of a text to *address* for the journal."""
     if isinstance(value, str):
         text = public_text(value, address) if capability == UNREAD else value
         return Setting.of(capability, text[:_LONGEST_NOTED])
@@ -152,7 +152,7 @@ def _shown(capability: str, value: PlainValue, address: str) -> Setting:
 
 
 def _unknown_part(device: Device) -> DevicePart:
-    """Return what stands for the part of a device of which none is known at the address."""
+    """Return a stand-in for an unknown part at the address."""
     return DevicePart(id="", part=Part(id="", service_type=device.service_type), routes=())
 
 

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final, TypeAlias, final
 
+from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed, ReportWatch
 from homebot.control.profiles import Profiles
 from homebot.control.timeline.cause import Attribution, cause_of_undoing
 from homebot.control.timeline.facts import Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.seeding import seed
 from homebot.control.values import related
-from homebot.devices import Device, DevicePart
+from homebot.devices import Device, DevicePart, State
 from homebot.devices.device import Route
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
@@ -80,7 +80,7 @@ class Timelines:
         return None if entry is None else entry.timeline
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
-        """Return the timeline of a part; a new one begins with what the directory knows."""
+        """Return the timeline of a part; a new one begins with the known values."""
         return self._entry(device, part).timeline
 
     def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
@@ -90,7 +90,7 @@ class Timelines:
         return partial(listeners.remove, on_value)
 
     def schedule(self, place: _Place, command: str) -> None:
-        """Set the timer for what a decided *command* still waits for, and save what it taught."""
+        """Set the timer of a decided *command*, and save the profile."""
         entry = self._entries.get(place)
         if entry is not None:
             self._profiles.save(entry.target, entry.timeline.profile, command)
@@ -116,7 +116,7 @@ class Timelines:
     def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
         target = f"{device.id}#{part.id}" if part.id else device.id
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
-        seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
+        _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         timeline.on_report, timeline.on_end = partial(self._on_report, place), self._on_end
         timeline.on_undone = partial(self._on_undone, place)
         entry = self._entries[place] = _TrackedPart(timeline, target)
@@ -130,9 +130,9 @@ class Timelines:
         entry.routes = part.routes
         settable = [one.name for one in part.part.capabilities if one.settable]
         entry.relevant = frozenset([other for one in settable for other in related(one)])
-        entry.watch = self._feed.watch(part.routes, partial(self._take, place, entry))
+        entry.watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
 
-    def _take(self, place: _Place, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
+    def _on_value(self, place: _Place, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
             return
         now, timeline = self._clock.monotonic(), entry.timeline
@@ -176,7 +176,7 @@ class Timelines:
         self.on_end(progress)
 
     def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
-        """Publish the end of a confirmed value, also to listeners that took its last report for a step on the way."""
+        """Publish the end of a confirmed value, also to listeners that got its last report as a step on the way."""
         entry, settling = self._entries.get(place), progress.settling
         if entry is not None and settling is not None and settling.undoing is not None:
             capability = settling.undoing.capability
@@ -188,3 +188,27 @@ class Timelines:
 
 def _ignore(*_: object) -> None:
     pass
+
+
+def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:
+    """Record the live values of *part* in its *timeline*.
+
+    No command explains an earlier change. The first value of the part is no change.
+    """
+    settable = {one.name for one in part.part.capabilities if one.settable}
+    states = [one for one in device.states if one.part == part.id and one.live]
+    for state in states:
+        age = max(0.0, now - state.told_at.to_seconds())
+        timeline.seed(state.capability, state.value.plain(), monotonic - age)
+    changed = [one for one in states if one.capability in settable and _is_change(one, states)]
+    newest = max(changed, key=lambda one: one.since.to_seconds(), default=None)
+    if newest is not None:
+        since = newest.since.to_seconds()
+        at = monotonic - max(0.0, now - since)
+        timeline.dropped_change = Reported(at, since, 0, newest.capability, newest.value.plain())
+
+
+def _is_change(state: State, states: list[State]) -> bool:
+    """Return whether *state* is a change, or a first value of a part that reported others long before."""
+    since = state.since.to_seconds()
+    return not state.is_first or any(since - one.since.to_seconds() > durations.FIRST_REPORTS for one in states)

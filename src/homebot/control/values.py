@@ -36,13 +36,13 @@ COLORS: Final = frozenset({"color_temperature", "color", "effect"})
 """The capabilities of lamps that turn most of them on when they are set."""
 
 END_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
-"""The positions of what is open and of what is closed."""
+"""The positions of the states."""
 
 _HUES: Final = frozenset({"color_temperature", "color"})
-"""Of these a lamp shows one: white takes the place of a colour, and a colour that of white."""
+"""A lamp shows one of them: white replaces a colour, and a colour replaces white."""
 
 _FAN_MODE: Final = "fan_mode"
-"""It turns a fan on, or off."""
+"""The capability that turns a fan on or off as well."""
 
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
 _RELATED: Final = {
@@ -83,7 +83,7 @@ _LONGEST_TEXT: Final = 40
 
 
 def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
-    """Return whether a device that reports *seen* has done what *wanted* asked for, with its rounding."""
+    """Return whether *seen* is the *wanted* value, as devices round."""
     match wanted, seen:
         case bool(), bool():
             return wanted is seen
@@ -103,10 +103,10 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
 
 
 def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
-    """Return whether *seen* is *wanted* as closely as a device can tell, so that to command it would change nothing.
+    """Return whether *seen* is *wanted* as closely as a device can report, so that a command would change nothing.
 
-    This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. Of what
-    has a motor, which stops a little off, and of the white of a lamp it is the same.
+    This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. For a
+    motor, which stops a little off, and for the white of a lamp both are the same.
     """
     if not fits(capability, wanted, seen):
         return False
@@ -169,7 +169,7 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     """Return whether setting *capability* to *wanted* would change the capability *held* from *value*.
 
     Openness is one thing, by word or by position; so is power, by on, off, level, speed, the colour of a lamp or the
-    mode of a fan; and so is its light, by colour or by the temperature of its white. What a press does is not known.
+    mode of a fan; and so is its light, by colour or by the temperature of its white. The effect of a press is unknown.
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)
@@ -203,7 +203,7 @@ def departs(capability: str, value: PlainValue, seen: PlainValue) -> bool:
 
 
 def _is_same_setting(capability: str, value: PlainValue, wanted: PlainValue) -> bool:
-    """Return whether two commands set the same; what devices round does not matter."""
+    """Return whether two commands set the same value; rounding by devices does not matter."""
     if isinstance(value, float) and isinstance(wanted, float):
         return math.isclose(value, wanted, rel_tol=_NEARLY, abs_tol=_NEARLY)
     return fits(capability, value, wanted)

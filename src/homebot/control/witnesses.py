@@ -39,7 +39,7 @@ class Witness:
     Attributes:
         name: The name of its device.
         is_named: Whether the owner named it, so that it is waited for, and contradicts the device.
-        values: What it measured.
+        values: The measured values.
         seen_at: When it last reported, on the monotonic clock.
         watch: The watch of its reports.
     """
@@ -51,7 +51,7 @@ class Witness:
     watch: ReportWatch | None = None
 
     def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
-        """Return what it shows of a command that the device reported to have obeyed then."""
+        """Return its observation of a command that the device reported done at *reported_at*."""
         return observed(self.values, is_rise=is_rise, is_heard=self.seen_at > reported_at)
 
 
@@ -60,7 +60,7 @@ _Sensor: TypeAlias = tuple[Witness, DevicePart]
 
 @final
 class Witnesses:
-    """Asks sensors about commands.
+    """Sensors that observe commands.
 
     Args:
         node: For its log and clock.
@@ -119,30 +119,28 @@ class Witnesses:
                 one.watch.stop()
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
-        """Return *outcome*, or what a witness knows better; a named one is waited for."""
-        if not isinstance(outcome, Confirmed) and (not isinstance(outcome, NoAnswer) or outcome.reason):
+        """Return *outcome*, or a better one by a witness; a named one is awaited."""
+        is_confirmed = isinstance(outcome, Confirmed)
+        if not is_confirmed and (not isinstance(outcome, NoAnswer) or outcome.reason):
             return outcome
         reported_at = self._clock.monotonic()
         until = reported_at + self._timeout + opened.command.transition
-        is_rise = rises(opened.command.settings) is True
+        named = [one for one in witnesses if one.is_named]
         while True:
             now = self._clock.monotonic()
-            newest = opened.outcome(now) if isinstance(outcome, Confirmed) else outcome
-            if type(newest) is not type(outcome):
+            if is_confirmed and not isinstance(newest := opened.outcome(now), Confirmed):
                 return newest  # a newer command, or the device went back
-            saw = [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is Observed.EFFECT]
-            if saw:
-                return self._confirmed(opened, saw[0], outcome)
-            if now >= until or isinstance(outcome, NoAnswer) or not any(one.is_named for one in witnesses):
+            seeing = _with_answer(Observed.EFFECT, witnesses, opened, reported_at)
+            if seeing:
+                return self._confirmed(opened, seeing[0], outcome)
+            if now >= until or not is_confirmed or not named:
                 break
             await opened.changed.wait(until - now)
-        for one in witnesses if isinstance(outcome, Confirmed) else ():
-            if one.is_named and one.answer(reported_at, is_rise=is_rise) is Observed.NOTHING:
-                return self._contradict(opened, one)
-        return outcome
+        contradicting = _with_answer(Observed.NOTHING, named, opened, reported_at) if is_confirmed else []
+        return self._contradict(opened, contradicting[0]) if contradicting else outcome
 
     def _name_for(self, command: IssuedCommand) -> str | None:
-        """Return the sensor that the owner names for a part, empty for none; None if nothing is said about it."""
+        """Return the sensor that the owner names for a part; empty for none, None for no statement."""
         facets = PartFacets(command.device)
         facets.part = command.part
         return next((name for query, name in self._named if fits(query, facets)), None)
@@ -189,8 +187,16 @@ class Witnesses:
         return Contradicted(saw, witness.name, command_id=command.id)
 
 
+def _with_answer(
+    answer: Observed, witnesses: Iterable[Witness], opened: OpenCommand, reported_at: float
+) -> list[Witness]:
+    """Return the witnesses with that *answer* about a command."""
+    is_rise = rises(opened.command.settings) is True
+    return [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is answer]
+
+
 def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[_Sensor]:
-    """Return the sensors of a device that measure one of *wanted*; a silent or stale one cannot tell."""
+    """Return the sensors of a device that measure one of *wanted*, without silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
     values = {(one.part, one.capability): one.value.plain() for one in device.states if one.live}

@@ -27,7 +27,7 @@ class LineBuffer:
         self._gap = 0
 
     def add(self, line: RecordingLine) -> bool:
-        """Add a line, or count it where there is no room; return whether it was added."""
+        """Add a line, or count it if there is no room; return whether it was added."""
         text = line_text(line)
         if len(self._lines) >= _MOST_LINES or self._bytes + len(text) > _MOST_BYTES:
             self.lost += 1
@@ -39,8 +39,8 @@ class LineBuffer:
         self._put(text)
         return True
 
-    def take(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
-        """Return the oldest lines, without their ends, and forget them: one at least where there is any.
+    def pop(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
+        """Remove and return the oldest lines, at least one if there is any, without their ends.
 
         Args:
             most: How many at most.

@@ -20,7 +20,7 @@ kind            message                           meaning
 ``owner``       :class:`OwnerRequest`             the owner placed, named, tagged, approved … a device, or a tag did
 ``lease``       :class:`LeaseNews`                a lease began or ended
 ``lost``        :class:`LostLines`                lines that are missing here
-``end``         :class:`RecordingEnd`             the last line; missing where the recorder was killed
+``end``         :class:`RecordingEnd`             the last line; missing if the recorder was killed
 ==============  ================================  ==============================================================
 """
 
@@ -180,7 +180,7 @@ class RecordingEnd(Message):
     """The end of a recording.
 
     Attributes:
-        reason: Why it ended, as text; empty where it was told to.
+        reason: The reason of the end, as text; empty for a regular end.
     """
 
     reason: str = ""

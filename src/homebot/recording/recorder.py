@@ -46,7 +46,7 @@ __all__ = ["Recorder", "RunFacts"]
 NOT_RECORDED = "recording.raw_messages_missing"
 
 _ALL_KEPT: Final = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""The oldest is dropped where they come too fast, and counted; see :meth:`Recorder.note_lost`."""
+"""The oldest is dropped and counted in a flood; see :meth:`Recorder.record_lost`."""
 
 _ENTRIES: Final = QoSProfile(depth=10_000)
 
@@ -98,13 +98,13 @@ class Recorder:
         self.lines = LineBuffer()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Note until cancelled."""
+        """Record until cancelled."""
         await self._begin()
         with self._node.graph.watch() as changes:
             listen = self._node.create_subscription
             self._subscriptions += (
-                listen(JournalEntry, JOURNAL_ENTRIES, self._take_entry, _ENTRIES),
-                listen(OwnerRequest, OWNER_REQUESTS, self._take_request, _ENTRIES, from_node=DIRECTORY_NODE),
+                listen(JournalEntry, JOURNAL_ENTRIES, self._on_entry, _ENTRIES),
+                listen(OwnerRequest, OWNER_REQUESTS, self._on_request, _ENTRIES, from_node=DIRECTORY_NODE),
             )
             self._follow_gateways()
             async with anyio.create_task_group() as tasks:
@@ -114,17 +114,17 @@ class Recorder:
                     if change.change == "added" and change.entity.kind is EntityKind.NODE:
                         self._follow_gateways()
 
-    def note_lost(self) -> None:
-        """Note how many messages came too fast to be noted, where there are any since the last time."""
+    def record_lost(self) -> None:
+        """Record the number of messages that were lost in floods since the last call."""
         lost = sum(one.lost for one in self._subscriptions)
         if lost > self._lost:
-            self._note(self._clock.now(), LostLines(count=lost - self._lost))
+            self._record(self._clock.now(), LostLines(count=lost - self._lost))
             self._lost = lost
 
     def finish(self, reason: str = "") -> None:
-        """Note the end."""
-        self.note_lost()
-        self._note(self._clock.now(), RecordingEnd(reason=reason))
+        """Record the end."""
+        self.record_lost()
+        self._record(self._clock.now(), RecordingEnd(reason=reason))
 
     async def _begin(self) -> None:
         """Record the run, the known devices and the leases.
@@ -149,9 +149,9 @@ class Recorder:
             apps=facts.apps,
         )
         self._first_devices = frozenset(one.id for one in devices)
-        self._note(self._started_at, header)
+        self._record(self._started_at, header)
         for message in (*rows, *devices, *(news for part in held for news in _held(part))):
-            self._note(self._started_at, message)
+            self._record(self._started_at, message)
 
     def _follow_gateways(self) -> None:
         for node in self._node.graph.get_node_names():
@@ -164,9 +164,9 @@ class Recorder:
         try:
             names = GatewayNames(gateway)
             listen = partial(self._node.create_subscription, qos_profile=_ALL_KEPT, from_node=names.node)
-            listen(GatewayState, names.state, partial(self._take_state, gateway))
-            sightings = listen(Sighting, names.received_topics, self._take_sighting)
-            self._subscriptions += (sightings, listen(Report, names.readings, self._take_report))
+            listen(GatewayState, names.state, partial(self._on_state, gateway))
+            sightings = listen(Sighting, names.received_topics, self._on_sighting)
+            self._subscriptions += (sightings, listen(Report, names.readings, self._on_report))
         except InvalidNameError:
             return  # such a name has no publisher
 
@@ -175,37 +175,37 @@ class Recorder:
             if change.kind == "removed":
                 continue
             if change.kind == "appeared" and change.device.id not in self._first_devices:
-                self._note(self._clock.now(), change.device)
+                self._record(self._clock.now(), change.device)
             try:
-                await self._devices.listen(change.device, self._take_raw)
+                await self._devices.listen(change.device, self._on_raw)
             except (RefusedError, ServiceError) as exc:
                 self._node.log.warning(
                     NOT_RECORDED, message=f"the raw messages of {change.device.id} are not recorded: {exc}"
                 )
 
-    def _take_state(self, gateway: str, state: GatewayState) -> None:
-        self._note(self._clock.now(), GatewayNews(gateway=gateway, state=state))
+    def _on_state(self, gateway: str, state: GatewayState) -> None:
+        self._record(self._clock.now(), GatewayNews(gateway=gateway, state=state))
 
-    def _take_sighting(self, sighting: Sighting) -> None:
-        self._note(sighting.seen_at.to_seconds(), sighting)
+    def _on_sighting(self, sighting: Sighting) -> None:
+        self._record(sighting.seen_at.to_seconds(), sighting)
 
-    def _take_report(self, report: Report) -> None:
-        self._note(report.received_at.to_seconds(), report)
+    def _on_report(self, report: Report) -> None:
+        self._record(report.received_at.to_seconds(), report)
 
-    def _take_raw(self, message: RawMessage) -> None:
+    def _on_raw(self, message: RawMessage) -> None:
         payload = without_secrets(message.payload)
         if payload != message.payload:
             message = message.model_copy(update={"payload": payload})
-        self._note(message.received_at.to_seconds(), message)
+        self._record(message.received_at.to_seconds(), message)
 
-    def _take_entry(self, entry: JournalEntry) -> None:
+    def _on_entry(self, entry: JournalEntry) -> None:
         if (news := self._commands.of(entry)) is not None:
-            self._note(entry.at.to_seconds(), news)
+            self._record(entry.at.to_seconds(), news)
 
-    def _take_request(self, request: OwnerRequest) -> None:
-        self._note(request.at.to_seconds(), request)
+    def _on_request(self, request: OwnerRequest) -> None:
+        self._record(request.at.to_seconds(), request)
 
-    def _note(self, at: float, message: Message) -> None:
+    def _record(self, at: float, message: Message) -> None:
         if not self.lines.add(RecordingLine(at - self._started_at, self._repetitions.shortened(message))):
             self._repetitions.forget()
 

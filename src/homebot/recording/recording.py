@@ -52,8 +52,8 @@ class TimedCommand:
     Attributes:
         at: Seconds since the start of the recording.
         command: The command.
-        result: Its outcome; None for a raw text, and where the recording ended first.
-        line: The number of its line; 0 where it is in no recording.
+        result: Its outcome; None for a raw text, and if the recording ended first.
+        line: The number of its line; 0 without a recording.
     """
 
     at: float
@@ -77,7 +77,7 @@ class TimedLease:
 
 @dataclass(frozen=True, slots=True)
 class RecordedEvent:
-    """Something that a gateway told, or that the owner asked of the directory.
+    """A message of a gateway, or a request of the owner to the directory.
 
     Attributes:
         at: Seconds since the start of the recording.
@@ -104,7 +104,7 @@ class Recording:
         leases: Changes of leases; those at the start have time 0.
         lost: Lines that are missing.
         ends_at: Seconds since the start at which it ends.
-        end: Why it ended, as text; empty where it was told to.
+        end: The reason of its end, as text; empty for a regular end.
         is_whole: Whether it has an end; that of a recorder which was killed has none.
     """
 
@@ -182,7 +182,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
         if isinstance(line.message, CommandResult):
             results[line.message.command_id] = line.message
         else:
-            _take(recording, line, number)
+            _add_line(recording, line, number)
     if recording is None:
         raise UsageError(f"{source} is empty, and no recording")
     recording.commands = [replace(one, result=results.get(one.command.id)) for one in recording.commands]
@@ -200,7 +200,7 @@ def _begun(line: RecordingLine, where: str) -> Recording:
     return Recording(header)
 
 
-def _take(recording: Recording, line: RecordingLine, number: int) -> None:
+def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
     recording.ends_at = max(recording.ends_at, line.at)
     match line.message:
         case Device() as device:
@@ -257,7 +257,7 @@ def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
 
 
 def _read_line(file: IO[bytes], source: str, count: int) -> bytes:
-    """Return the line after *count* others; empty where there is none."""
+    """Return the line after *count* others; empty if there is none."""
     try:
         return file.readline(_LONGEST_LINE + 1)
     except EOFError as exc:

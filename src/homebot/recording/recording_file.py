@@ -32,7 +32,7 @@ class RecordingFile:
     the size of its text, before any compression.
 
     Args:
-        path: Where; compressed where the name ends in ``.gz``.
+        path: The file; compressed if the name ends in ``.gz``.
         megabytes: How much text at most.
         force: Whether to replace a file that is there.
 
@@ -76,7 +76,7 @@ class RecordingFile:
         self._file.flush()
 
     def close(self) -> None:
-        """Write the end where the file is full, and close it.
+        """Write the end if the file is full, and close it.
 
         Raises:
             OSError: The disk is full, or away.
@@ -94,7 +94,7 @@ class RecordingFile:
 
 
 class LineSink(Protocol):
-    """Takes lines, and keeps the event loop waiting for nothing."""
+    """Adds lines without blocking the event loop."""
 
     @property
     def is_full(self) -> bool:

@@ -63,7 +63,7 @@ class Repetitions:
         return Repetition(of=kind, gateway=gateway, key=key, stream=stream, at=_at(message))
 
     def whole(self, message: Message) -> Message:
-        """Return the message that a :class:`Repetition` stands for, and any other as it is.
+        """Return the message behind a :class:`Repetition`, and any other unchanged.
 
         Raises:
             UsageError: There is none before it.
@@ -87,7 +87,7 @@ class Repetitions:
         return again
 
     def forget(self) -> None:
-        """Forget all, so that each source is told in full again: something was lost on the way into the file."""
+        """Forget all messages, so that each source is recorded in full again: a line was lost."""
         self._last.clear()
 
     def _put(self, source: _Source, message: Sighting | Report) -> None:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, SecretBytes, SecretStr
 __all__ = ["HIDDEN", "is_secret_name", "public_settings", "without_secrets"]
 
 HIDDEN: Final = "***"
-"""Stands for a secret."""
+"""Replaces a secret."""
 
 _WORDS: Final = frozenset(
     {

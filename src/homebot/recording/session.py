@@ -107,20 +107,20 @@ class _LineReader:
         """Answer the service."""
         recorder = self._recorder
         self._read_at = self._clock.monotonic()
-        recorder.note_lost()
+        recorder.record_lost()
         if request.is_last and not self._is_finished:
             self._is_finished = True
             recorder.finish()
         elif recorder.lines.is_empty:
             await self._wait()
-        lines = tuple(recorder.lines.take(_MOST_LINES, _MOST_BYTES))
+        lines = tuple(recorder.lines.pop(_MOST_LINES, _MOST_BYTES))
         is_over = self._is_finished and recorder.lines.is_empty
         if is_over:
             self._is_over.set()
         return ReadRecordingResponse(lines=lines, is_over=is_over)
 
     async def _wait(self) -> None:
-        """Wait for lines; where the client leaves meanwhile, as one that is killed, all is over."""
+        """Wait for lines; end the session if the client leaves meanwhile."""
         try:
             await anyio.sleep(_EVERY)
         except anyio.get_cancelled_exc_class():
@@ -143,9 +143,9 @@ async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
 
 async def _write(node: Node, recorder: Recorder, sink: LineSink) -> bool:
     """Write the queued lines; return whether that worked."""
-    recorder.note_lost()
+    recorder.record_lost()
     try:
-        await sink.write(recorder.lines.take())
+        await sink.write(recorder.lines.pop())
     except OSError as exc:
         node.log.error(FAILED, message=f"the recording ended: its file cannot be written: {exc.strerror}")
         return False

@@ -30,7 +30,7 @@ class DifferentCommand:
     Attributes:
         kind: ``added``: only the replay has it; ``gone``: only the recording has it.
         given: The command.
-        refused: Why the other of the two refused it, as text; empty where the other does not have it at all.
+        refused: The reason why the other refused it, as text; empty if the other does not have it.
     """
 
     kind: Literal["added", "gone"]
@@ -58,7 +58,7 @@ def command_diff(
 
     Args:
         recorded: The commands of the recording, in the order of time.
-        replayed: Those of the replay, likewise.
+        replayed: Those of the replay.
         issuers: The full names of the nodes that are compared.
         ends_at: Where the recording ends, in seconds since its start. What is within 1 s before that and has no
             counterpart may have one that came too late, and is no difference.
@@ -67,7 +67,7 @@ def command_diff(
     now = [one for one in replayed if one.command.issuer in issuers]
     sent_before = _without_repeats(filter(is_carried_out, before))
     matcher = CommandMatcher(sent_before)
-    added = [one for one in _without_repeats(filter(is_carried_out, now)) if matcher.take(one) is None]
+    added = [one for one in _without_repeats(filter(is_carried_out, now)) if matcher.pop(one) is None]
     gone = matcher.left
     different = [DifferentCommand("added", one, _refusal(one, before)) for one in added]
     different += [DifferentCommand("gone", one, _refusal(one, now)) for one in gone]
@@ -97,8 +97,8 @@ class CommandMatcher:
             if is_carried_out(one):
                 self._left[_key(one.command)].append(one)
 
-    def take(self, wanted: TimedCommand) -> TimedCommand | None:
-        """Return the same command as *wanted*, and find it no more; None where there is none."""
+    def pop(self, wanted: TimedCommand) -> TimedCommand | None:
+        """Remove and return the same command as *wanted*; None if there is none."""
         same = self._left.get(_key(wanted.command), [])
         number = bisect_left(same, wanted.at - _TOLERANCE - _ROUNDED, key=lambda one: one.at)
         if number < len(same) and same[number].at <= wanted.at + _TOLERANCE + _ROUNDED:
@@ -117,7 +117,7 @@ def _order(one: DifferentCommand) -> tuple[float, str, str, str]:
 
 
 def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
-    """Return why the same command among *others* was refused; empty where there is none."""
+    """Return why the same command among *others* was refused; empty if there is none."""
     wanted = given.command
     for one in others:
         command = one.command
@@ -132,7 +132,7 @@ def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
 
 
 def _without_repeats(commands: Iterable[TimedCommand]) -> list[TimedCommand]:
-    """Return *commands*, in the order of time, without those that say again what their app said within 1 s before.
+    """Return *commands*, in the order of time, without repetitions by their app within 1 s.
 
     How often an app says so depends on how busy the computer was: a lamp may report the same three times while an app
     still acts upon the first. What does something each time, such as a button, and raw texts are no repeats.

@@ -39,7 +39,7 @@ class RecordedOutcomes:
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
         """Return the outcome; see :class:`homebot.control.rehearsal.Rehearsal`."""
-        found = self._matcher.take(TimedCommand(self._now(), _recorded(command)))
+        found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
         if found is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
         if found.result is None or _was_sent(found.result):

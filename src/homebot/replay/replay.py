@@ -114,14 +114,14 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     async with Node(runtime.graph, "replay", namespace="/homebot") as node:
         began, news = clock.now(), CommandNews()
 
-        def take(entry: JournalEntry) -> None:
+        def on_entry(entry: JournalEntry) -> None:
             match news.of(entry):
                 case RecordedCommand() as command:
                     given.append(TimedCommand(entry.at.to_seconds() - began, command))
                 case CommandResult() as result:
                     results[result.command_id] = result
 
-        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, take, 100_000)
+        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, on_entry, 100_000)
         async with runtime, anyio.create_task_group() as people:
             doings = ReplayPeople(node, recording, feed)
             people.start_soon(doings.run)

@@ -20,7 +20,7 @@ _MOMENT: Final = 1e-6
 """Seconds within which messages are of one moment; the time of a line is given to this much."""
 
 Tell: TypeAlias = Callable[[Message], Awaitable[None]]
-"""Publishes a message as the gateway that told it."""
+"""Publishes a message as its gateway."""
 
 
 @final
@@ -70,11 +70,11 @@ class ReplayFeed:
                 await ask_directory(event.message)
                 moment = -math.inf
             else:
-                await self._tell(event.message)
+                await self._publish(event.message)
             before = event.line
         await self._wait_until(self._recording.ends_at)
 
-    async def _tell(self, message: Message) -> None:
+    async def _publish(self, message: Message) -> None:
         if (tell := self._gateways.get(_gateway(message))) is not None:
             await tell(message)
 

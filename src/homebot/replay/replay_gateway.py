@@ -50,9 +50,9 @@ class ReplayGateway(Gateway):
         self._told_state = _ACTIVE
         self._commands = 0
         self._listeners = RawDelivery(node, self.names, inboxes=True)
-        node.create_subscription(RawCommand, self.names.out, self._take_raw, 1000)
+        node.create_subscription(RawCommand, self.names.out, self._on_raw, 1000)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
-        node.create_service(SendCommand, self.names.send_command, self._take)
+        node.create_service(SendCommand, self.names.send_command, self._accept)
         node.create_service(GetHealth, self.names.health, self._health)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -60,11 +60,11 @@ class ReplayGateway(Gateway):
         feed = self.context.service(ReplayFeed)
         self._publish_told_state(_ACTIVE)
         if feed is not None:
-            await feed.open(self.node.name, self.tell)
+            await feed.open(self.node.name, self.publish)
         task_status.started()
         await self._listeners.watch_nodes()
 
-    async def tell(self, message: Message) -> None:
+    async def publish(self, message: Message) -> None:
         """Publish a message of the recording, as the gateway did."""
         match message:
             case GatewayNews(state=state):
@@ -93,7 +93,7 @@ class ReplayGateway(Gateway):
         self.acts = state.acts
         self.publish_state(state.state, state.reason)
 
-    def _take(self, _: Command) -> SendCommandResponse:
+    def _accept(self, _: Command) -> SendCommandResponse:
         state = self._told_state
         if not state.acts:
             return SendCommandResponse(success=False, message=state.reason, problem="refused")
@@ -102,7 +102,7 @@ class ReplayGateway(Gateway):
         self._commands += 1
         return SendCommandResponse(success=True)
 
-    def _take_raw(self, _: RawCommand) -> None:
+    def _on_raw(self, _: RawCommand) -> None:
         self._commands += 1
 
     def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:

@@ -83,7 +83,7 @@ OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
 
 @final
 class ReplayPeople:
-    """Repeats the recorded actions of people at their times; refused ones need no answer.
+    """Repeats the recorded actions of people at their times; refusals are ignored.
 
     Leases are held for as long as they were: they end when they were released, ended, or over in the recording. Those
     of apps are their own.
@@ -91,7 +91,7 @@ class ReplayPeople:
     Args:
         node: The node that asks in their place.
         recording: The recording.
-        feed: Tells the time.
+        feed: The clock of the recording.
     """
 
     def __init__(self, node: Node, recording: Recording, feed: ReplayFeed) -> None:
@@ -141,11 +141,11 @@ class ReplayPeople:
 
     async def _do(self, wish: RecordedCommand | LeaseNews) -> None:
         if isinstance(wish, RecordedCommand):
-            await self._give(wish)
+            await self._repeat_command(wish)
         else:
             await self._change_lease(wish)
 
-    async def _give(self, command: RecordedCommand) -> None:
+    async def _repeat_command(self, command: RecordedCommand) -> None:
         await self._perform.call(
             CommandRequest(
                 device=command.device,

@@ -1,4 +1,4 @@
-"""Folding of equal commands of one issuer to one part: of those of a minute the newest and their number. Pure."""
+"""Folding of equal commands of one issuer to one part: the newest of each minute, and their number. Pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from homebot.control.journal.store import JournalNote
 __all__ = ["IN_FULL", "CommandFolding"]
 
 IN_FULL: Final = 10
-"""Commands of one issuer to one part that are kept in each minute, whatever became of them."""
+"""Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
@@ -27,18 +27,18 @@ class _Minute:
 
     Attributes:
         began: Time of the first, in seconds since the Unix epoch.
-        kept: How many are kept in full.
-        outcomes: Those that are kept in full.
-        folded: The notes of the newest folded command for each outcome; the first note has the number of the others.
+        stored: The number of stored commands.
+        outcomes: The outcomes among them.
+        folded: The entries of the newest folded command for each outcome; the first has the number of the others.
     """
 
     began: float
-    kept: int = 0
+    stored: int = 0
     outcomes: set[str] = field(default_factory=set)
     folded: dict[str, list[JournalNote]] = field(default_factory=dict)
 
     def fold(self, outcome: str, notes: list[JournalNote]) -> bool:
-        """Keep *notes* in place of an earlier command with the same *outcome*; False if it is the first."""
+        """Replace the earlier command with the same *outcome* by *notes*; False if it is the first."""
         if outcome not in self.outcomes:
             self.outcomes.add(outcome)
             return False
@@ -52,8 +52,8 @@ class _Minute:
 class CommandFolding:
     """Filter in front of the store: a flood of equal commands leaves a few entries a minute.
 
-    What has no issuer passes. At most 10,000 pairs of issuer and part are told apart in a minute, and 1,000 commands
-    wait for their outcome; beyond that the oldest are kept in full.
+    An entry without an issuer passes. At most 10,000 pairs of issuer and part are counted in a minute, and 1,000
+    commands wait for their outcome; beyond that the oldest are stored.
     """
 
     def __init__(self) -> None:
@@ -61,23 +61,23 @@ class CommandFolding:
         self._open: dict[str, list[JournalNote]] = {}
 
     def add(self, note: JournalNote) -> list[JournalNote]:
-        """Return what is to be stored, now that *note* came."""
+        """Return the entries to store after *note*."""
         stored = list(self._ended(note.at))
         if note.command in self._open:
             stored += self._continue(note)
-        elif note.issuer and (note.kind != "denied" or note.settings):  # what the door denied is bounded already
+        elif note.issuer and (note.kind != "denied" or note.settings):  # denials of the door are bounded already
             stored += self._begin(note)
         else:
             stored.append(note)
         return stored
 
     def waiting(self) -> list[JournalNote]:
-        """Return the notes that are kept here so far, oldest first."""
+        """Return the entries that are not stored yet, oldest first."""
         folded = [notes for minute in self._minutes.values() for notes in minute.folded.values()]
         return sorted((note for notes in (*folded, *self._open.values()) for note in notes), key=lambda note: note.at)
 
     def close(self) -> list[JournalNote]:
-        """Return what is left to be stored."""
+        """Return the rest of the entries to store."""
         left = self.waiting()
         self._minutes.clear()
         self._open.clear()
@@ -85,12 +85,12 @@ class CommandFolding:
 
     def _begin(self, note: JournalNote) -> Iterable[JournalNote]:
         minute = self._minutes.setdefault((note.issuer, note.device, note.part), _Minute(note.at))
-        if note.command and note.kind not in {"requested", "published"}:  # a step of a command that is kept
+        if note.command and note.kind not in {"requested", "published"}:  # a step of a stored command
             if note.kind == "outcome":
                 minute.outcomes.add(_outcome(note))
             return (note,)
-        if minute.kept < IN_FULL:
-            minute.kept += 1
+        if minute.stored < IN_FULL:
+            minute.stored += 1
             if note.kind != "requested":
                 minute.outcomes.add(note.kind)
             return (note,)
@@ -109,7 +109,7 @@ class CommandFolding:
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:
-        """Remove the minutes that are over, and yield what was folded in them."""
+        """Remove the ended minutes, and yield their folded entries."""
         while self._minutes:
             key, first = next(iter(self._minutes.items()))
             if 0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES:

@@ -1,4 +1,4 @@
-"""Entries of the journal, and what was learnt from commands, in a file.
+"""Store of the journal and of device profiles in a file.
 
 Written by a worker thread, a few seconds' worth at a time.
 """
@@ -36,27 +36,27 @@ _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
 _BATCH: Final = 2000
 _MOST_WAITING: Final = 10_000
-"""Entries that wait to be written, and things learnt; the oldest are lost and counted where the disk is long away."""
+"""Entries, and rows, that wait for the disk; more are lost, the oldest first, and counted."""
 
 
 @final
 class FileStore:
     """Entries in an SQLite file, bounded by age and size, the oldest dropped first.
 
-    It is opened at the first entry or question, so that a home without commands has none. Where another homebot uses it
-    or a newer one wrote it, entries are in memory alone. Where somebody removes it, a new one is begun.
+    It is opened at the first entry or question, so that a home without commands has none. If another homebot uses it,
+    or a newer one wrote it, entries are in memory only. If it is removed, a new one is made.
 
     Args:
         node: For its log and clock.
-        path: Where the file is.
-        longest: Seconds for which an entry is kept.
-        most_bytes: What the entries may take.
-        in_memory: Keeps the entries where the file cannot be used.
+        path: The file.
+        longest: Seconds for which an entry is stored.
+        most_bytes: The size of all entries at most.
+        in_memory: The store if the file cannot be used.
 
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
-        failures: Entries, and things learnt, that could not be kept.
-        problem: The trouble of the file, as text; empty where there is none. That it was removed stays one.
+        failures: Entries, and rows, that could not be stored.
+        problem: The trouble of the file, as text; empty if there is none. A removal stays one.
     """
 
     def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, in_memory: MemoryStore) -> None:
@@ -81,7 +81,7 @@ class FileStore:
         self.remembers = True
 
     def add(self, note: JournalNote) -> None:
-        """Keep what was noted; it is written four seconds later."""
+        """Add an entry; it is written four seconds later."""
         if self._is_unusable:
             self._memory.add(note)
             return
@@ -93,7 +93,7 @@ class FileStore:
         self._has_news.set()
 
     def learn(self, row: LearntRow) -> None:
-        """Keep what was learnt; it is written within seconds; without a file it ends with the run."""
+        """Replace a row; it is written within seconds, or lost without a file."""
         if self._is_unusable:
             return
         self._learnt[row.kind, row.name] = row
@@ -103,7 +103,7 @@ class FileStore:
         self._has_news.set()
 
     async def learnt(self) -> tuple[LearntRow, ...]:
-        """Return what an earlier run learnt; nothing where the file cannot be read."""
+        """Return the rows of earlier runs; none if the file cannot be read."""
         async with self._turn:
             file = None if self._is_unusable else await self._opened()
             if file is None:
@@ -111,11 +111,11 @@ class FileStore:
             try:
                 return await to_thread.run_sync(file.read_learnt)
             except (LinkError, WireError) as exc:
-                self._note_failure(exc)
+                self._record_failure(exc)
                 return ()
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return the newest entries that fit, those that were not written yet among them."""
+        """Return the newest entries that fit, also unwritten ones."""
         await self._write()
         if self._is_unusable:
             return await self._memory.read(request)
@@ -126,12 +126,12 @@ class FileStore:
             try:
                 response = await to_thread.run_sync(file.read_entries, request)
             except (LinkError, WireError) as exc:
-                self._note_failure(exc)
+                self._record_failure(exc)
                 return ReadJournalResponse(success=False, message=str(exc))
             return with_newer(response, self._waiting, request)
 
     async def run(self) -> None:
-        """Write what is added until cancelled."""
+        """Write until cancelled."""
         while True:
             await self._has_news.wait()
             await anyio.sleep(_WRITE_AFTER if self.problem == self._loss else _RETRY_AFTER)
@@ -141,7 +141,7 @@ class FileStore:
                 self._has_news.set()
 
     async def close(self) -> None:
-        """Write what waits and close the file; give up after five seconds, cancelled or not."""
+        """Write the rest and close the file, within five seconds, cancelled or not."""
         with anyio.move_on_after(_LAST_CHANCE, shield=True):
             await self._write()
             if self._file is not None:
@@ -160,22 +160,22 @@ class FileStore:
         try:
             self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
         except WireError as exc:
-            self._note_failure(exc)
+            self._record_failure(exc)
             await self._set_aside(file)
             return False
         except LinkError as exc:
-            self._note_failure(exc)
+            self._record_failure(exc)
             return False
         self.problem = self._loss
         for row in learnt:
             if self._learnt.get((row.kind, row.name)) is row:
                 del self._learnt[row.kind, row.name]
-        for _ in range(len(batch) - (self._overrun - before)):  # those of it that were lost meanwhile are gone
+        for _ in range(len(batch) - (self._overrun - before)):  # without the entries that were lost meanwhile
             self._waiting.popleft()
         return True
 
     async def _opened(self) -> JournalFile | None:
-        """Return the open file; None where it cannot be used now."""
+        """Return the open file; None if it cannot be used now."""
         if self._file is not None:
             if not await to_thread.run_sync(self._file.is_lost):
                 return self._file
@@ -186,10 +186,10 @@ class FileStore:
         try:
             damaged = await to_thread.run_sync(file.open, self._clock.now())
         except UsageError as exc:
-            self._give_up(str(exc))
+            self._use_memory(str(exc))
             return None
         except LinkError as exc:
-            self._note_failure(exc)
+            self._record_failure(exc)
             return None
         if damaged is not None:
             self._log_damage(damaged)
@@ -197,7 +197,7 @@ class FileStore:
         return file
 
     async def _begin_anew(self, file: JournalFile) -> None:
-        """Let go of a file that somebody removed; the next one is made."""
+        """Close a removed file."""
         self._file = None
         await to_thread.run_sync(file.close)
         self.problem = self._loss = (
@@ -212,9 +212,9 @@ class FileStore:
         try:
             self._log_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
         except OSError as exc:
-            self._give_up(f"the journal {self._path} cannot be set aside: {exc}")
+            self._use_memory(f"the journal {self._path} cannot be set aside: {exc}")
 
-    def _give_up(self, why: str) -> None:
+    def _use_memory(self, why: str) -> None:
         self._is_unusable, self.problem = True, why
         self._node.log.warning(
             NOT_USED, message=f"{why}; until the next start the journal is in memory alone", file=str(self._path)
@@ -224,7 +224,7 @@ class FileStore:
         self._waiting.clear()
         self._learnt.clear()
 
-    def _note_failure(self, exc: LinkError | WireError) -> None:
+    def _record_failure(self, exc: LinkError | WireError) -> None:
         self.problem = str(exc)
         held_back = self._limit.allows(NOT_WRITTEN)
         if held_back is not None:

@@ -1,4 +1,4 @@
-"""Codes and passwords in commands: the journal has that one was given, and not which. Pure."""
+"""Codes and passwords in commands: the journal records that one was given, without its value. Pure."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from homebot.devices.value import Value
 __all__ = ["CODE_GIVEN", "MAY_BE_CODE", "is_for_code", "public_text", "takes_code", "without_codes"]
 
 CODE_GIVEN: Final = "a code"
-"""Stands for the code, in the place of its value."""
+"""Replaces the value of a code."""
 
 MAY_BE_CODE: Final = frozenset({"number", "text"})
-"""The capabilities whose value can be a code; no other is looked at."""
+"""The capabilities with values that may be a code."""
 
 _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)')
 """A field of JSON with a text or a number."""
 
 _ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
 _MOST_READ: Final = 5_000
-"""Characters of a raw text; of more the journal has none, so that a long one holds nobody up."""
+"""Characters of a raw text in the journal, so that a long one costs little."""
 
 
 def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePart) -> tuple[Setting, ...]:
@@ -44,12 +44,12 @@ def takes_code(device: Device, part: Part) -> bool:
 
 @lru_cache(maxsize=1024)
 def is_for_code(address: str) -> bool:
-    """Return whether what is sent to *address* is a code, by the name."""
+    """Return whether the name of *address* is that of a code."""
     return names_secret(address)
 
 
 def public_text(text: str, address: str) -> str:
-    """Return the raw *text* of a command to *address* with ``"***"`` for each code in a field, or without all of it."""
+    """Return the raw *text* of a command to *address* with ``"***"`` for each code, or :data:`CODE_GIVEN`."""
     if is_for_code(address):
         return CODE_GIVEN
     known = text[:_MOST_READ]

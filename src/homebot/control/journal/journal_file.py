@@ -1,4 +1,4 @@
-"""The journal's file: an SQLite database with a row for each entry, and for each thing learnt from commands.
+"""The journal's file: an SQLite database with a row for each entry, and for each learnt record.
 
 Blocking; called from a worker thread.
 """
@@ -37,7 +37,7 @@ _JOURNAL: Final = SqliteSchema(
         "SELECT kind, name, record, at, command FROM learnt LIMIT 1",
     ),
     {
-        1: (_LEARNT,),  # version 1 kept nothing that was learnt
+        1: (_LEARNT,),  # version 1 had no learnt rows
         # Of each index a page was written with each command; a question goes through all 50 MB in a third of a second.
         2: tuple(f"DROP INDEX IF EXISTS entries_{column}" for column in ("at", "device", "command")),
     },
@@ -71,7 +71,7 @@ class JournalFile(SqliteFile):
     """Reads and writes the journal's file.
 
     Args:
-        path: Where it is; directories are made.
+        path: The file; directories are made.
     """
 
     def __init__(self, path: Path) -> None:
@@ -81,14 +81,14 @@ class JournalFile(SqliteFile):
         """Write *notes* as entries in one transaction, and drop the oldest; return how many entries were dropped.
 
         Args:
-            notes: What was noted, oldest first.
-            learnt: What was learnt, in place of what was there of it; a row without a record is removed.
-            oldest: Seconds since the Unix epoch; what is older is dropped, of the entries and of what was learnt.
-            most_bytes: What the entries may take; when it is more, a tenth of those of the issuer with
-                the most is dropped, the oldest first.
+            notes: The entries, oldest first.
+            learnt: Rows that replace earlier ones; a row without a record is removed.
+            oldest: Seconds since the Unix epoch; older entries and rows are dropped.
+            most_bytes: The size of all entries at most; beyond it a tenth of those of the issuer with the most is
+                dropped, the oldest first.
 
         Raises:
-            LinkError: It cannot be written now; nothing of it was.
+            LinkError: It cannot be written now; nothing was written.
             WireError: The file is damaged; nothing was written.
         """
         connection = self._opened()
@@ -108,7 +108,7 @@ class JournalFile(SqliteFile):
         return dropped
 
     def read_learnt(self) -> tuple[LearntRow, ...]:
-        """Return the newest 20,000 things learnt, oldest first; a row of other types has an empty record.
+        """Return the newest 20,000 learnt rows, oldest first; a row of other types has an empty record.
 
         Raises:
             LinkError: It cannot be read now.
@@ -175,7 +175,7 @@ def _learnt_row(kind: object, name: object, record: object, at: object, command:
 
 
 def _size(connection: sqlite3.Connection) -> float:
-    """Return the bytes of the pages that are in use, without what was learnt: that is bounded by itself."""
+    """Return the bytes of the used pages, without the learnt rows, which have a bound of their own."""
     pages, free, size = (
         int(connection.execute(f"PRAGMA {name}").fetchone()[0])
         for name in ("page_count", "freelist_count", "page_size")

@@ -1,15 +1,14 @@
-"""Policies: what is never done, whoever asks for it, as small pure functions over a command and facts."""
+"""Policies: commands that are refused to every issuer, as small pure functions over a command and facts."""
 
 from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from homebot.control.policies.facts import Facts
+    from homebot.control.policies.facts import Facts, FactUsed, Verdict
     from homebot.control.policies.home_policy import HomePolicy
     from homebot.control.policies.house import House, SensorReading
     from homebot.control.policies.policies import Policies, Policy
     from homebot.control.policies.settings import PolicySettings
-    from homebot.control.policies.verdict import FactUsed, Verdict
 
 __all__ = [
     "FactUsed",
@@ -27,11 +26,10 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(
         __name__,
         {
-            "homebot.control.policies.facts": "Facts",
+            "homebot.control.policies.facts": "FactUsed Facts Verdict",
             "homebot.control.policies.home_policy": "HomePolicy",
             "homebot.control.policies.house": "House SensorReading",
             "homebot.control.policies.policies": "Policies Policy",
             "homebot.control.policies.settings": "PolicySettings",
-            "homebot.control.policies.verdict": "FactUsed Verdict",
         },
     )

@@ -110,7 +110,7 @@ def _texts(patterns: tuple[CommandPattern, ...]) -> list[str]:
 Patterns: TypeAlias = Annotated[
     tuple[CommandPattern, ...], PlainValidator(_validated), PlainSerializer(_texts, return_type=list[str])
 ]
-"""Patterns in a table of the configuration, where they are texts in an array."""
+"""Patterns in a table of the configuration: an array of texts."""
 
 _MOST_PATTERNS = 100
 _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})

@@ -11,8 +11,9 @@ from homebot.control.policies.house import House
 from homebot.control.policies.turns import Turns
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
+from homebot.devices.value import PlainValue
 
-__all__ = ["Facts"]
+__all__ = ["FactUsed", "Facts", "Verdict"]
 
 TimelineOf: TypeAlias = Callable[[Device, DevicePart], PartTimeline]
 """Returns the timeline of a part."""
@@ -50,3 +51,33 @@ class Facts(NamedTuple):
     def local_time(self) -> datetime:
         """The time in the home."""
         return datetime.fromtimestamp(self.now, self.zone)
+
+
+class FactUsed(NamedTuple):
+    """Fact behind a verdict.
+
+    Attributes:
+        name: For example ``occupancy of motion/hall``.
+        value: Its value; None if that is unknown.
+        since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
+    """
+
+    name: str
+    value: PlainValue
+    since: float = 0.0
+
+
+class Verdict(NamedTuple):
+    """Answer of one policy to one command.
+
+    Attributes:
+        policy: The name of the policy.
+        allowed: Whether the command may be sent.
+        reason: The reason; empty if the policy does not concern the command.
+        facts: The facts behind it.
+    """
+
+    policy: str
+    allowed: bool
+    reason: str = ""
+    facts: tuple[FactUsed, ...] = ()

@@ -10,8 +10,7 @@ from typing import ClassVar, Final, TypeAlias, final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
-from homebot.control.policies.verdict import Verdict
+from homebot.control.policies.facts import Facts, Verdict
 from homebot.devices.query import Query
 from homebot.errors import PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
@@ -42,7 +41,7 @@ class HomePolicy(ABC):
 
     Attributes:
         Settings: The model of its table.
-        needs: The query for the devices whose values it reads in ``facts.house``; None for no values.
+        needs: The query for the devices that it reads in ``facts.house``; None for none.
     """
 
     Settings: ClassVar[type[BaseModel]] = NoPolicySettings

@@ -83,7 +83,7 @@ class House:
         ]
 
     def reading_of(self, name: str, capability: str) -> SensorReading | None:
-        """Return the value of the only sensor of *capability* whose device has the id or the name *name*."""
+        """Return the value of the only sensor of *capability* of a device with the id or the name *name*."""
         found = [
             _reading(view, part.id, capability)
             for view in self._devices.values()
@@ -94,11 +94,11 @@ class House:
         return found[0] if len(found) == 1 else None
 
     def detected_since(self, sensor: str) -> float | None:
-        """Return when *sensor* last began to detect somebody, in seconds since the Unix epoch; None if not yet."""
+        """Return when *sensor* last began to detect a person, in seconds since the Unix epoch; None if not yet."""
         return self._detected_since.get(sensor)
 
     def unproven(self) -> tuple[str, ...]:
-        """Return the names of the devices in a room with a motion sensor that has never detected anybody."""
+        """Return the names of the devices in a room with a motion sensor that has never detected a person."""
         return tuple(
             view.device.name or view.device.id
             for view in self._devices.values()

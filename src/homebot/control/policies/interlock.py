@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.settings import Interlock
-from homebot.control.policies.verdict import FactUsed, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
 

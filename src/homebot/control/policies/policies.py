@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, Verdict
 from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.interlock import InterlockRule, check_interlock
 from homebot.control.policies.presence_guard import CONTACT, check_presence
@@ -15,7 +15,6 @@ from homebot.control.policies.quiet_hours import check_quiet_hours
 from homebot.control.policies.rate_limit import check_rate
 from homebot.control.policies.rights import check_approval, check_grants
 from homebot.control.policies.settings import PolicySettings
-from homebot.control.policies.verdict import Verdict
 from homebot.devices.query import CanDo, Or, Query
 
 if TYPE_CHECKING:

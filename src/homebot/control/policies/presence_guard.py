@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.settings import PresenceGuardSettings
-from homebot.control.policies.verdict import FactUsed, Verdict
 
 __all__ = ["CONTACT", "Presence", "check_presence", "presence_in", "remaining_person"]
 

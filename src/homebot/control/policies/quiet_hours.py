@@ -6,9 +6,8 @@ from datetime import time
 from typing import Final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.settings import QuietHours
-from homebot.control.policies.verdict import FactUsed, Verdict
 
 __all__ = ["check_quiet_hours", "is_within"]
 

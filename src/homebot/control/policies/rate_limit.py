@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.settings import RateLimitSettings
-from homebot.control.policies.verdict import FactUsed, Verdict
 
 __all__ = ["check_rate"]
 

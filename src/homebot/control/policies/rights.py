@@ -9,8 +9,7 @@ from typing import Final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import VERBS
-from homebot.control.policies.facts import Facts
-from homebot.control.policies.verdict import FactUsed, Verdict
+from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.devices.always_ask import APPROVED, CHANGED, always_asks, is_approved, is_arming, is_opener, why_it_asks
 from homebot.devices.client_rights import (
     HARMLESS,

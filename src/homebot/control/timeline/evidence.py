@@ -1,4 +1,4 @@
-"""Evidence of a command: its outcome so far, and what to do next. Pure."""
+"""Evidence of a command: its outcome so far, and the next step. Pure."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SendingPlan:
         tries: How often it is sent at most.
         interval: Seconds between two sendings.
         lasts: Seconds from the first sending to the end.
-        keeps_for: Seconds for which the network may keep a sending that another one follows.
+        keeps_for: Seconds for which the network may store a sending before the next one.
         echo_patience: Seconds after an echo in which the device's own report is waited for; inf without echoes.
         attempts: How often it was sent, or was to be.
         asked_at: When the last of them ended.
@@ -58,7 +58,7 @@ class SendingPlan:
 
 
 def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
-    """Return what to do for a command at *now*."""
+    """Return the next step of a command at *now*."""
     if progress.superseded_by or progress.refusal:
         return _DONE
     if not plan.attempts:
@@ -119,7 +119,7 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
         return Confirmed(weak_at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
         return NoAnswer(waited, command_id=name)
-    if progress.has_echo:  # what was reported before may have been an echo
+    if progress.has_echo:  # the report before may have been an echo
         return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
     return AlreadySo(command_id=name)
 

@@ -59,7 +59,7 @@ class Order:
         turns_on: Whether it turns on a part that reports "off" without a setting for that.
         has_ramp: Whether the part has a level that can be set.
         echoed: The capabilities with a declared echo.
-        issuer: Who gave it.
+        issuer: The name of its issuer.
         label: The commanded part for people.
     """
 

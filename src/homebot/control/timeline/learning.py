@@ -38,14 +38,14 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
 
 
 def learn_late_answer(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
-    """Learn from an answer after the failure; told once, the device shows how long it takes."""
+    """Learn from an answer after the failure; after one sending the device shows its response time."""
     progress.learns_late = False
     _learn_times(progress, profile, first)
     _set_told_once(profile, is_told_once=True)
 
 
 def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
-    """Learn from the end of a confirmed value, or from one that held."""
+    """Learn from a confirmed value that ended or held."""
     settling = progress.settling
     undoing = None if settling is None else settling.undoing
     for capability in progress.wanted:

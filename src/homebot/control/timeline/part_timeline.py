@@ -26,8 +26,8 @@ _MOST_WHILE_OPEN: Final = 256
 class PartTimeline:
     """The facts of one part, at most 128 of the last 15 minutes; 256 while a command is open.
 
-    Facts are appended once, when they arrive. What became of each command is kept beside them, as a function of the
-    facts since.
+    Facts are appended once, when they arrive. The progress of each command beside them is a function of the later
+    facts.
 
     Args:
         profile: Knowledge of the device.
@@ -61,7 +61,7 @@ class PartTimeline:
         self._active: list[CommandProgress] = []  # that a report now may be due to
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
-        """Take a value that was reported live before the timeline began: it is no change, but known."""
+        """Record a value that was reported live before the timeline began: it is no change."""
         self._latest.setdefault(capability, (value, at))
 
     def command(self, fact: facts.Commanded) -> CommandProgress:
@@ -146,7 +146,7 @@ class PartTimeline:
         return min((one.next_at for one in settlings if not one.is_over), default=math.inf)
 
     def advance(self, now: float) -> None:
-        """End what waited in vain for a further report."""
+        """End the commands that waited in vain for a further report."""
         for one in self._active:
             if one.settling is not None and not one.settling.is_over:
                 one.settling.advance(now)

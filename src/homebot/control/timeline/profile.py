@@ -19,7 +19,7 @@ __all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
 
 KEPT: Final = 16
 KEPT_ANSWERS: Final = 8
-"""Answers to different values that are kept of each capability."""
+"""Answers to different values, for each capability."""
 
 _ENOUGH: Final = 3
 _FIRST_ECHOES: Final = 3
@@ -50,7 +50,7 @@ class DeviceProfile:
         times: The response times, in seconds.
         returns: The ends of confirmed values; empty as long as no value was taken back.
         echoes: For each expected echo, whether the device reported by itself after it.
-        answers: The values that the device took for others that it was told.
+        answers: The reported values by commanded value.
         is_told_once: Whether it is a dimmer that gave no answer to several sendings: each may have begun its ramp anew.
         is_changed: Whether it has knowledge that is not saved yet.
     """
@@ -66,7 +66,7 @@ class DeviceProfile:
         """Return how long to wait for an answer, and the longest known answer, in seconds.
 
         Args:
-            capabilities: What is commanded.
+            capabilities: The commanded capabilities.
             first: The least wait if fewer than three answers are known.
         """
         longest, is_known = 0.0, True
@@ -93,11 +93,11 @@ class DeviceProfile:
         times = self.times.setdefault(capability, deque(maxlen=KEPT))
         longest, count = max(times, default=0.0), len(times)
         times.append(min(seconds, first) if sendings > 1 else seconds)
-        if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # what the next wait depends on
+        if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # the next wait depends on it
             self.is_changed = True
 
     def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
-        """Record the end of a confirmed value; nothing is kept of a device that never takes a value back."""
+        """Record the end of a confirmed value; a device that never takes a value back has no record."""
         if after is not None or capability in self.returns:
             self.returns.setdefault(capability, deque(maxlen=KEPT)).append(Return(is_fast, after))
             self.is_changed = True
@@ -108,7 +108,7 @@ class DeviceProfile:
         self.is_changed = True
 
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
-        """Record that the device, told *wanted*, reported *seen*; nothing is kept of a device that does as told."""
+        """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""
         is_rounded = _rounds(capability) or fits(capability, wanted, seen)
         if capability not in self.answers and (not is_rounded or is_same(capability, wanted, seen)):
             return
@@ -146,7 +146,7 @@ class DeviceProfile:
     def is_echo(self, capability: str) -> bool:
         """Return whether fast reports are a bridge's echoes: the last three were taken back, soon and regularly.
 
-        One that holds ends it.
+        A value that holds ends the suspicion.
         """
         if capability not in self.returns:
             return False

@@ -1,7 +1,7 @@
-"""Progress of one command: the role of each report since, kept up to date as facts come. Pure.
+"""Progress of one command: the role of each report since, updated with each fact. Pure.
 
-It is a function of the facts of its part: feeding them once more gives the same progress. It is kept for each command,
-so that a report costs the same however many came before it.
+It is a function of the facts of its part: feeding them once more gives the same progress. The cost of a report does not
+depend on the number of earlier ones.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class CommandProgress:
 
     Args:
         fact: The command.
-        profile: Knowledge of the device, as it is now: what is learnt from this command counts for the next ones.
+        profile: Knowledge of the device before this command.
 
     Attributes:
         order: The command.
@@ -102,7 +102,7 @@ class CommandProgress:
 
     @property
     def is_met(self) -> bool:
-        """True if the device reported all that it can report; at once if it reports nothing of it."""
+        """True if the device reported all wanted values; at once if it reports none of them."""
         if self.must_answer and not self.wanted:
             return self.is_accepted
         return len(self.fitting) == len(self.wanted)
@@ -129,7 +129,7 @@ class CommandProgress:
 
     @property
     def has_echo(self) -> bool:
-        """True if a bridge may report what is wanted before the device obeyed."""
+        """True if a bridge may report the wanted values before the device obeyed."""
         return bool(self.order.echoed or self.suspected)
 
     @property
@@ -193,7 +193,7 @@ class CommandProgress:
             self.settling = Settling(self, now, settle)
 
     def supersede(self, newer: Order, now: float) -> None:
-        """End it, or a part of what is watched after it, for a *newer* command to the same part."""
+        """End it, or the watch of some values after it, for a *newer* command to the same part."""
         self.learns_late = False
         touched = {
             other
@@ -210,7 +210,7 @@ class CommandProgress:
             self.superseded_by, self.ended_at = newer.id, now
 
     def report(self, fact: Reported) -> ReportRole:
-        """Return the role of a live report, and take it in."""
+        """Record a live report, and return its role."""
         role = self.roles[fact.number] = self._role_of(fact)
         return role
 

@@ -88,7 +88,7 @@ class Settling:
             self.until = min(self.until, at)
 
     def advance(self, now: float) -> None:
-        """Take a step that no other followed for the end of the value."""
+        """End the value if no other step followed the last one."""
         if self.is_over:
             return
         if self._step and (now >= self.until or (now >= self._level_until and not self._is_fading)):
@@ -142,7 +142,7 @@ class Settling:
         if fact.at > self._steps_until:
             return False
         if capability == "level" and progress.order.turns_on and value < wanted:
-            return True  # it fades up from nothing, whatever level it had
+            return True  # it fades up from nothing
         return not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
 
     def _begin_step(self, fact: Reported, *, is_late_step: bool) -> None:
@@ -196,7 +196,7 @@ class Settling:
 class FadeOut:
     """Difference between a lamp that fades off after it reported "off", and one that was turned on again.
 
-    Many bridges report what was commanded before the lamp has faded there. Each further report has a lower level, but
+    Many bridges report the commanded value before the lamp has faded there. Each further report has a lower level, but
     that of a lamp that was turned on again mostly the level of before.
 
     Args:
