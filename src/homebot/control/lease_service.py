@@ -138,7 +138,7 @@ class LeaseService:
         return LeaseResponse(held=key in lease.holders, result=result)
 
     def renew(self, request: HolderRequest) -> LeaseResponse:
-        """Extend the lease of a holder, and return its state."""
+        """Renew the lease of a holder, and return its state."""
         now = self._clock.monotonic()
         lease = self._leases.renew(_key(request), now)
         if lease is None:

@@ -175,7 +175,7 @@ class Leases:
         return lease
 
     def renew(self, key: HolderKey, now: float) -> Lease | None:
-        """Extend the lease of a holder; return it, or None if it is over."""
+        """Renew the lease of a holder; return it, or None if it is over."""
         lease = self._of.get(key)
         if lease is None or (holder := lease.holders[key]).deadline <= now:
             return None

@@ -17,7 +17,7 @@ from homebot.control.policies.house import House
 from homebot.control.policies.policies import Policies
 from homebot.control.policies.rights import client_refusal
 from homebot.control.policies.settings import PolicySettings
-from homebot.control.policies.turns import Turns
+from homebot.control.policies.turn_counter import TurnCounter
 from homebot.control.timelines import Timelines
 from homebot.devices import DeviceChange, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
@@ -75,7 +75,7 @@ class PolicyEngine:
         self._learnt = learnt
         self._house = House(Detections(learnt.saver(DETECTION)))
         self._house.detections.add(detected)
-        self._turns = Turns()
+        self._turns = TurnCounter()
         self._timelines = timelines
         self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()

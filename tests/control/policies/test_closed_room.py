@@ -11,7 +11,7 @@ from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
 from homebot.control.policies.presence_guard import remaining_person
 from homebot.control.policies.settings import PresenceGuardSettings
-from homebot.control.policies.turns import Turns
+from homebot.control.policies.turn_counter import TurnCounter
 from homebot.devices import Device
 from homebot.devices.device_view import DeviceView
 from homebot.devices.handles import Light
@@ -36,7 +36,7 @@ def facts(*told: Device, now: float) -> Facts:
     for sequence, device in enumerate(told):
         house.put(DeviceView(device, sequence))
     house.is_known = True
-    return Facts(START + now, START + now, None, house, Turns(), new_timeline)
+    return Facts(START + now, START + now, None, house, TurnCounter(), new_timeline)
 
 
 def stays(*told: Device, now: float = 10_000.0, doors: tuple[str, ...] = DOORS) -> bool:

@@ -7,7 +7,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey
 from tests.control.policies.houses import START, make_command, make_device
 
-from homebot.control.policies.turns import Turns
+from homebot.control.policies.turn_counter import TurnCounter
 from homebot.devices import Device
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
@@ -49,7 +49,7 @@ async def test_dimming_is_no_strobe(open_home: OpenHome) -> None:
 
 def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
     """Each of the two alone never turns round."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), Turns()
+    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), TurnCounter()
     on, dark = make_command(lamp, {"on_off": True}), make_command(lamp, {"level": 0.0})
     for number in range(10):
         recent.record(on if number % 2 else dark, float(number))
@@ -78,7 +78,7 @@ async def obey_slowly(home: Home, command: Command) -> None:
 
 def test_a_turn_counts_from_the_last_try() -> None:
     """The device may have missed those before."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off",)), Turns()
+    lamp, recent = make_device("lamp", "light", settable=("on_off",)), TurnCounter()
     on, off = make_command(lamp, {"on_off": True}), make_command(lamp, {"on_off": False})
     recent.record(on, 0.0)
     recent.record(off, 1.0)
@@ -88,7 +88,7 @@ def test_a_turn_counts_from_the_last_try() -> None:
 
 def test_to_turn_on_again_what_reported_since_that_it_is_off_is_a_turn() -> None:
     """The command before was lost. A random day found it: the lamp was switched to and fro once more than it may be."""
-    recent = Turns()
+    recent = TurnCounter()
     before = lamp_that_was(on=False, told=-100.0)
     recent.record(make_command(before, {"on_off": True}, at=START), 0.0)
     again = make_command(lamp_that_was(on=False, told=5.0), {"level": 40.0}, name="2", at=START + 10.0)
@@ -99,7 +99,7 @@ def test_to_turn_on_again_what_reported_since_that_it_is_off_is_a_turn() -> None
 
 def test_to_turn_on_again_what_has_not_reported_since_is_none() -> None:
     """It may be slow."""
-    recent = Turns()
+    recent = TurnCounter()
     slow = lamp_that_was(on=False, told=-1.0)
     for number in range(10):
         recent.record(make_command(slow, {"on_off": True}, name=str(number), at=START + number), float(number))

@@ -61,7 +61,7 @@ class HouseChanges:
         self._values: OrderedDict[_Place, tuple[PlainValue, float]] = OrderedDict()
 
     def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
-        """Explain changes of the device by a raw command, from *now* to *until*."""
+        """Add a raw command that explains changes of the device from *now* to *until*."""
         known = self._raw.setdefault(device, deque(maxlen=_MOST_COMMANDS))
         self._raw.move_to_end(device)
         known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))

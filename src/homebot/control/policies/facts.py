@@ -8,7 +8,7 @@ from datetime import datetime, tzinfo
 from typing import NamedTuple, TypeAlias
 
 from homebot.control.policies.house import House
-from homebot.control.policies.turns import Turns
+from homebot.control.policies.turn_counter import TurnCounter
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
 from homebot.devices.value import PlainValue
@@ -36,7 +36,7 @@ class Facts(NamedTuple):
     monotonic: float
     zone: tzinfo | None
     house: House
-    turns: Turns
+    turns: TurnCounter
     timeline_of: TimelineOf
     clock_set_at: float = -math.inf
 

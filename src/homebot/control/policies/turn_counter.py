@@ -1,4 +1,4 @@
-"""Turns of values: commands that switch a part to and fro. Pure."""
+"""TurnCounter of values: commands that switch a part to and fro. Pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from homebot.control.command import POWER, IssuedCommand
 from homebot.control.values import POWERS, is_on
 from homebot.devices.value import PlainValue
 
-__all__ = ["Turns"]
+__all__ = ["TurnCounter"]
 
 _MOST_TURNS: Final = 1000
 _MOST: Final = 10_000
@@ -43,7 +43,7 @@ class _Sent:
 
 
 @final
-class Turns:
+class TurnCounter:
     """Times at which each capability of each part turned: at most 1,000 each, of the last 10,000 capabilities.
 
     A turn is a command for another value than the one before; of numbers one that changes direction, as to dim is no
