@@ -13,6 +13,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.rate_limit import RateLimit
 
 __all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
@@ -113,7 +114,7 @@ class WorkBudgets:
         self.work = 0
         self._group = group
         self._max_offenders = max_offenders
-        self._accepted: OrderedDict[str, tuple[bytes, bytes]] = OrderedDict()
+        self._accepted: BoundedMap[str, tuple[bytes, bytes]] = BoundedMap(MAX_ACCEPTED)
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
         self._shared: dict[str, WorkBudget] = {}
         self._total = _limit(TOTAL_RATE, TOTAL_BURST)
@@ -161,9 +162,6 @@ class WorkBudgets:
     def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
         """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
         self._accepted[source] = _ends(payload)
-        self._accepted.move_to_end(source)
-        if len(self._accepted) > MAX_ACCEPTED:
-            self.forget(next(iter(self._accepted)))
         budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
             budget.limit, budget.cleared_at = _limit(RATE, BURST), now

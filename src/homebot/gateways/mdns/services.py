@@ -19,6 +19,7 @@ from anyio.abc import TaskGroup
 from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import isolated
 from homebot.support.rate_limit import RateLimit
 
@@ -114,7 +115,7 @@ class Services:
         self._waiting: OrderedDict[str, OrderedDict[str, ServiceNews]] = OrderedDict()
         self._some_wait = anyio.Event()
         self._missed: set[str] = set()
-        self._changes: OrderedDict[str, RateLimit] = OrderedDict()
+        self._changes: BoundedMap[str, RateLimit] = BoundedMap(MAX_REMEMBERED)
         self._asking = anyio.CapacityLimiter(MAX_ASKED)
 
     def on_news(self, news: ServiceNews) -> None:
@@ -232,8 +233,6 @@ class Services:
         if self._followed.pop(one.name.lower(), None) is not None:
             self._by_type[one.service_type] -= 1
             self._changes[one.name.lower()] = one.changes
-            if len(self._changes) > MAX_REMEMBERED:
-                self._changes.popitem(last=False)
             self._handler.drop(one.name, why)
 
     async def _look_again(self, network: ServiceNetwork) -> None:
