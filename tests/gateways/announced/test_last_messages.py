@@ -9,7 +9,7 @@ def word(payload: bytes) -> CachedMessage:
 
 
 def keep(words: LastMessageCache, topic: str, payload: bytes) -> None:
-    words.keep(topic, payload, NOW, 1.0, retained=False)
+    words.put(topic, payload, NOW, 1.0, retained=False)
 
 
 def test_the_last_word_is_kept() -> None:

@@ -116,19 +116,6 @@ async def test_a_device_has_the_facts_of_its_driver_and_those_of_its_service() -
         assert sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds() == pytest.approx(135, abs=1)
 
 
-async def test_a_connection_that_is_made_and_lost_is_reported_and_made_again() -> None:
-    lamp = LampServer()
-    async with lamp.listening(), house() as home:
-        await home.computer.announce("Hall", lamp.port)
-        await home.reported("reachable", True)
-        await lamp.hang_up()
-        await home.reported("reachable", False)
-        assert home.gateway.devices.keys == (KEY,)
-        await home.reported("reachable", True)
-        assert lamp.connections == 2
-        assert (await home.turn_on()).success
-
-
 async def test_a_device_that_cannot_be_connected_to_is_listed_without_parts_and_refuses_commands() -> None:
     lamp = LampServer()
     async with lamp.listening():
@@ -151,28 +138,6 @@ async def test_a_device_that_moved_or_says_something_else_is_connected_to_anew(c
         await home.reported("reachable", False)
         await home.reported("reachable", True)
         assert (lamp.connections, other.connections) == ((1, 1) if change == "port" else (2, 0))
-
-
-async def test_a_device_that_wants_a_password_is_not_tried_all_the_time_and_doctor_hears_of_it() -> None:
-    lamp = LampServer()
-    lamp.greeting = b"password?\n"
-    async with lamp.listening(), house() as home:
-        await home.computer.announce("Hall", lamp.port)
-        await home.seen()
-        await home.reported("reachable", False)
-        assert lamp.connections == 1
-        assert await home.troubles() == ("Hall: the connection was refused: give a password",)
-
-
-async def test_messages_against_the_protocol_are_counted() -> None:
-    lamp = LampServer()
-    async with lamp.listening(), house() as home:
-        await home.computer.announce("Hall", lamp.port)
-        await home.reported("on_off", False)
-        await lamp.say(b"\xff\n")
-        await lamp.switch(on=True)
-        await home.reported("on_off", True)
-        assert home.gateway.devices.counters.rejected == 1
 
 
 async def test_a_service_without_a_driver_is_listed_with_its_facts() -> None:

@@ -40,7 +40,7 @@ class LastMessageCache:
         self._kept: OrderedDict[str, tuple[bytes, bool, Time, float]] = OrderedDict()
         self._total = 0
 
-    def keep(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
+    def put(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
         """Remember the last message on *topic*; see :class:`CachedMessage`."""
         kept, length = self._kept, len(payload)
         before = kept.pop(topic, None)

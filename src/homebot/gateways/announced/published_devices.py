@@ -184,7 +184,7 @@ class PublishedDevices:
             retained=retained,
             received_at=self._reporter.stamp,
         )
-        self._raw.keep(message, self._reporter.now)
+        self._raw.record(message, self._reporter.now)
         await self.engine.listeners.deliver(message, wait_if_full=True)
 
     def admits(self, source: str) -> bool:
@@ -242,7 +242,7 @@ class _RawMessages:
         if device.raw:
             self._devices[device.raw] = device
 
-    def keep(self, message: RawMessage, now: float) -> None:
+    def record(self, message: RawMessage, now: float) -> None:
         if message.address in self._devices:  # else it goes to the text address, on which there are texts to be missed
             self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
 

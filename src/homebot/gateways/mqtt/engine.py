@@ -140,7 +140,7 @@ class AnnouncedDevices:
             for work in (
                 partial(self._subscriber.run, self._connection),
                 partial(self.offers.serve, self._connection),
-                partial(self.quarantine.serve, self._take_next),
+                partial(self.quarantine.serve, self._handle_next),
             ):
                 tasks.start_soon(run_as, self._owner, work)
 
@@ -156,10 +156,10 @@ class AnnouncedDevices:
         """
         topic, payload = message.topic, message.payload
         if route.texts:
-            self._announcements.take_text(message, route.texts)
+            self._announcements.handle_text(message, route.texts)
             route = self.route(topic) or route
         if route.conventions:
-            await self.take(message, route)
+            await self.handle_announcement(message, route)
             if self._registry.is_read(topic):
                 route = self.route(topic) or route
         if route.text is not None:
@@ -174,7 +174,7 @@ class AnnouncedDevices:
             return
         if raw:
             self.counters.received += 1
-        self._keep(message)
+        self._cache(message)
         await self._states.read(
             topic,
             payload,
@@ -187,8 +187,8 @@ class AnnouncedDevices:
         if raw and route.announced_parts:
             await self._deliver_raw(message, route)
 
-    def take_states(self, message: MqttMessage, route: TopicReaders) -> Awaitable[None] | None:
-        """Take a message as :meth:`handle_message`, from where only a few parts tell their states, mostly at once.
+    def read_states(self, message: MqttMessage, route: TopicReaders) -> Awaitable[None] | None:
+        """Handle a message on a topic that only a few parts read, mostly without waiting.
 
         Returns:
             The deliveries left, for listeners to texts; None without such listeners.
@@ -196,7 +196,7 @@ class AnnouncedDevices:
         topic, payload, _, retained, _, _ = message
         reporter = self._reporter
         self.counters.received += 1
-        self._last_messages.keep(topic, payload, reporter.stamp, reporter.now, retained=retained)
+        self._last_messages.put(topic, payload, reporter.stamp, reporter.now, retained=retained)
         if len(payload) > MAX_STATE_BYTES:
             self.counters.oversize += 1
             return None
@@ -216,12 +216,12 @@ class AnnouncedDevices:
             raw_text = self._raw(route.announced_parts[0], topic, message.payload, retained=message.retain)
             await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
-    def _keep(self, message: MqttMessage) -> None:
+    def _cache(self, message: MqttMessage) -> None:
         reporter = self._reporter
-        self._last_messages.keep(message.topic, message.payload, reporter.stamp, reporter.now, retained=message.retain)
+        self._last_messages.put(message.topic, message.payload, reporter.stamp, reporter.now, retained=message.retain)
 
-    async def take(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Take a message as an announcement alone; homebot's own offers are none."""
+    async def handle_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
+        """Handle a message as an announcement alone, unless it is one of homebot itself."""
         if self.offers.publishes and self.offers.is_own_topic(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
@@ -229,9 +229,9 @@ class AnnouncedDevices:
                 self.quarantine.waiting.drop(message.topic)
             elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
-            missed = await self._take_now(message, route)
+            missed = await self._read_announcement(message, route)
         if missed:
-            await self._make_up_for(missed, message.topic)
+            await self._replay_retained(missed, message.topic)
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
         """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for.
@@ -281,19 +281,19 @@ class AnnouncedDevices:
         return (message.model_copy(update={"received_at": word.at}),)
 
     async def _send_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Publish *message*, and take it: no broker returns our own announcement of a device."""
+        """Publish *message*, and handle it: no broker returns our own announcement of a device."""
         await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         self.tick()
-        await self.take(message._replace(retain=False), self.route(message.topic) or route)
+        await self.handle_announcement(message._replace(retain=False), self.route(message.topic) or route)
 
-    async def _take_now(self, message: MqttMessage, route: TopicReaders) -> _Missed:
-        """Take *message*, and return the readers, by topic, that may have missed something."""
-        await self._announcements.take(message, route.conventions)
+    async def _read_announcement(self, message: MqttMessage, route: TopicReaders) -> _Missed:
+        """Read *message*, and return the readers, by topic, that may have missed something."""
+        await self._announcements.handle(message, route.conventions)
         missed, self._missed = self._missed, []
         return missed
 
-    async def _take_next(self, messages: Iterator[MqttMessage]) -> bool:
-        """Take the next message that need not wait any more; return whether there was one."""
+    async def _handle_next(self, messages: Iterator[MqttMessage]) -> bool:
+        """Handle the next message that need not wait any more; return whether there was one."""
         async with self._taking:
             message = next(messages, None)
             if message is None:
@@ -301,8 +301,8 @@ class AnnouncedDevices:
             route = self.route(message.topic)
             if route is None or not route.conventions or self.offers.is_own_topic(message.topic):
                 return True
-            missed = await self._take_now(message, route)
-        await self._make_up_for(missed, message.topic)
+            missed = await self._read_announcement(message, route)
+        await self._replay_retained(missed, message.topic)
         after = self.route(message.topic)
         if after is not None:  # a device that it announced reads it as a retained one
             await self._states.read(
@@ -325,7 +325,7 @@ class AnnouncedDevices:
     def _removed(self) -> None:
         self._subscriber.wake()
 
-    async def _make_up_for(self, missed: _Missed, taken: str) -> None:
+    async def _replay_retained(self, missed: _Missed, taken: str) -> None:
         """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
 
         Args:

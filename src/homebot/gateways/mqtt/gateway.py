@@ -216,7 +216,7 @@ class MqttGateway(Gateway):
                 await described.read_text(topic, payload, route.only_text, retained=retained, wait_if_full=qos > 0)
             elif route.only_states:
                 work += len(route.announced_parts)
-                if (left := described.take_states(message, route)) is not None:
+                if (left := described.read_states(message, route)) is not None:
                     await left
             else:
                 work += _ANNOUNCED * (1 + len(payload) // 1024) * len(route.conventions) + len(route.announced_parts)
@@ -230,7 +230,7 @@ class MqttGateway(Gateway):
             if len(message.payload) <= MAX_LONG_STATE_BYTES:
                 await self._described.handle_message(message, route, raw=False)
                 return work + len(route.announced_parts)
-            await self._described.take(message, route)
+            await self._described.handle_announcement(message, route)
             if not route.announced_parts and not route.availability_readers:
                 return work
         self.counters.oversize += 1

@@ -73,8 +73,8 @@ class AnnouncementHandler:
         self._on_question = on_question
         self._accepted = self._offended = False
 
-    async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        """Take *message* as an announcement to *conventions*, one after the other.
+    async def handle(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+        """Handle *message* as an announcement to *conventions*, one after the other.
 
         One message is handled in slices of a few milliseconds, between which others get their turn.
         """
@@ -84,7 +84,7 @@ class AnnouncementHandler:
             for convention in conventions:
                 steps = self._begin(convention, message)
                 if steps is not None:
-                    await self._take_steps(steps, convention, message)
+                    await self._run_steps(steps, convention, message)
         if self._accepted:
             is_valid = not self._offended
             self._quarantine.accept(message.topic, message.payload, is_valid=is_valid)
@@ -95,8 +95,8 @@ class AnnouncementHandler:
                 AMBIGUOUS, f"{message.topic} contains {keys} twice; the last value is used", source=message.topic
             )
 
-    def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        """Take *message* as the first text of a device; the first of *conventions* that knows its topic is believed.
+    def handle_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+        """Handle *message* as the first text of a device, by the first of *conventions* that knows its topic.
 
         Any client may publish text, so a topic which breaks a rule is reported and counted, but charged to no source.
         """
@@ -116,7 +116,7 @@ class AnnouncementHandler:
                 return
 
     def clear(self, stored: StoredAnnouncement) -> None:
-        """Take the device out: an empty message clears the retained messages of the device at the broker."""
+        """Remove a device after an empty message, which deletes its retained message at the broker."""
         self._remove(stored, "its retained message was deleted")
 
     def _begin(self, convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None] | None:
@@ -138,7 +138,7 @@ class AnnouncementHandler:
             self._record_failure(convention, message, exc)
         return None
 
-    async def _take_steps(
+    async def _run_steps(
         self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage
     ) -> None:
         # The bytes of each device in a list of devices are unknown here.
@@ -209,23 +209,29 @@ class AnnouncementHandler:
         for problem in change.refused:
             self._counters.topics_refused += 1
             self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", source=message.topic)
-        stored.heard_at = stored.heard_at if message.retain else self._reporter.now
-        is_live = (described.implies_alive or described.text is not None) and not message.retain
-        if described.text is not None and message.retain and before is None:
-            words = f"{stored.key} is known only from a retained message; it may be gone"
-            self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
-        if before is None:
-            self._reporter.publish_sighting(stored, "appeared", _why(stored, message), confirmed=is_live)
-        elif not stored.publishes_the_same(before):
-            self._reporter.publish_sighting(stored, "updated", "its description changed", confirmed=is_live)
-        elif not message.retain and self._reporter.now >= stored.refresh_at:
-            self._reporter.publish_sighting(stored, "updated", "it was announced again", confirmed=is_live)
+        self._publish_sighting(stored, before, message)
         if before is not None:
             for part in before.reachable.keys() - stored.reachability.keys():
                 self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
         self._on_change(change)
         if before is not None:
             before.let_go()
+
+    def _publish_sighting(
+        self, stored: StoredAnnouncement, before: StoredAnnouncement | None, message: MqttMessage
+    ) -> None:
+        described = stored.described
+        stored.heard_at = stored.heard_at if message.retain else self._reporter.now
+        is_live = (described.implies_alive or described.text is not None) and not message.retain
+        if before is None:
+            if described.text is not None and message.retain:
+                words = f"{stored.key} is known only from a retained message; it may be gone"
+                self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
+            self._reporter.publish_sighting(stored, "appeared", _why(stored, message), confirmed=is_live)
+        elif not stored.publishes_the_same(before):
+            self._reporter.publish_sighting(stored, "updated", "its description changed", confirmed=is_live)
+        elif not message.retain and self._reporter.now >= stored.refresh_at:
+            self._reporter.publish_sighting(stored, "updated", "it was announced again", confirmed=is_live)
 
     def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
         device = withdrawn.device
