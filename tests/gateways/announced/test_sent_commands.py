@@ -93,14 +93,8 @@ def test_the_lines_of_numbers_choices_and_long_payloads_are_bounded() -> None:
 
 
 def test_a_codec_that_remembers_commands_is_not_tried() -> None:
-    both = announced(
-        "climate",
-        temperature_command_topic="t",
-        temperature_low_command_topic="low",
-        mode_command_topic="door/set",
-        modes=["heat_cool", "heat", "off"],
-    )
-    assert list(sent_commands(both)) == ["Bolt: t, low, door/set: what is sent depends on what the device reported"]
+    lamp = announced("light", rgb_command_topic="rgb", state_topic="s")
+    assert list(sent_commands(lamp)) == ["Bolt: door/set, rgb: what is sent depends on what the device reported"]
 
 
 @pytest.mark.parametrize(

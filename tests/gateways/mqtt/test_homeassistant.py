@@ -10,32 +10,27 @@ import pytest
 pytestmark = pytest.mark.virtual_time
 
 CONVENTION = "homebot.conventions.homeassistant:HomeAssistantDiscovery"
-THERMOSTAT = {
+LAMP = {
     "unique_id": "u",
-    "modes": ["off", "heat", "heat_cool"],
-    "mode_command_topic": "b/mode/set",
-    "mode_state_topic": "b/mode",
-    "temperature_command_topic": "b/t/set",
-    "temperature_low_command_topic": "b/low/set",
-    "temperature_high_command_topic": "b/high/set",
+    "command_topic": "b/set",
+    "rgb_command_topic": "b/rgb/set",
+    "rgb_state_topic": "b/rgb",
 }
 
 MakeHouse = Callable[..., AbstractAsyncContextManager[Any]]
 
 
 @pytest.mark.parametrize("again", [{}, {"name": "Hall"}])
-async def test_a_thermostat_that_is_announced_again_is_still_in_its_mode(
-    make_house: MakeHouse, again: dict[str, str]
-) -> None:
-    """Also where nothing of it changed: its command goes where its mode says."""
+async def test_a_lamp_that_is_announced_again_still_has_its_color(make_house: MakeHouse, again: dict[str, str]) -> None:
+    """Also if its description is the same: it is dimmed by its last colour."""
     async with make_house(conventions=(CONVENTION,)) as house:
-        await house.listen("b/+/set")
-        await house.say("homeassistant/climate/x/config", json.dumps(THERMOSTAT), retain=True)
-        await house.say("b/mode", "heat_cool")
-        await house.say("homeassistant/climate/x/config", json.dumps({**THERMOSTAT, **again}), retain=True)
-        answer = await house.command("homeassistant:climate/x", "u", "heating_setpoint", 21.0)
+        await house.listen("b/rgb/set")
+        await house.say("homeassistant/light/x/config", json.dumps(LAMP), retain=True)
+        await house.say("b/rgb", "255,0,0")
+        await house.say("homeassistant/light/x/config", json.dumps({**LAMP, **again}), retain=True)
+        answer = await house.command("homeassistant:light/x", "u", "level", 40.0)
         assert answer.success
-        assert [(one.topic, one.payload) for one in await house.heard()] == [("b/low/set", b"21.0")]
+        assert [(one.topic, one.payload) for one in await house.heard()] == [("b/rgb/set", b"102,0,0")]
 
 
 BRIDGE = ("homebot.conventions.homeassistant:HomeAssistantDiscovery", "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt")
