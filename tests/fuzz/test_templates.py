@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
-from homebot.conventions.jinja.tests import CHECKS
+from homebot.conventions.jinja.lists import CHECKS
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

@@ -12,7 +12,7 @@ from tests.sizes import examples
 
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
-from homebot.conventions.jinja.tests import CHECKS
+from homebot.conventions.jinja.lists import CHECKS
 from homebot.conventions.jinja.texts import METHODS
 
 pytestmark = pytest.mark.slow

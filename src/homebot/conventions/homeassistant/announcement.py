@@ -26,10 +26,8 @@ class AnnouncedComponent(NamedTuple):
     """One announced component.
 
     Attributes:
-        platform: For example ``light``.
         discovery_id: Its lasting id without a ``unique_id``: the key of the announcement and, for a whole device, its
             name in the message.
-        fields: Its config in full keys.
     """
 
     platform: str

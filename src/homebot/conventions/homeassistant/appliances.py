@@ -79,7 +79,7 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
     least = config.integer("speed_range_min", 1, least=1)
     most = config.integer("speed_range_max", 100, least=1)
     if least >= most:
-        raise WireError(f"fan: speed_range_max is {most}, not above speed_range_min {least}")
+        raise WireError(f"{config.component}: speed_range_max is {most}, not above speed_range_min {least}")
     scale = Scale(least - 1, most)
     unknown = config.text("payload_reset_percentage", "None")
     command = config.command_of("percentage")
@@ -103,11 +103,9 @@ def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     unknown = config.text("payload_reset_preset_mode", "None")
     command = config.command_of("preset_mode")
     if unknown in modes:
-        raise WireError(f"fan: preset_modes has {shown(unknown)}, which means that the mode is unknown")
-    source = config.value_source("preset_mode") if modes else None
-    read = meaning_reader("preset_mode", {**{mode: mode for mode in modes}, unknown: None})
-    writer = option_writer("preset_mode", modes, command.publish) if command and modes else None
-    entity.add_value("preset_mode", source, read, command, writer, options=modes)
+        raise WireError(f"{config.component}: preset_modes has {shown(unknown)}, which means that the mode is unknown")
+    source = config.value_source("preset_mode")
+    entity.add_choice("preset_mode", source, command, modes, {unknown: None})
 
 
 def build_humidifier(config: DiscoveryConfig) -> DescribedPart:

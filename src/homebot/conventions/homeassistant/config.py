@@ -35,14 +35,8 @@ class DiscoveryConfig:
     Every getter raises a :class:`WireError` with field and value for an invalid field; Home Assistant refuses such a
     component as well. JSON ``null`` means a missing field.
 
-    Args:
-        component: For example ``light``.
-        discovery_id: Its id in the announcement; the id of the part without a ``unique_id``.
-        values: The fields, after abbreviations and base topic were replaced.
-
     Attributes:
-        qos: The QoS of its commands.
-        retain: Whether its commands are retained.
+        discovery_id: Its id in the announcement; the id of the part without a ``unique_id``.
         encoding: The encoding of its texts; empty for binary payloads. UTF-8 also for an unknown one.
     """
 

@@ -39,7 +39,7 @@ class Entity(PartBuilder[StateMessage]):
 
     Args:
         config: The component's config.
-        service_type: See :data:`homebot.devices.device_types.DEVICE_TYPES`.
+        service_type: A type of :data:`homebot.devices.device_types.DEVICE_TYPES`.
         tag: Its kind within the type; by default its ``device_class``.
     """
 
@@ -107,15 +107,7 @@ class Entity(PartBuilder[StateMessage]):
         options: tuple[str, ...],
         meanings: Mapping[str, str | None] = _UNKNOWN,
     ) -> None:
-        """Add a capability with one of *options*; others are neither read nor commanded.
-
-        Args:
-            name: The capability.
-            source: The source of its state, or None.
-            command: The topic of its commands, or None.
-            options: Its options.
-            meanings: Meanings of further texts.
-        """
+        """Add a capability with one of *options*, and *meanings* of further texts; others are neither read nor sent."""
         if not options:
             return
         read = meaning_reader(name, _not_empty({**{option: option for option in options}, **meanings}))
@@ -151,9 +143,6 @@ class Entity(PartBuilder[StateMessage]):
         """Add a number.
 
         Args:
-            name: The capability.
-            source: The source of its state, or None.
-            command: The topic of its commands, or None.
             bounds: Smallest and largest commanded number.
             unit: The unit outside of the device.
             unknown: The text of an unknown number.

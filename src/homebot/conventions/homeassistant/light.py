@@ -56,30 +56,22 @@ def build_light(config: DiscoveryConfig) -> DescribedPart:
 
 
 @dataclass(slots=True)
-class _Remembered:
-    """The last state of a lamp, for commands that combine brightness and colour.
+class _BasicState:
+    """Reader of the state topics of a lamp, and its last state, for commands that combine brightness and colour.
 
     Attributes:
         brightness: 1 to 255; None before the first report.
         colors: Its colour at full brightness by mode.
-        has_mode: Whether it reports its colour mode.
         mode: The last reported mode; None before the first report.
         reported: The last reported value of each mode.
     """
 
+    lamp: LightFeatures
     brightness: int | None = None
     colors: dict[str, Channels] = field(default_factory=dict)
     has_mode: bool = False
     mode: str | None = None
     reported: dict[str, PlainValue] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class _BasicState:
-    """Reader of the state topics of a lamp."""
-
-    lamp: LightFeatures
-    remembered: _Remembered
 
     def add_readers(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
         """Add readers of all state topics to *entity*; return the readable capabilities."""
@@ -113,7 +105,7 @@ class _BasicState:
                 readable.add(capability)
                 if capability == "color" and not own_level and name.removesuffix("_state") in _DIMMED:
                     readable.add("level")
-        self.remembered.has_mode = "" in readable
+        self.has_mode = "" in readable
         return frozenset(readable)
 
     def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
@@ -126,14 +118,14 @@ class _BasicState:
         """Read the mode; the values of the modes come before or after it."""
         if text not in self.lamp.modes:
             return NO_READINGS
-        self.remembered.mode = text
-        reported = self.remembered.reported.get(text)
+        self.mode = text
+        reported = self.reported.get(text)
         return NO_READINGS if reported is None else self._report(text, reported)
 
     def _report(self, mode: str, value: PlainValue) -> Readings:
         """Record the value of a colour mode; it is effective in the reported mode, or without one."""
-        self.remembered.reported[mode] = value
-        if self.remembered.has_mode and self.remembered.mode not in (None, mode):
+        self.reported[mode] = value
+        if self.has_mode and self.mode not in (None, mode):
             return NO_READINGS
         if mode == "color_temp":
             return {"color_temperature": value} | ({"color": None} if self.lamp.color_mode else {})
@@ -143,8 +135,8 @@ class _BasicState:
         value = number_of(text) or 0
         if value <= 0:
             return NO_READINGS
-        self.remembered.brightness = max(round(min(value / scale, 1) * _BYTE), 1)
-        return {"level": self.remembered.brightness * 100 / _BYTE}
+        self.brightness = max(round(min(value / scale, 1) * _BYTE), 1)
+        return {"level": self.brightness * 100 / _BYTE}
 
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
         """Read a colour, and the brightness of a lamp without a topic for it."""
@@ -158,41 +150,37 @@ class _BasicState:
             if not brightness:
                 return NO_READINGS
             channels = tuple(min(round(one / brightness * _BYTE), _BYTE) for one in channels)
-            self.remembered.brightness = brightness
+            self.brightness = brightness
             found["level"] = brightness * 100 / _BYTE
-        self.remembered.colors[mode] = channels
+        self.colors[mode] = channels
         return {**found, **self._report(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
 
 
 def _build_basic_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp with a topic for each value."""
+    brightness, white, effect = (config.command_of(name) for name in ("brightness", "color_temp", "effect"))
+    colors = {mode: command for mode in CHANNELS if (command := config.command_of(mode))}
+    modes = frozenset({*colors, *(["color_temp"] if white else [])} or {"brightness" if brightness else "onoff"})
+    effects = config.options("effect_list") if effect else ()
+    lamp = LightFeatures(modes, read_white_range(config), effects, any_effect=effect is not None and not effects)
+    state = _BasicState(lamp)
     commands = _BasicLightCommands(
         command=config.required_command(template_key=""),
-        payload_on=config.text("payload_on", "ON"),
-        payload_off=config.text("payload_off", "OFF"),
+        payloads=config.on_off_payloads(),
         order=_order(config),
-        brightness=config.command("brightness_command_topic", "brightness_command_template"),
-        scale=config.integer("brightness_scale", 255, least=1),
-        white=config.command("color_temp_command_topic", "color_temp_command_template"),
+        brightness=brightness,
+        scale=config.integer("brightness_scale", _BYTE, least=1),
+        white=white,
         in_kelvin=config.flag("color_temp_kelvin"),
-        effect=config.command("effect_command_topic", "effect_command_template"),
-        colors={
-            mode: command
-            for mode in CHANNELS
-            if (command := config.command(f"{mode}_command_topic", f"{mode}_command_template"))
-        },
-        remembered=_Remembered(),
+        effect=effect,
+        colors=colors,
+        state=state,
         assumes=_assumed(config),
     )
-    effects = config.options("effect_list") if commands.effect else ()
-    has_effect = commands.effect is not None and not effects
-    lamp = LightFeatures(commands.modes(), read_white_range(config), effects, any_effect=has_effect)
     entity = Entity(config, "light")
-    lamp.add_to(entity, _BasicState(lamp, commands.remembered).add_readers(config, entity), commands.publish)
+    lamp.add_to(entity, state.add_readers(config, entity), commands.publish)
     entity.remembers()
-    entity.add_commands(
-        commands.command, commands.brightness, commands.white, commands.effect, *commands.colors.values()
-    )
+    entity.add_commands(commands.command, brightness, white, effect, *colors.values())
     return entity.build()
 
 
@@ -226,8 +214,7 @@ class _BasicLightCommands:
     """Writer of a lamp: the values on their topics, and its switch before, after, or not at all."""
 
     command: CommandTopic
-    payload_on: str
-    payload_off: str
+    payloads: Mapping[bool, str]
     order: str
     brightness: CommandTopic | None
     scale: int
@@ -235,18 +222,13 @@ class _BasicLightCommands:
     in_kelvin: bool
     effect: CommandTopic | None
     colors: Mapping[str, CommandTopic]
-    remembered: _Remembered
+    state: _BasicState
     assumes: frozenset[str]
-
-    def modes(self) -> frozenset[str]:
-        """Return the colour modes of the topics."""
-        modes = frozenset(self.colors) | ({"color_temp"} if self.white else frozenset())
-        return modes or frozenset({"brightness" if self.brightness else "onoff"})
 
     def publish(self, command: LightCommand) -> Publications:
         if not command.on:
-            return self.command.publish(self.payload_off)
-        on = self.command.publication(self.payload_on)
+            return self.command.publish(self.payloads[False])
+        on = self.command.publication(self.payloads[True])
         values = self._values(command)
         if self.order == "first":
             return (on, *values)
@@ -256,14 +238,12 @@ class _BasicLightCommands:
         found: list[Publication] = []
         brightness = command.brightness
         if self.order == "brightness" and brightness is None:
-            brightness = self.remembered.brightness or _BYTE
+            brightness = self.state.brightness or _BYTE
         if command.color:
             full = self.brightness is not None
-            found.append(
-                self._color(command.mode, command.color, _BYTE if full else self.remembered.brightness or _BYTE)
-            )
+            found.append(self._color(command.mode, command.color, _BYTE if full else self.state.brightness or _BYTE))
             if command.mode in self.assumes:
-                self.remembered.colors[command.mode] = command.color
+                self.state.colors[command.mode] = command.color
         if brightness is not None:
             found += self._brightness(brightness, has_color=bool(command.color))
         if command.kelvin is not None and self.white is not None:
@@ -279,12 +259,12 @@ class _BasicLightCommands:
             value = max(min(round(brightness / _BYTE * self.scale), self.scale), 1)
             publications = [self.brightness.publication(value)]
         elif mode and not has_color:
-            color = self.remembered.colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
+            color = self.state.colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
             publications = [self._color(mode, color, brightness)]
         else:
             return []
         if "brightness" in self.assumes:
-            self.remembered.brightness = brightness
+            self.state.brightness = brightness
         return publications
 
     def _color(self, mode: str, color: Channels, brightness: int) -> Publication:

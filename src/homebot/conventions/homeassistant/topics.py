@@ -141,10 +141,8 @@ class ValueSource(NamedTuple):
     """One state topic, and the template that extracts one value.
 
     Attributes:
-        topic: A topic, or a declared filter.
         template: Extracts the value; None if the whole payload is the value.
         encoding: See :attr:`DiscoveryConfig.encoding`.
-        variables: Further variables of the template.
         or_payload: Whether the payload is the value if the template needs a missing variable, for example because it is
             no JSON; so in Home Assistant for nearly all values.
     """
@@ -197,11 +195,7 @@ class CommandTopic(NamedTuple):
     encoding: str = "utf-8"
 
     def publication(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publication:
-        """Return the command of *value*.
-
-        Args:
-            value: The payload, or the variable ``value`` of the template.
-            variables: Further variables of the template.
+        """Return the command of *value*: the payload, or the variable ``value`` of the template, with further ones.
 
         Raises:
             RefusedError: The template is unusable, fails, or renders a text that cannot be encoded.

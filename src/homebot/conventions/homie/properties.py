@@ -47,15 +47,7 @@ class _ValueCodec:
 def add_property(
     part: BytesPart, capability: str, prop: HomieProperty, *, on: Publications = (), off: Publications = ()
 ) -> None:
-    """Add *capability* with the value of *prop*.
-
-    Args:
-        part: The part.
-        capability: The capability.
-        prop: Its property.
-        on: Sent after each command.
-        off: Sent in place of 0, if it is not empty.
-    """
+    """Add *capability* with the value of *prop*; *on* is sent after each command, and *off*, if any, in place of 0."""
     if capability == "press":
         _add_press(part, prop)
         return

@@ -11,8 +11,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.lists import LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
-from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS, ORDER
+from homebot.conventions.jinja.lists import CHECKS, LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
+from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
 from homebot.conventions.jinja.patterns import find_all, find_all_index, matches, replaces, searches
 from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
 from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined, real, text
@@ -128,10 +128,6 @@ _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 """By name; each takes the run first."""
 
 
-def _contains(_: Run, value: object, one: object) -> object:
-    return ORDER["in"](one, value)
-
-
 def _namespace(_: Run, **attributes: object) -> Namespace:
     return Namespace(attributes)
 
@@ -157,7 +153,7 @@ FILTERS: Final[dict[str, Callable[..., object]]] = {
     "timestamp_custom": _timestamp_custom,
     "timestamp_local": _timestamp_local,
     "timestamp_utc": _timestamp_utc,
-    "contains": _contains,
+    "contains": CHECKS["contains"],
     "map": _map,
     "regex_findall": find_all,
     "regex_findall_index": find_all_index,

@@ -21,9 +21,8 @@ from jinja2 import nodes
 
 from homebot.conventions.jinja.evaluation import Evaluate, Program, Run
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.conventions.jinja.lists import values_of
+from homebot.conventions.jinja.lists import CHECKS, values_of
 from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
-from homebot.conventions.jinja.tests import CHECKS
 from homebot.conventions.jinja.texts import METHODS, method_of
 from homebot.conventions.jinja.values import (
     MAX_DEPTH,
