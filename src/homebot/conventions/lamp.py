@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import (
@@ -65,7 +66,7 @@ class WhiteRange(NamedTuple):
     bounds: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LightFeatures:
     """The capabilities of a lamp, and their values.
 
@@ -81,22 +82,22 @@ class LightFeatures:
     any_effect: bool = False
     is_dimmable: bool = True
 
-    @property
+    @cached_property
     def has_level(self) -> bool:
         """True if its brightness can be set."""
         return self.is_dimmable and not self.modes <= _NO_LEVEL
 
-    @property
+    @cached_property
     def has_white(self) -> bool:
         """True if its colour temperature can be set."""
         return "color_temp" in self.modes
 
-    @property
+    @cached_property
     def has_effect(self) -> bool:
         """True if it has effects."""
         return self.any_effect or bool(self.effects)
 
-    @property
+    @cached_property
     def color_mode(self) -> str:
         """The channels of commanded colours; empty for a lamp without colours."""
         return next((mode for mode in _PREFERRED if mode in self.modes), "")

@@ -41,7 +41,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     state_topic = config.state_topic()
     lamp.add_to(entity, _REPORTED if state_topic else (), partial(_publish, command, scale, in_kelvin))
     if state_topic:
-        entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
+        entity.read_from(state_topic, _State(lamp, scale, in_kelvin).read)
     entity.add_command_topics(command.topic)
     return entity.build()
 
@@ -84,10 +84,9 @@ class _State:
     lamp: LightFeatures
     scale: int
     in_kelvin: bool
-    encoding: str
 
     def read(self, state_message: StateMessage) -> Readings:
-        message = state_message.json_object(self.encoding)
+        message = state_message.json_object()
         if message is None:
             return NO_READINGS
         found = dict(self._read_switch(message))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
-from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown, to_json
 from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 
@@ -120,10 +120,9 @@ class StateMessage:
         context = _context(self.payload, encoding)
         return None if context is None else context.value
 
-    def json_object(self, encoding: str = "utf-8") -> Mapping[str, object] | None:
+    def json_object(self) -> Mapping[str, object] | None:
         """Return the JSON object in the payload; None for none."""
-        context = _context(self.payload, encoding)
-        value = None if context is None else context.value_json
+        value = to_json(self.payload)
         return value if isinstance(value, dict) else None
 
 

@@ -29,35 +29,31 @@ class Run:
         now: The time, with its time zone, if it is known.
     """
 
-    __slots__ = ("_length", "_names", "_parts", "_scopes", "_steps", "now")
+    __slots__ = ("_length", "_names", "_parts", "_steps", "now")
 
     def __init__(self, names: Mapping[str, object], now: datetime | None) -> None:
         self.now = now
-        self._names = names
-        self._scopes: list[dict[str, object]] = [{}]
+        self._names = dict(names)
         self._parts: list[str] = []
         self._steps = MAX_STEPS
         self._length = 0
 
-    def lookup(self, name: str) -> object:
-        """Return the value of *name* here; UNDEFINED if it has none."""
-        for scope in reversed(self._scopes):
-            if name in scope:
-                return scope[name]
-        return self._names.get(name, UNDEFINED)
+    def lookup(self, name: str, default: object = UNDEFINED) -> object:
+        """Return the value of *name* here, or the *default*."""
+        return self._names.get(name, default)
 
     def assign(self, name: str, value: object) -> None:
         """Assign *value* to *name* in the innermost scope."""
-        self._scopes[-1][name] = value
+        self._names[name] = value
 
     @contextmanager
     def scope(self) -> Iterator[None]:
         """Open a scope: its assignments end with it."""
-        self._scopes.append({})
+        outer, self._names = self._names, dict(self._names)
         try:
             yield
         finally:
-            self._scopes.pop()
+            self._names = outer
 
     def spend(self, steps: int) -> None:
         """Count work.

@@ -224,15 +224,9 @@ class _Compiler:
         return _constant(node.value)
 
     def visit_name(self, node: nodes.Name) -> Evaluate:
-        name = node.name
+        name, default = node.name, CONSTANTS.get(node.name, UNDEFINED)
         self.referenced.add(name)
-        otherwise = CONSTANTS.get(name, UNDEFINED)
-
-        def evaluate(run: Run) -> object:
-            value = run.lookup(name)
-            return otherwise if isinstance(value, Undefined) else value
-
-        return evaluate
+        return lambda run: run.lookup(name, default)
 
     def visit_list(self, node: nodes.List) -> Evaluate:
         items = self._all(node.items)
