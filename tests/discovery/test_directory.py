@@ -115,6 +115,22 @@ async def test_devices_that_are_announced_in_many_mixed_messages_are_published_t
     assert {len(device.parts) for device in house.directory.index.devices()} == {8}
 
 
+async def test_devices_that_are_announced_in_one_burst_are_published_once_with_all_their_parts(
+    announce: Announce, part: MakePart
+) -> None:
+    async with layer() as house:
+        for number in range(8):
+            for lamp in range(20):
+                relay = part("switch", "on_off", id=f"relay{number}")
+                sighting = announce(f"{lamp}/{number}", relay, ids=(f"id:lamp{lamp}",), gateway="fake")
+                house.gateway.publish_sighting(sighting)
+            for _ in range(3):  # as a gateway that reads a broker's messages
+                await anyio.lowlevel.checkpoint()
+        await anyio.sleep(0.2)
+        found = [(change.kind, len(change.device.parts)) for change in iter(house.changes.take, None)]
+    assert found == [("appeared", 8)] * 20
+
+
 async def test_a_flood_of_others_keeps_no_device_from_being_published_whole(announce: Announce, part: MakePart) -> None:
     """Ten seconds later at the latest."""
     async with layer() as house:

@@ -69,11 +69,19 @@ _STATES_PER_CHANGE = 10
 """States that are published in the time of one change, about."""
 
 _GROWTH_PAUSE = 0.1
-"""Seconds without a sighting after which devices have grown: programs announce a device in up to a hundred messages,
-and a broker sends those of all devices mixed."""
+"""Seconds without an announcement after which devices have grown: programs announce a device in up to a hundred
+messages, and a broker sends those of all devices mixed."""
 
-_LONGEST_GROWTH = 10.0
-"""Seconds for which that is waited for: a house of 4,000 devices announces itself in about as many."""
+_QUIET_TURNS = 10
+"""Turns of the loop without an announcement after which a burst of them is over: a gateway that reads one announces
+something in every third."""
+
+_LONGEST_BURST = 10.0
+"""Seconds for which changes wait for the end of a burst, so that each device is described once in it: a house of 4,000
+devices announces itself in about as many."""
+
+_MANY_STATES = 1000
+"""States that wait behind the changes of a burst at most."""
 
 _SETTINGS_PAUSE = 0.5
 """Seconds in which changed settings are gathered: to look at them together costs a busy house next to nothing."""
@@ -152,7 +160,7 @@ class Directory:
         self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
         self._settings_changed = anyio.Event()
         self._growing = anyio.Event()
-        self._batches = 0
+        self._announced = 0
         self._is_idle = True
         self._limit = LogLimit(clock)
         self._change_limit = LogLimit(clock, burst=BURST)
@@ -228,7 +236,6 @@ class Directory:
         monotonic = self._clock.monotonic
         now = monotonic()
         until = now + slice_of
-        self._batches += 1
         try:
             for sighting in sightings:
                 if sighting.gateway == gateway:
@@ -281,8 +288,27 @@ class Directory:
                 await self._happened.wait()
                 self._happened.clear()
                 self._is_idle = True
-                while self.index.is_behind and (self._publish_some(_FEW) or await self._sort_some()):
-                    await anyio.lowlevel.checkpoint()
+                is_busy = True
+                while is_busy and self.index.is_behind:
+                    await self._wait_for_burst()
+                    is_busy = await self._publish_waiting()
+
+    async def _wait_for_burst(self) -> None:
+        """Wait while announcements keep coming: what they change is published, and described, together."""
+        index, monotonic = self.index, self._clock.monotonic
+        until = monotonic() + _LONGEST_BURST
+        while self._announced != index.announced and monotonic() < until and index.waiting_states < _MANY_STATES:
+            self._announced = index.announced
+            for _ in range(_QUIET_TURNS):
+                await anyio.lowlevel.checkpoint()
+
+    async def _publish_waiting(self) -> bool:
+        """Publish the changes that wait now, or sort a few devices in; return whether more may be left."""
+        for _ in range(self.index.waiting_changes // _FEW + 1):
+            if not (self._publish_some(_FEW) or await self._sort_some()):
+                return False
+            await anyio.lowlevel.checkpoint()
+        return True
 
     async def _sort_some(self) -> bool:
         """Make a few devices findable, unless more was heard, perhaps of them; return whether some are left.
@@ -310,10 +336,10 @@ class Directory:
         """Publish devices that were announced further once no more announcements come: each of them once."""
         while True:
             await self._growing.wait()
-            with anyio.move_on_after(_LONGEST_GROWTH):
-                batches = 0
-                while batches != self._batches:
-                    batches = self._batches
+            with anyio.move_on_after(_LONGEST_BURST):
+                announced = 0
+                while announced != self.index.announced:
+                    announced = self.index.announced
                     await anyio.sleep(_GROWTH_PAUSE)
             self._growing = anyio.Event()
             self.index.end_growth()

@@ -194,6 +194,21 @@ class DeviceIndex:
         return bool(self._table.changes.pending)
 
     @property
+    def announced(self) -> int:
+        """Number of the announcements that were taken in, new or changed."""
+        return self._intake.announced
+
+    @property
+    def waiting_changes(self) -> int:
+        """Number of the changes of devices that wait to be taken."""
+        return len(self._table.changes.pending)
+
+    @property
+    def waiting_states(self) -> int:
+        """Number of the changes of states that wait to be taken."""
+        return len(self._table.changes.states)
+
+    @property
     def is_growing(self) -> bool:
         """True if devices were announced further, which :meth:`end_growth` makes a change."""
         return bool(self._table.changes.growing)

@@ -226,6 +226,18 @@ async def test_the_reachability_of_a_device_is_unknown_before_its_first_report(m
         assert house.told() == [(LAMP, {".reachable": True}, False), (LAMP, {".reachable": False}, False)]
 
 
+async def test_a_further_announcement_of_a_device_has_the_reachability_that_is_known(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", ids="zigbee_17", online="bridge/state lamp1/online")
+        await house.say("bridge/state", "online")
+        await house.say("lamp1/online", "online")
+        assert house.told() == [(LAMP, {".reachable": True}, False)]
+        await house.announce("lamp1_update", ids="zigbee_17", online="bridge/state lamp1/online")
+        assert house.told() == [(f"{LAMP}_update", {".reachable": True}, True)]
+        await house.say("lamp1/online", "offline")
+        assert house.told() == [(LAMP, {".reachable": False}, False), (f"{LAMP}_update", {".reachable": False}, False)]
+
+
 async def test_a_live_word_makes_a_kept_offline_doubtful(make_house: MakeHouse) -> None:
     async def past(devices: MqttConnection) -> None:
         await devices.publish("lamp1/online", b"offline", retain=True, qos=1)

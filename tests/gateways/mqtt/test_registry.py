@@ -48,12 +48,14 @@ class Online:
         return bool(payload)
 
 
-def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ()) -> DeviceAnnounced:
+def described(
+    key: str, *filters: tuple[str, ...], online: tuple[str, ...] = (), ids: tuple[str, ...] = ()
+) -> DeviceAnnounced:
     parts = tuple(
         DescribedPart(Part(id=str(number), service_type="light"), Codec(one)) for number, one in enumerate(filters)
     )
     availability = Availability(tuple(Online(one) for one in online)) if online else None
-    return DeviceAnnounced(key, "test", (), key, parts, f"hello/{key}", availability=availability)
+    return DeviceAnnounced(key, "test", ids, key, parts, f"hello/{key}", availability=availability)
 
 
 def empty(bounds: RegistryLimits = RegistryLimits()) -> tuple[AnnouncementRegistry, StateTopics]:  # noqa: B008 - a frozen value
@@ -119,6 +121,25 @@ def test_the_state_of_a_device_outlives_a_new_description() -> None:
     assert second.is_confirmed
     third = registry.put(described("one", ("s/c",), online=("s/d",))).stored
     assert third.reachability[""].value is None
+
+
+def test_the_announcements_of_a_device_share_one_reader_of_each_availability_topic() -> None:
+    registry, topics = empty()
+    for key in ("light", "sensor", "update"):
+        registry.put(described(key, ("s/a",), online=("s/bridge", "s/online"), ids=("id:lamp",)))
+    registry.put(described("other", ("s/b",), online=("s/bridge",), ids=("id:plug",)))
+    bridge, online = registry.route("s/bridge"), registry.route("s/online")
+    assert bridge is not None
+    assert online is not None
+    assert (len(bridge.availability_readers), len(online.availability_readers)) == (2, 1)
+    (reader,) = online.availability_readers
+    assert [stored.described.key for stored, _ in reader.reachability.members] == ["light", "sensor", "update"]
+    for key in ("light", "sensor"):
+        registry.remove(f"test:{key}")
+    assert registry.route("s/online") is online
+    registry.remove("test:update")
+    assert registry.route("s/online") is None
+    assert topics.users.keys() == {"s/b", "s/bridge"}
 
 
 def test_too_many_parts_are_refused_and_what_stood_stays() -> None:

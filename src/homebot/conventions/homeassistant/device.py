@@ -11,14 +11,16 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import NamedTuple, get_args
 
+from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import StateMessage, ValueSource
 from homebot.conventions.payload import clean_text, shown
+from homebot.devices.command_description import payload_digest
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["MAX_IDENTIFIERS", "MAX_SOURCES", "DeviceInfo", "read_availability", "read_device"]
+__all__ = ["MAX_IDENTIFIERS", "MAX_SOURCES", "DeviceInfo", "DeviceReader", "read_availability", "read_device"]
 
 
 MAX_IDENTIFIERS = 64
@@ -62,6 +64,41 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
         _as_text(device.get("suggested_area"), _MAX_NAME),
         _shared(tuple((facts | _facts(origin, _ORIGIN_FACTS)).items())),
     )
+
+
+class DeviceReader:
+    """Reader of devices and of their availabilities, with the last ones cached: all configs of a device have them."""
+
+    def __init__(self) -> None:
+        self._devices: BoundedDict[DeviceInfo] = BoundedDict(_MAX_CACHED)
+        self._availabilities: BoundedDict[Availability] = BoundedDict(_MAX_CACHED)
+
+    def read(self, device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
+        """Read as :func:`read_device` does."""
+        key = payload_digest((device, origin))
+        info = self._devices.get(key)
+        if info is None:
+            info = read_device(device, origin)
+            self._devices.add(key, info)
+        return info
+
+    def read_availability(self, config: DiscoveryConfig) -> Availability | None:
+        """Read as :func:`read_availability` does."""
+        values = config.values
+        key = payload_digest((config.encoding, [values.get(name) for name in _AVAILABILITY]))
+        availability = self._availabilities.get(key)
+        if availability is None:
+            availability = read_availability(config)
+            if availability is not None:
+                self._availabilities.add(key, availability)
+        return availability
+
+
+_MAX_CACHED = 5000
+_AVAILABILITY = (
+    *("availability", "availability_mode", "availability_template", "availability_topic"),
+    *("payload_available", "payload_not_available"),
+)
 
 
 @lru_cache(maxsize=256)

@@ -11,6 +11,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TypeAlias
 
+from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Category
 from homebot.support.folding import words_of
@@ -99,16 +100,34 @@ class Expose:
 
 def read_exposes(entries: object) -> tuple[Expose, ...]:
     """Return the valid entries, at most :data:`_MOST`."""
-    return _read_all(entries, depth=0)
+    if not isinstance(entries, list):
+        return ()
+    return tuple([one for entry in entries[:_MOST] if (one := _read_known(entry)) is not None])
 
 
 _MOST = 500
 _MOST_VALUES = 1_000
 _MAX_DEPTH = 3
+_MAX_KNOWN = 2000
+_LONGEST_KNOWN = 2048
 _MAX_TEXT = 120
 _MAX_PROPERTY = 120
 _GENERIC_TYPES = frozenset({"binary", "numeric", "enum", "text", "composite", "list"})
 _CATEGORIES: Mapping[object, Category] = {"config": "config", "diagnostic": "diagnostic"}
+
+
+_known: BoundedDict[Expose] = BoundedDict(_MAX_KNOWN)
+
+
+def _read_known(entry: object) -> Expose | None:
+    """Return an entry as :func:`_read`: the same one for the battery of each device in a list."""
+    text = repr(entry)
+    expose = _known.get(text)
+    if expose is None:
+        expose = _read(entry, 0)
+        if expose is not None and len(text) <= _LONGEST_KNOWN:
+            _known.add(text, expose)
+    return expose
 
 
 def _read_all(entries: object, depth: int) -> tuple[Expose, ...]:

@@ -31,9 +31,12 @@ class SightingIntake:
         merger: Which announcements are about which device.
         pending: Where the announcements of devices that were forgotten are kept.
         max_devices: How many devices are taken in.
+
+    Attributes:
+        announced: How many announcements were taken in, new or changed.
     """
 
-    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table")
+    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table", "announced")
 
     def __init__(
         self, table: DeviceTable, liveness: Liveness, merger: DeviceMerger, pending: PendingReports, max_devices: int
@@ -44,6 +47,7 @@ class SightingIntake:
         self._pending = pending
         self._max_devices = max_devices
         self._number = 0
+        self.announced = 0
 
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
@@ -74,6 +78,7 @@ class SightingIntake:
             table.counters.rejected += 1
             return
         self._number += 1
+        self.announced += 1
         table.sources[key] = source
         source.number = self._number
         is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
@@ -94,6 +99,7 @@ class SightingIntake:
         before, source.sighting = source.sighting, sighting
         entry = table.owners[key]
         if is_described_anew(before, sighting):
+            self.announced += 1
             note_description(source, before)
             if affected := self._merger.identities.put(key, sighting):
                 self._merger.regroup(affected, "its identifiers changed")

@@ -115,7 +115,12 @@ _Pair: TypeAlias = tuple[int, int]
 
 _BY_TYPE, _BY_NAME, _BY_TOPIC, _BY_ID = range(4)
 
-_Members: TypeAlias = Mapping[tuple[str, ...], list[tuple[int, Candidate]]]
+
+class _Members(NamedTuple):
+    """Numbered candidates by the words of their ids, and the numbers of words that these have."""
+
+    by_words: Mapping[tuple[str, ...], list[tuple[int, Candidate]]]
+    lengths: list[int]
 
 
 def _by_id(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
@@ -136,14 +141,16 @@ def _by_words(numbered: Iterable[tuple[int, Candidate]]) -> _Members:
     for number, one in numbered:
         if one.words:
             found[one.words].append((number, one))
-    return found
+    return _Members(found, sorted(set(map(len, found))))
 
 
 def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator[tuple[int, Candidate, int]]:
     """Yield those with an id in *words*, and its position."""
-    for length in {len(one) for one in members if len(one) <= at_most}:
+    for length in members.lengths:
+        if length > at_most:
+            break
         for start in range(len(words) - length + 1):
-            for number, one in members.get(words[start : start + length], ()):
+            for number, one in members.by_words.get(words[start : start + length], ()):
                 yield number, one, start
 
 

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced, TextEndpoint
+from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, TextEndpoint
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.capabilities import EVENTS, MOMENTARY
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
 from homebot.devices.value import PlainValue, Reading, Value
+from homebot.errors import WireError
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.raw_delivery import PartTexts
 from homebot.messages import Time
 
-__all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnouncement"]
+__all__ = ["AnnouncedPart", "AvailabilityReader", "SharedReachability", "SightingKind", "StoredAnnouncement"]
 
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
@@ -35,6 +36,7 @@ _MAX_STREAMS = 100
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
 _NO_ENDPOINT = TextEndpoint("", "", "")
+_ONLY_TEXTS = frozenset({str})
 
 
 @dataclass(slots=True, eq=False)
@@ -90,18 +92,34 @@ class AnnouncedPart(PartTexts):
         return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AvailabilityReader:
-    """One address that tells whether a described device, or one of its parts, can be reached.
+class SharedReachability(ReachabilityReader):
+    """The reachability that equal availabilities of one device share: its announcements mostly have the same.
 
     Attributes:
-        stored: The announcement of the device.
-        part: Which part; empty for the whole.
-        index: Which of its sources.
+        members: The announcements with it, each with a part; an empty one is the whole.
+        subscriptions: The filters that it is read on, each with its reader.
+        address: Where it was reported last.
     """
 
-    stored: StoredAnnouncement
-    part: str
+    __slots__ = ("address", "members", "subscriptions")
+
+    def __init__(self, availability: Availability) -> None:
+        super().__init__(availability)
+        self.members: list[tuple[StoredAnnouncement, str]] = []
+        self.subscriptions: list[tuple[str, AvailabilityReader]] = []
+        self.address = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AvailabilityReader:
+    """One address that tells whether a device, or some of its parts, can be reached.
+
+    Attributes:
+        reachability: What it tells.
+        index: Which of the sources of that.
+    """
+
+    reachability: SharedReachability
     index: int
 
 
@@ -117,7 +135,7 @@ class StoredAnnouncement:
         stale_after: Seconds of silence after which it counts as stale; 0 for the default of its gateway.
         parts: Its parts by id.
         reachability: Reported reachability of the device (``""``) and its parts; only of those that report it.
-        subscriptions: The filters that it is read on, each with its readers.
+        subscriptions: The filters that its parts are read on.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         heard_at: When it last reported, or was announced, live, on the monotonic clock; -inf where it was not.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
@@ -132,8 +150,8 @@ class StoredAnnouncement:
     excess: int = 0
     stale_after: float = 0.0
     parts: dict[str, AnnouncedPart] = field(init=False)
-    reachability: Mapping[str, ReachabilityReader] = field(init=False)
-    subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list, init=False)
+    reachability: Mapping[str, SharedReachability] = field(init=False)
+    subscriptions: list[tuple[str, AnnouncedPart]] = field(default_factory=list, init=False)
     is_confirmed: bool = field(default=False, init=False)
     heard_at: float = field(default=-math.inf, init=False)
     refresh_at: float = field(default=0.0, init=False)
@@ -143,20 +161,22 @@ class StoredAnnouncement:
 
     def __post_init__(self) -> None:
         described, text = self.described, self.described.text
-        self.parts, self.reachable = {}, _NOTHING
-        readers: dict[str, ReachabilityReader] = {}
-        if described.availability is not None and described.availability.sources:
-            readers[""] = ReachabilityReader(described.availability)
+        self.parts, self.reachability, self.reachable = {}, _NOTHING, _NOTHING
         shown: list[Part] = []
         for one in described.parts:
             part = one.part.id
             if one.part.service_type:
                 shown.append(one.part)
             self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
-            if one.availability is not None and one.availability.sources:
-                readers[part] = ReachabilityReader(one.availability)
-        self.reachability = readers or _NOTHING
         self.template = self._template(tuple(shown))  # so that an invalid sighting is found at once
+
+    def availabilities(self) -> Iterator[tuple[str, Availability]]:
+        """Yield the availability of the device, under an empty part, and of each part that has its own."""
+        if (whole := self.described.availability) is not None and whole.sources:
+            yield "", whole
+        for one in self.described.parts:
+            if one.availability is not None and one.availability.sources:
+                yield one.part.id, one.availability
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph sees no difference between the two."""
@@ -190,12 +210,6 @@ class StoredAnnouncement:
             if part in self.reachability or part not in before.reachability  # known to the gateway itself
         }
         self.reachable = known or _NOTHING
-        readers = dict(self.reachability)
-        for part, reachability in self.reachability.items():
-            old_one = before.reachability.get(part)
-            if old_one is not None and old_one.availability == reachability.availability:
-                readers[part] = old_one
-        self.reachability = readers or _NOTHING
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
                 announced_part.take_over(old)
@@ -216,7 +230,8 @@ class StoredAnnouncement:
         One that says text by itself has the addresses, and the service type, of that.
 
         Raises:
-            pydantic.ValidationError: A value is none that a sighting can have.
+            WireError: An address is no text.
+            pydantic.ValidationError: Another value is none that a sighting can have.
         """
         described = self.described
         endpoint = text = described.text
@@ -224,28 +239,64 @@ class StoredAnnouncement:
             address = self.parts[main.id].address
             endpoint = TextEndpoint(main.service_type, address, address if accepts_text(main) else "")
         endpoint = endpoint or _NO_ENDPOINT
-        return Sighting(
-            gateway=self.gateway,
+        announced_on = described.topic if text is None else ""
+        if not _ONLY_TEXTS.issuperset(map(type, (self.key, *endpoint, announced_on, *described.owns))):
+            raise WireError(f"{self.key!r} has topics that are no texts: {(*endpoint, announced_on)!r}")
+        return _sighting_of_device(
+            self.gateway,
+            described.name,
+            described.area,
+            described.identifiers,
+            tuple(described.facts.items()),
+            described.convention if text is None else "",
+            described.native or text is not None,
+            described.whole_device,
+        ).with_checked(
             key=self.key,
-            kind="updated",
-            why="",
-            name=described.name,
             service_type=endpoint.service_type,
             address=endpoint.address,
             command_address=endpoint.command_address,
-            metadata=tuple(map(_fact, described.facts, described.facts.values())),
-            convention=described.convention if text is None else "",
-            native=described.native or text is not None,
-            whole_device=described.whole_device,
-            identifiers=described.identifiers,
-            area=described.area,
             parts=parts,
             owns=described.owns,
-            announced_on=described.topic if text is None else "",
-            seen_at=_NEVER,
-            expires_at=_NEVER,
-            confirmed=False,
-        ).slimmed()
+            announced_on=announced_on,
+        )
+
+
+@lru_cache(maxsize=16)  # a device is announced in dozens of messages, many of them in a row
+def _sighting_of_device(
+    gateway: str,
+    name: str,
+    area: str,
+    identifiers: tuple[str, ...],
+    facts: tuple[tuple[str, str], ...],
+    convention: str,
+    native: bool,  # noqa: FBT001 - only called above
+    whole_device: bool,  # noqa: FBT001 - likewise
+) -> Sighting:
+    """Return a sighting with the fields that all announcements of a device have in common.
+
+    Raises:
+        pydantic.ValidationError: A value is none that a sighting can have.
+    """
+    return Sighting(
+        gateway=gateway,
+        key="",
+        kind="updated",
+        why="",
+        name=name,
+        service_type="",
+        address="",
+        command_address="",
+        metadata=tuple([_fact(*fact) for fact in facts]),
+        convention=convention,
+        native=native,
+        whole_device=whole_device,
+        identifiers=identifiers,
+        area=area,
+        seen_at=_NEVER,
+        expires_at=_NEVER,
+        confirmed=False,
+    ).slimmed()
 
 
 @lru_cache(maxsize=10_000)

@@ -140,10 +140,9 @@ class DeviceRegistry:
         if excess:
             self._excess.check(described.key, excess, 0 if before is None else before.excess)
         stored = StoredAnnouncement(self.gateway, key, described, excess)
-        if before is not None:
-            stored.take_over_state(before)
         refused, readers = self._enter(stored, before)
         if before is not None:
+            stored.take_over_state(before)
             self._forget(before)
         self.by_key[key] = stored
         self._parts += len(described.parts)

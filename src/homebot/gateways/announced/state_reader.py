@@ -12,13 +12,18 @@ from typing import NamedTuple
 
 import anyio.lowlevel
 
-from homebot.conventions.description import AutoExpiry, AvailabilitySource
+from homebot.conventions.description import AutoExpiry
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.text.states import encode_state
 from homebot.devices.value import PlainValue, Reading, Value
-from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.announced.announcement import (
+    AnnouncedPart,
+    AvailabilityReader,
+    SharedReachability,
+    StoredAnnouncement,
+)
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
@@ -181,31 +186,35 @@ class StateReader:
     async def _read_availability(
         self, address: str, payload: bytes, availability_readers: tuple[AvailabilityReader, ...], *, retained: bool
     ) -> None:
-        """Read whether devices can be reached; equal sources read it once."""
-        read: dict[int, bool | None] = {}
-        for number, availability_reader in enumerate(availability_readers, 1):
-            if number % _TURN == 0:
-                await anyio.lowlevel.checkpoint()
-            stored, part = availability_reader.stored, availability_reader.part
-            reachability = stored.reachability.get(part)
-            if reachability is None or self._devices.get(stored.key) is not stored:
+        """Read whether devices can be reached."""
+        count = 0
+        for availability_reader in availability_readers:
+            shared, index = availability_reader.reachability, availability_reader.index
+            said = self._read_source(shared, index, address, payload)
+            if said is None:
                 continue
-            source = reachability.availability.sources[availability_reader.index]
-            if id(source) not in read:
-                read[id(source)] = self._read_source(source, stored, address, payload)
-            said = read[id(source)]
-            if said is not None:
+            shared.update(index, said, retained=retained)
+            shared.address = address
+            for stored, part in tuple(shared.members):
+                count += 1
+                if count % _TURN == 0:
+                    await anyio.lowlevel.checkpoint()
+                    if self._devices.get(stored.key) is not stored:
+                        continue
                 if said and not retained:
                     stored.heard_at = self._reporter.now
-                reachability.update(availability_reader.index, said, retained=retained)
-                self._report_reachable(stored, part, address, retained=retained)
+                self._report_reachable(stored, part, shared, retained=retained)
 
-    def _read_source(
-        self, source: AvailabilitySource, stored: StoredAnnouncement, address: str, payload: bytes
-    ) -> bool | None:
+    def report_reachability(self, stored: StoredAnnouncement) -> None:
+        """Report the reachability that other announcements of a device brought in before *stored*."""
+        for part, shared in stored.reachability.items():
+            self._report_reachable(stored, part, shared, retained=True)
+
+    def _read_source(self, shared: SharedReachability, index: int, address: str, payload: bytes) -> bool | None:
         try:
-            return source.read(payload)
+            return shared.availability.sources[index].read(payload)
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+            stored, _ = shared.members[0]
             self._record_failure(address, stored.described.convention, exc)
             return None
 
@@ -249,18 +258,22 @@ class StateReader:
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
         """Forget each "offline" that had been retained from before a message of *parts*."""
         for part in parts:
-            if stored.reachable.get(part) is False and (reachability := stored.reachability.get(part)) is not None:
-                reachability.discard_retained_offline()
-                self._report_reachable(stored, part, address, retained=False)
+            if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
+                shared.discard_retained_offline()
+                shared.address = address
+                for member, its_part in tuple(shared.members):
+                    self._report_reachable(member, its_part, shared, retained=False)
 
-    def _report_reachable(self, stored: StoredAnnouncement, part: str, address: str, *, retained: bool) -> None:
-        reachable = stored.reachability[part].value
+    def _report_reachable(
+        self, stored: StoredAnnouncement, part: str, shared: SharedReachability, *, retained: bool
+    ) -> None:
+        reachable = shared.value
         if part in stored.reachable and reachable is stored.reachable[part]:
             return
         if part not in stored.reachable and reachable is None:
             return
         stored.note_reachable(part, reachable)
-        self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=retained)
+        self._reporter.report_reachable(stored, part, shared.address, reachable=reachable, retained=retained)
 
     def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
         """Keep *values*, and make their text on demand."""

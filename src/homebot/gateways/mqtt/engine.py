@@ -318,6 +318,8 @@ class AnnouncedDevices:
 
     def _changed(self, change: RegistryChange) -> None:
         self._missed += change.readers
+        if change.stored.reachability:
+            self._states.report_reachability(change.stored)
         self._subscriber.wake()
         if change.before is None or not change.stored.publishes_the_same(change.before):
             self._subscriber.ask(change.stored)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
 from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
+from homebot.conventions.description import Availability
 from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
-from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.announced.announcement import (
+    AnnouncedPart,
+    AvailabilityReader,
+    SharedReachability,
+    StoredAnnouncement,
+)
 from homebot.gateways.announced.registry import DeviceRegistry, Readers, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
@@ -83,6 +89,7 @@ class AnnouncementRegistry(DeviceRegistry):
             for topic_filter in convention.filters():
                 self._announcements.add(topic_filter, convention)
         self._readers: FilterIndex[AnnouncedPart | AvailabilityReader] = FilterIndex()
+        self._shared: dict[Hashable, SharedReachability] = {}
         self._announcement_readers = lru_cache(_MAX_GROUPS)(TopicReaders)
         self._routes = _Routes(self._find)
         self.route = self._routes.__getitem__
@@ -95,29 +102,78 @@ class AnnouncementRegistry(DeviceRegistry):
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None
     ) -> tuple[tuple[WireError, ...], Readers]:
         refused: list[WireError] = []
-        readers: _Readings = []
-        for topic_filter, reader in _readings(stored):
+        replayed: _Readings = []
+        only_remembering = before is not None and stored.publishes_the_same(before)
+        availabilities = _availabilities(stored)
+        for topic_filter, part in _readings(stored):
             count = self._topics.users.get(topic_filter, 0)
-            if count >= self._limits.readers and isinstance(reader, AnnouncedPart):
+            if count >= self._limits.readers:
                 refused.append(
                     WireError(f"topic {topic_filter!r} already has {self._limits.readers:,} readers, the limit")
                 )
                 continue
             try:
-                self._topics.use(topic_filter)
+                self._add_reader(topic_filter, part)
             except WireError as exc:
                 refused.append(exc)
                 continue
-            stored.subscriptions.append((topic_filter, reader))
-            self._readers.add(topic_filter, reader)
-            self._forget_routes(topic_filter)
-            if count and not has_wildcard(topic_filter):
-                readers.append((topic_filter, reader))
+            stored.subscriptions.append((topic_filter, part))
+            if count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
+                replayed.append((topic_filter, part))
+        if availabilities:
+            stored.reachability = {
+                part_id: self._shared_reachability(availability, key, topics, refused, replayed)
+                for part_id, availability, key, topics in availabilities
+            }
+            for part_id, shared in stored.reachability.items():
+                shared.members.append((stored, part_id))
         if stored.described.text is not None:
             self._register_text(stored)
-        if before is not None and readers:
-            readers = _readers_to_replay(stored, before, readers)
-        return tuple(refused), tuple(readers)
+        return tuple(refused), tuple(replayed)
+
+    def _shared_reachability(
+        self,
+        availability: Availability,
+        key: Hashable,
+        topics: Iterable[str],
+        refused: list[WireError],
+        replayed: _Readings,
+    ) -> SharedReachability:
+        """Return the reachability known under *key*; a new one reads the *topics* of its *availability*."""
+        shared = self._shared.get(key)
+        if shared is not None:
+            return shared
+        shared = self._shared[key] = SharedReachability(availability)
+        for index, topic_filter in enumerate(topics):
+            is_known = topic_filter in self._topics.users and not has_wildcard(topic_filter)
+            reader = AvailabilityReader(shared, index)
+            try:
+                self._add_reader(topic_filter, reader)
+            except WireError as exc:
+                refused.append(exc)
+                continue
+            shared.subscriptions.append((topic_filter, reader))
+            if is_known:
+                replayed.append((topic_filter, reader))
+        return shared
+
+    def _leave_reachability(self, stored: StoredAnnouncement) -> None:
+        for part, shared in stored.reachability.items():
+            shared.members.remove((stored, part))
+            if not shared.members:
+                del self._shared[_shared_key(stored, shared.availability)]
+                for topic_filter, reader in shared.subscriptions:
+                    self._remove_reader(topic_filter, reader)
+
+    def _add_reader(self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader) -> None:
+        self._topics.use(topic_filter)
+        self._readers.add(topic_filter, reader)
+        self._forget_routes(topic_filter)
+
+    def _remove_reader(self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader) -> None:
+        self._topics.leave(topic_filter)
+        self._readers.remove(topic_filter, reader)
+        self._forget_routes(topic_filter)
 
     def _register_text(self, stored: StoredAnnouncement) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
@@ -137,10 +193,9 @@ class AnnouncementRegistry(DeviceRegistry):
 
     def _leave(self, stored: StoredAnnouncement) -> None:
         self._unregister_text(stored)
-        for topic_filter, reader in stored.subscriptions:
-            self._topics.leave(topic_filter)
-            self._readers.remove(topic_filter, reader)
-            self._forget_routes(topic_filter)
+        self._leave_reachability(stored)
+        for topic_filter, part in stored.subscriptions:
+            self._remove_reader(topic_filter, part)
 
     def _forget_routes(self, topic_filter: str) -> None:
         if "+" in topic_filter or "#" in topic_filter:
@@ -187,23 +242,29 @@ class _Routes(dict[str, TopicReaders | None]):
         return self._find(topic)
 
 
-def _readers_to_replay(stored: StoredAnnouncement, before: StoredAnnouncement, readers: _Readings) -> _Readings:
-    if stored.publishes_the_same(before):
-        return [one for one in readers if isinstance(one[1], AnnouncedPart) and one[1].described.remembers]
-    return [one for one in readers if isinstance(one[1], AnnouncedPart) or _is_new(one[1], before)]
+def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hashable:
+    """Return the key of what *availability* tells: the device with it; only the announcement if that names none."""
+    device = stored.described.identifiers or stored.key
+    try:
+        hash(availability)
+    except TypeError:  # of a plug-in
+        return device, id(availability)
+    return device, availability
 
 
-def _is_new(reader: AvailabilityReader, before: StoredAnnouncement) -> bool:
-    return reader.stored.reachability[reader.part] is not before.reachability.get(reader.part)
+def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
+    """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
+    found: list[tuple[str, Availability, Hashable, list[str]]] = []
+    for part_id, availability in stored.availabilities():
+        topics = [source.topic for source in availability.sources]
+        found.append((part_id, availability, _shared_key(stored, availability), topics))
+    return found
 
 
-def _readings(stored: StoredAnnouncement) -> _Readings:
-    """Return each filter with a reader of *stored*; all at once, as a plug-in may fail."""
-    found: _Readings = []
+def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
+    """Return each filter with a part of *stored*; all at once, as a plug-in may fail."""
+    found: list[tuple[str, AnnouncedPart]] = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
-        for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):
-            found.append((topic_filter, announced_part))  # a list for each part costs more
-    for part, reachability in stored.reachability.items():
-        for index, source in enumerate(reachability.availability.sources):
-            found.append((source.topic, AvailabilityReader(stored, part, index)))
+        topics = dict.fromkeys(announced_part.described.codec.topics())
+        found += [(topic_filter, announced_part) for topic_filter in topics]
     return found
