@@ -8,8 +8,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
-
 import homebot
 import homebot.testing
 
@@ -27,8 +25,9 @@ def test_every_public_name_is_in_the_reference_once() -> None:
     assert sorted(entries) == sorted(public)
 
 
-@pytest.mark.parametrize("guide", GUIDES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_link_to_a_file_leads_to_one(guide: Path) -> None:
+def test_every_link_to_a_file_leads_to_one() -> None:
     """Files move; a guide that names one moves with it."""
-    links = re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", guide.read_text())
-    assert [link for link in links if not (guide.parent / link).exists()] == []
+    links = [
+        (guide, link) for guide in GUIDES for link in re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", guide.read_text())
+    ]
+    assert [(str(guide), link) for guide, link in links if not (guide.parent / link).exists()] == []

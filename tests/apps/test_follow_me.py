@@ -8,7 +8,7 @@ from tests.apps.houses import flat, is_on, lamp, motion
 
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 
 async def test_the_lamp_goes_on_in_each_room_that_somebody_comes_into() -> None:

@@ -11,7 +11,7 @@ from homebot.devices.services import ForgetDevice, ForgetDeviceRequest
 from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 
 async def test_the_lamps_of_a_room_go_off_when_everybody_has_left_it_for_a_while() -> None:

@@ -22,7 +22,10 @@ HOURS = 1
 SENSORS = 30
 MOST_A_DAY = 20_000_000
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="/proc counts the bytes")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="/proc counts the bytes"),
+]
 
 
 def bytes_written() -> int:

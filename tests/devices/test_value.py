@@ -30,11 +30,11 @@ def test_a_number_that_is_none_stays_one() -> None:
     assert math.isnan(Value.of(math.nan).number)
 
 
-@pytest.mark.parametrize("percent", range(101))
-def test_a_number_has_no_error_of_what_it_was_calculated_by(percent: int) -> None:
+def test_a_number_has_no_error_of_what_it_was_calculated_by() -> None:
     """A lamp that counts to 1 has 0.55, which is 55 % and not 55.00000000000001 %."""
-    assert Value.of(percent / 100 * 100).plain() == float(percent)
-    assert Value.of((percent / 100 * 100, 0.1 + 0.2)).plain() == (float(percent), 0.3)
+    for percent in range(101):
+        assert Value.of(percent / 100 * 100).plain() == float(percent)
+        assert Value.of((percent / 100 * 100, 0.1 + 0.2)).plain() == (float(percent), 0.3)
 
 
 @pytest.mark.parametrize("number", [1 / 3, 1_700_000_000.123, 123_456_789_012.345, 9_007_199_254_740_993.0, 1.8e308])

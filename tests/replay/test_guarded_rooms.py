@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 
+import pytest
 from tests.apps.houses import flat, lamp, motion
 from tests.replay.recorded_days import APPS, diff_of, recorded, recorded_for_client, recording_of, texts
 
@@ -14,6 +15,8 @@ from homebot.graph import Node
 from homebot.recording.recording import Recording
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
+
+pytestmark = pytest.mark.slow
 
 CONFIG = {"apps": {"lights_out": APPS["lights_out"]}, "control": {"presence_guard": {}}}
 
@@ -55,8 +58,8 @@ def test_a_day_with_every_policy_is_replayed_under_the_same_policies() -> None:
         "rate_limit": False,
         "witnesses": {"light in hall": "Hall lux"},
     }
-    world = flat(("08:00", "hall"), ("20:00", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
-    recording = recorded(world, ["lights_out", "follow_me"], "22h", config={"control": table})
+    world = flat(("01:00", "hall"), ("02:00", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    recording = recorded(world, ["lights_out", "follow_me"], "4h", config={"control": table})
     refused = {one.result.policy for one in recording.commands if one.result}
     assert "quiet_hours" in refused
     assert json.loads(recording.header.control)["quiet_hours"][0]["commands"] == ["turn off lights"]

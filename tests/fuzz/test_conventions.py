@@ -1,0 +1,33 @@
+"""Damaged announcements and messages of each convention of MQTT: refused in our words, or understood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from homebot.conventions.convention import Convention
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.shelly import Shelly, ShellySettings
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz
+
+CONVENTIONS: dict[str, Callable[[], Convention]] = {
+    "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
+    "homie": lambda: Homie(HomieSettings()),
+    "shelly": lambda: Shelly(ShellySettings()),
+    "tasmota": lambda: TasmotaDiscovery(TasmotaSettings()),
+    "zigbee2mqtt": lambda: Zigbee2Mqtt(Zigbee2MqttSettings()),
+}
+
+
+@pytest.mark.parametrize("name", CONVENTIONS)
+def test_damaged_devices_are_refused_or_read(
+    fuzz: Fuzz, devices: Callable[[str], list[dict[str, Any]]], name: str
+) -> None:
+    fuzz.convention(name, CONVENTIONS[name], devices(name))
