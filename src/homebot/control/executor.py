@@ -284,16 +284,18 @@ class CommandExecutor:
             if _is_late_answer(progress, fact) and self._cause(place, fact).command == progress.order.id:
                 self._record_report(place, progress, fact, Cause.COMMAND.value)
             return
-        capability, role = fact.capability, progress.roles[fact.number]
-        if capability in progress.wanted:
-            news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
-            if opened.recorded.get(capability) != news and len(opened.recorded) < _MOST_RECORDED:
-                opened.recorded[capability] = news
-                cause = Cause.COMMAND if role is ReportRole.EFFECT else self._cause(place, fact).cause
-                unsure = Cause.UNKNOWN if cause is Cause.PERSON else cause  # it may be the device's own answer
-                is_change = fact.is_change or role is ReportRole.EFFECT
-                self._record_report(place, progress, fact, unsure.value if is_change else "")
+        if fact.capability in progress.wanted and _is_news(opened, fact):
+            self._record_report(place, progress, fact, self._cause_of_answer(place, progress, fact))
         opened.changed.set()
+
+    def _cause_of_answer(self, place: _Place, progress: CommandProgress, fact: Reported) -> str:
+        """Return the cause of a change while a command waits for its outcome; empty for no change."""
+        if progress.roles[fact.number] is ReportRole.EFFECT:
+            return Cause.COMMAND.value
+        if not fact.is_change:
+            return ""
+        cause = self._cause(place, fact).cause  # a person, or the device's own answer
+        return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _record_report(self, place: _Place, progress: CommandProgress, fact: Reported, cause: str) -> None:
         order = progress.order
@@ -339,6 +341,16 @@ def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> boo
 
 def _is_lost(outcome: Outcome) -> bool:
     return isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
+
+
+def _is_news(opened: OpenCommand, fact: Reported) -> bool:
+    """Return whether a report differs from the last recorded one, and remember it: steps on the way are one."""
+    role = opened.progress.roles[fact.number]
+    news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
+    if opened.recorded.get(fact.capability) == news or len(opened.recorded) >= _MOST_RECORDED:
+        return False
+    opened.recorded[fact.capability] = news
+    return True
 
 
 def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
+from collections.abc import Mapping
+from typing import Final, Literal, NamedTuple, Protocol, TypeAlias, final
 
 from homebot.control import durations
-from homebot.control.timeline.facts import ReportRole
+from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.values import departs, is_intermediate
 from homebot.devices.value import PlainValue
-
-if TYPE_CHECKING:
-    from homebot.control.timeline.facts import Reported
-    from homebot.control.timeline.progress import CommandProgress
 
 __all__ = ["Settling", "Undoing"]
 
@@ -37,6 +34,28 @@ class Undoing(NamedTuple):
     after: float
 
 
+class SettledCommand(Protocol):
+    """The progress of a confirmed command, as far as its settling needs it; see `CommandProgress`."""
+
+    order: Order
+    known: Mapping[str, PlainValue]
+    last: Mapping[str, PlainValue]
+    wanted: dict[str, PlainValue]
+    roles: dict[int, ReportRole]
+
+    def fits(self, capability: str, value: PlainValue) -> bool:
+        """Return whether *value* is the wanted one."""
+        ...
+
+    def refine(self, capability: str, value: PlainValue) -> None:
+        """Record a further report of a confirmed value."""
+        ...
+
+    def side_role(self, capability: str, value: PlainValue) -> ReportRole:
+        """Return the role of a report of a capability that is not wanted."""
+        ...
+
+
 @final
 class Settling:
     """Judgement of the reports after a confirmation: further steps of a transition, or the end of the value.
@@ -53,7 +72,7 @@ class Settling:
         has_held: Whether the values held until the end.
     """
 
-    def __init__(self, progress: CommandProgress, at: float, seconds: float) -> None:
+    def __init__(self, progress: SettledCommand, at: float, seconds: float) -> None:
         order = progress.order
         self._progress = progress
         self._confirmed_at = at
