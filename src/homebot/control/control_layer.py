@@ -76,7 +76,7 @@ class ControlLayer:
         self._node = node
         self._lookup = lookup
         store = store or _store(node, settings, journal_file)
-        self.journal = CommandJournal(node, store, lookup, house_watch.changes, settings.settle)
+        self.journal = CommandJournal(node, store, lookup, house_watch.changes.begin_raw, settings.settle)
         self.learnt = LearntPersistence(node, store)
         profiles = Profiles(self.learnt.saver(PROFILE))
         self.learnt.add(PROFILE, profiles)

@@ -18,8 +18,8 @@ from homebot.control.command import (
 )
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
+from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policies.rights import CLIENT_RIGHTS

@@ -14,9 +14,8 @@ from anyio.abc import TaskGroup
 from homebot.control.command import commanded_part, no_part_result, zero_as_off
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
-from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import without_codes
-from homebot.control.journal.journal import LeaseStep
+from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.values import STOPPED, value_text

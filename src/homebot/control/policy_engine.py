@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.journal import CommandJournal
+from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts

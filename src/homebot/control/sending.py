@@ -10,7 +10,7 @@ from typing import final
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.journal import CommandJournal
+from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings

@@ -8,8 +8,8 @@ from typing import Final, final
 from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
-from homebot.control.journal import CommandJournal
 from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
+from homebot.control.journal.journal import CommandJournal
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart

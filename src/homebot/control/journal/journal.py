@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
-from homebot.control.journal.house_changes import HouseChanges
 from homebot.control.journal.store import JournalNote, with_newer
 from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.devices import RawCommand
@@ -44,6 +43,8 @@ __all__ = ["CommandJournal", "LeaseStep"]
 
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
+BeginRaw: TypeAlias = Callable[[str, str, str, float, float], None]
+
 _Part: TypeAlias = tuple[str, str]
 """The ids of a device and of one of its parts."""
 
@@ -64,15 +65,16 @@ class CommandJournal:
         node: The publishing node.
         store: The store.
         lookup: Knows the names of devices.
-        changes: Receives the raw commands, which explain changes.
+        begin_raw: Called with each sent raw command: the device, the id, the text, and the time in which it explains
+            changes.
         settle: Seconds after a raw command in which it explains a change of the device.
     """
 
     def __init__(
-        self, node: Node, store: JournalStore, lookup: DeviceLookup, changes: HouseChanges, settle: float
+        self, node: Node, store: JournalStore, lookup: DeviceLookup, begin_raw: BeginRaw, settle: float
     ) -> None:
         self._clock = node.graph.clock
-        self._changes = changes
+        self._begin_raw = begin_raw
         self._settle = max(settle, _SHORTEST_SETTLE)
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
@@ -210,7 +212,7 @@ class CommandJournal:
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
         if is_sent:
-            self._changes.begin_raw(device, name, command.payload, at, at + self._settle)
+            self._begin_raw(device, name, command.payload, at, at + self._settle)
         else:
             self._add(JournalNote("would", at, device, "", name, issuer=command.issuer))
 
