@@ -1,4 +1,4 @@
-"""What a command asks for, held against what a part can do."""
+"""Checks of commanded values."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Conventions listen for devices before they can read what those say."""
+"""Conventions subscribe before their reader is imported."""
 
 from __future__ import annotations
 

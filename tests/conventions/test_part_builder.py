@@ -1,4 +1,4 @@
-"""A part in the making: what it collects, and what becomes of it."""
+"""Builder of parts."""
 
 from homebot.conventions.description import AutoExpiry, Publication
 from homebot.conventions.part_builder import JsonPart, with_own_ids

@@ -1,4 +1,4 @@
-"""A codec that is tables: what it makes of messages and of commands."""
+"""Codec of tables: messages and commands."""
 
 import math
 

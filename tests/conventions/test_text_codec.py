@@ -1,4 +1,4 @@
-"""A part that says and takes text: what it tells, how it is told, and which answer is to a command."""
+"""Codec of text devices: states, commands, and answers to commands."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_a_command_that_the_part_does_not_know_changes_no_answer(command: bytes)
 
 
 def test_the_same_text_again_is_the_answer_to_a_command_once() -> None:
-    """A lamp that is stuck answers with what it said before."""
+    """A stuck lamp answers with its old state."""
     lamp = codec("lights")
     read(lamp, b"off")
     lamp.write("on_off", value=True)

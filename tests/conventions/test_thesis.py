@@ -35,7 +35,7 @@ def test_other_channels_are_no_devices(layout: Thesis, channel: str) -> None:
 
 
 def test_another_home_is_ignored(layout: Thesis) -> None:
-    """Nor is one whose name only begins like ours."""
+    """Nor is one with only the beginning of the name."""
     assert layout.announced("home426/lights/lamp/out") is None
     assert layout.announced("home4257/lights/lamp/out") is None
 
@@ -53,7 +53,7 @@ def test_another_home_is_ignored(layout: Thesis) -> None:
     ],
 )
 def test_a_topic_that_breaks_the_layout_is_named_with_the_reason(layout: Thesis, topic: str, problem: str) -> None:
-    """The message holds the topic and what is wrong with it."""
+    """The message has the topic and its problem."""
     with pytest.raises(WireError, match=problem) as caught:
         layout.announced(topic)
     assert repr(topic) in str(caught.value)
@@ -61,7 +61,7 @@ def test_a_topic_that_breaks_the_layout_is_named_with_the_reason(layout: Thesis,
 
 @pytest.mark.parametrize("device_id", ["Küche 1", "0x00158d", "日本", "a-b.c"])
 def test_odd_device_ids_are_devices_all_the_same(layout: Thesis, device_id: str) -> None:
-    """What MQTT allows in a level is allowed in a name."""
+    """A name may have any character that MQTT allows in a level."""
     device = layout.announced(f"home425/lights/{device_id}/out")
     assert device is not None
     assert device.name == device_id

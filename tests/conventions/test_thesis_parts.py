@@ -1,4 +1,4 @@
-"""What a device of the thesis's layout is, by its word, and that it understands what its part offers."""
+"""Types and capabilities of the thesis's layout, by the level of the topic."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_for_any_word_the_part_is_of_the_vocabulary(word: str) -> None:
     ids=lambda device: device.kind,
 )
 def test_every_simulated_device_reports_and_obeys_its_capabilities(device: SimulatedDevice) -> None:
-    """The house's own words, which are the reference for what the layout speaks."""
+    """The house's own words are the reference of the layout."""
     part = thesis_part(device.service_type, "out", "in")
     assert decode_text(device.state(), part)
     values: dict[str, PlainValue] = {

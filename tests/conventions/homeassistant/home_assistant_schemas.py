@@ -12,7 +12,7 @@ from typing import Any
 
 ROOT = "homeassistant.components.mqtt"
 EXTRA = frozenset({"origin"})
-"""What discovery takes off before the schema sees it."""
+"""Fields that discovery removes before the check by the schema."""
 
 
 def schema_of(component: str) -> Any:

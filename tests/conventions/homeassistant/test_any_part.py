@@ -1,4 +1,4 @@
-"""Whatever strangers make of the config and the messages of a part: it is understood or refused, in our words."""
+"""Any config and any message of a part is read or refused, in words of the vocabulary."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Lamps, switches, covers, valves, locks, fans and sirens against what Home Assistant makes of the same messages.
+"""Lamps, switches, covers, valves, locks, fans and sirens against Home Assistant with the same messages.
 
 ``controls.jsonl`` has a config per line, with the answers of Home Assistant core 2025.4.4, whose MQTT integration was
 run on these messages, in the words of our vocabulary:

@@ -1,4 +1,4 @@
-"""Sensors, climate, settings and the rest against what Home Assistant makes of the same messages.
+"""Sensors, climate, settings and the rest against Home Assistant with the same messages.
 
 ``parts.jsonl`` has a config of a real publisher per line, with the answers of Home Assistant core 2025.4.4, whose MQTT
 integration was run on these messages, in the words of our vocabulary:

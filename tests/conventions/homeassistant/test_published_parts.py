@@ -1,4 +1,4 @@
-"""Whatever is offered, our own understanding of Home Assistant reads back what it can do, tell and be told."""
+"""Any published part is read back with its capabilities, states and commands."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ TEXTS = {
     "preset_mode": ("none", "boost"),
 }
 SINGLES = ("on_off", "number", "option", "text", "push")
-"""As what one is told there that belongs to nothing whole."""
+"""Components of single capabilities."""
 DERIVED = frozenset({"movement", "valve", "on_off", "fan_mode", "update_available"})
-"""What Home Assistant makes of a position, or of a mode."""
+"""Values that Home Assistant derives from a position or a mode."""
 
 
 def capability(name: str, *, readable: bool, settable: bool) -> Capability:
@@ -75,7 +75,7 @@ CHARGED = Part(
     service_type="robotic_vacuum_cleaner",
     capabilities=tuple(capability(name, readable=True, settable=True) for name in ("battery", "vacuum")),
 )
-"""A cleaner whose battery can be set, which that of Home Assistant's cannot."""
+"""A cleaner with a settable battery, which Home Assistant does not have."""
 
 LAMP = whole("light", "on_off", "level", "color", "color_temperature", "effect", "power")
 WHOLE = (
@@ -96,7 +96,7 @@ WHOLE = (
 
 
 class Way:
-    """An offer with one part, and what becomes of it on the other side."""
+    """An exposed device with one part, and its entities in Home Assistant."""
 
     def __init__(self, part: Part) -> None:
         self.part = part
@@ -112,7 +112,7 @@ class Way:
         return [component for component, _ in self.back]
 
     def told(self, name: str, value: PlainValue) -> Iterator[dict[str, PlainValue]]:
-        """What is ordered where somebody makes *name* of any part be *value* there."""
+        """Return the commands after setting *name* of any entity to *value* in Home Assistant."""
         for _, read in self.back:
             if any(one.name == name and one.settable for one in read.part.capabilities):
                 with suppress(RefusedError):
@@ -123,7 +123,7 @@ class Way:
                     }
 
     def said(self, name: str, value: PlainValue) -> dict[str, PlainValue]:
-        """What is read there when the part says *value*."""
+        """Return the readings of Home Assistant after the part reports *value*."""
         known = {("p", name): value}
         if name in {"color", "color_temperature", "level"}:
             known["p", "on_off"] = True
@@ -180,7 +180,7 @@ def test_capabilities_of_one_entity_are_published_together(part: Part, component
 
 
 def check_orders(part: Part) -> None:
-    """What can be told of the part can be told there, and what is told there is what the part can be told."""
+    """Both sides have the same commands."""
     way = Way(part)
     settable = {one.name: one for one in part.capabilities if one.settable}
     for _, read in way.back:
@@ -198,7 +198,7 @@ def check_orders(part: Part) -> None:
 
 
 def check_states(part: Part) -> None:
-    """What the part says is heard there."""
+    """Reports of the part are read in Home Assistant."""
     way = Way(part)
     for one in part.capabilities:
         if not one.readable or one.name in {"color", "image", "push", "scene", "locate"}:

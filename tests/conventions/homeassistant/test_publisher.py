@@ -1,4 +1,4 @@
-"""What homebot publishes for a Home Assistant, read back by our own understanding of Home Assistant's discovery."""
+"""Configs and states published for a Home Assistant, read back by the convention."""
 
 from __future__ import annotations
 

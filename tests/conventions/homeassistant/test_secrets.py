@@ -88,7 +88,7 @@ def test_a_value_with_another_name_is_read(fields: Mapping[str, object]) -> None
 
 
 def test_a_message_that_is_shown_as_it_is_has_no_code() -> None:
-    """As that of a sensor without a template, and of one whose template is not understood."""
+    """As of a sensor without a template, or with an unsupported one."""
     (whole,) = parts("sensor", {"name": "State"})
     assert whole.codec.read(STATE, MESSAGE, retained=False) == {}
     assert whole.codec.read(STATE, b"Enter the user code", retained=False) == {"value": "Enter the user code"}

@@ -16,7 +16,7 @@ def homie() -> Homie:
 
 @pytest.fixture
 def say(homie: Homie) -> Say:
-    """Says a message to the convention; what is no text is spelled in JSON."""
+    """Return a function that reads a message; a payload that is no text is spelled in JSON."""
 
     def say(topic: str, payload: object) -> tuple[AnnouncementEvent, ...]:
         text = payload if isinstance(payload, str) else json.dumps(payload)
@@ -27,7 +27,7 @@ def say(homie: Homie) -> Say:
 
 @pytest.fixture
 def introduce(say: Say) -> Callable[..., dict[str, DescribedPart]]:
-    """Has a device of version 5 say who it is and that it is ready; returns its parts by id."""
+    """Return a function that announces a device of version 5 and returns its parts by id."""
 
     def introduce(nodes: object, **fields: object) -> dict[str, DescribedPart]:
         say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})

@@ -167,7 +167,7 @@ def test_a_robot_that_announces_itself_twice_is_one_robot_without_conflicts(seed
 
 
 def test_another_device_with_its_name_is_another_device() -> None:
-    """It speaks elsewhere, or is called otherwise: its topics alone, or its name alone, make it nobody."""
+    """Its topics alone, or its name alone, do not identify it."""
     robot = by_homie()
     assert len(devices(robot, *by_discovery(identifiers=["BigSlow"]))) == 2
     assert len(devices(robot, *by_discovery(identifiers=["valetudo"]))) == 2

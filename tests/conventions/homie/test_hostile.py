@@ -1,4 +1,4 @@
-"""Whatever strangers say: WireError from take, RefusedError from write, nothing from read."""
+"""Any message and any value: only WireError from announcements, RefusedError from commands, nothing from states."""
 
 import contextlib
 import json

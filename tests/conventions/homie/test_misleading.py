@@ -1,4 +1,4 @@
-"""Names mislead: what a Homie device is must be borne out by the forms of its properties."""
+"""Names mislead: the forms of its properties must prove the kind of a Homie node."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def number(form: str, unit: str = "") -> dict[str, object]:
 
 
 def parts_of(nodes: Mapping[str, Mapping[str, object]], name: str = "Thing") -> list[DescribedPart]:
-    """The parts of a device of version 5 whose nodes have no type."""
+    """Return the parts of a device of version 5 with nodes without a type."""
     homie = Homie(HomieSettings())
     document = {
         "homie": "5.0",
@@ -81,7 +81,7 @@ STATUS = ("Vacuum status", {
 
 
 def announced(nodes: Mapping[str, tuple[str, Mapping[str, tuple[str, Mapping[str, str]]]]]) -> dict[str, DescribedPart]:
-    """What version 4 makes of the tree below ``valetudo/robot``."""
+    """Return the parts of the tree below ``valetudo/robot`` by version 4."""
     messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(nodes), "$extensions": ""}
     for node, (name, props) in nodes.items():
         messages |= {f"{node}/$name": name, f"{node}/$type": "Capability", f"{node}/$properties": ",".join(props)}

@@ -1,4 +1,4 @@
-"""What a number of a Homie device measures, by its unit and the words around it."""
+"""The quantity of a number of a Homie device, by its unit and the words around it."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Whatever a stranger writes, nothing but TemplateError comes out."""
+"""Any source and any values give a text or a TemplateError."""
 
 from __future__ import annotations
 

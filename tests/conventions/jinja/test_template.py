@@ -1,4 +1,4 @@
-"""What compiling promises, and what is told of a template that cannot be rendered."""
+"""Compiled templates, paths, and the problems of unsupported templates."""
 
 from __future__ import annotations
 

@@ -36,14 +36,14 @@ pytestmark = pytest.mark.slow
 
 Row: TypeAlias = dict[str, Any]
 Place: TypeAlias = tuple[str, str]
-"""Key of an announcement, and what the part is called there."""
+"""Key of an announcement, and the id of the part there."""
 
 FIXTURE = Path(__file__).with_name("both_announcements.jsonl")
 ROWS: list[Row] = [json.loads(line) for line in FIXTURE.read_text(encoding="utf-8").splitlines()]
 ORDERS = size(3, 20)
 LOADS = {"switch", "plug", "light", "fan", "siren", "window_covering", "door_lock", "valve", "water_valve"}
 DUAL = {"on_off", "push"}
-"""What one and the same property may be to the two: Zigbee2MQTT announces a button for some that are on and off."""
+"""Capabilities of one property in both: Zigbee2MQTT announces a button for some that are on and off."""
 
 
 def name(row: Row) -> str:
@@ -144,7 +144,7 @@ def used_by(topic: str, part: DescribedPart, probes: list[tuple[str, object]]) -
 
 
 def commands(topic: str, part: DescribedPart) -> dict[tuple[str, PlainValue], dict[str, object]]:
-    """Which properties Zigbee2MQTT sets, and to what, by capability and value."""
+    """Return the properties that Zigbee2MQTT sets, with their values, by capability and value."""
     orders = {}
     for capability in part.part.capabilities:
         for value in values_of(capability) if capability.settable else ():
@@ -199,7 +199,7 @@ def spelled(value: object) -> object:
 
 
 def outcome(device: Device) -> frozenset[object]:
-    """All that matters of its parts; what they are called depends on who came first."""
+    """Return its parts without their ids, which depend on the order of announcements."""
     return frozenset(
         (
             frozenset((way.key, way.part, way.takes) for way in one.routes),
@@ -272,7 +272,7 @@ def test_a_model_that_is_announced_twice_is_one_device_without_contradiction(mod
 
 
 def test_a_garage_door_opener_asks_whichever_announcement_comes_first() -> None:
-    """To Home Assistant it is a switch, to us what moves the door; its model may be said by one of them alone."""
+    """Home Assistant has a switch, homebot the movement of the door; only one of them may know the model."""
     trigger = {"type": "binary", "name": "trigger", "property": "trigger", "access": 3}
     contact = {"type": "binary", "name": "garage_door_contact", "property": "garage_door_contact", "access": 1}
     definition = {"vendor": "Tuya", "model": "GDO", "description": "Garage door opener", "exposes": []}

@@ -1,4 +1,4 @@
-"""What strangers say is taken or refused; it never does anything else, and never takes long."""
+"""Any message is read or refused, in bounded time."""
 
 import json
 from contextlib import suppress

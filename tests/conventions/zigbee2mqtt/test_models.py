@@ -1,4 +1,4 @@
-"""Real models against what Home Assistant makes of the same devices.
+"""Real models against Home Assistant with the same devices.
 
 ``models.jsonl`` has a device per line, as ``bridge/devices`` of Zigbee2MQTT 2.14.1 lists it (without descriptions):
 

@@ -1,4 +1,4 @@
-"""What a device exposes becomes parts that read and tell the right properties."""
+"""Exposes become parts that read and write the right properties."""
 
 import json
 from typing import Any
@@ -521,7 +521,7 @@ def test_an_alarm_without_a_sound_is_a_setting() -> None:
 
 
 def test_a_single_action_is_a_push() -> None:
-    """A feeder reports no meal before and after each: who waited for its ``START`` would feed again and again."""
+    """A feeder reports no meal before and after each: a wait for its ``START`` would feed again and again."""
     feeder = only(feature("enum", "feed", 3, values=["", "START"]))
     assert [(one.name, one.readable) for one in feeder.part.capabilities] == [("push", False)]
     assert told(feeder, "push", value=True) == {"feed": "START"}
