@@ -69,6 +69,10 @@ def _is_room_temperature(prop: HomieProperty) -> bool:
     return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
 
 
+def _is_cooling(prop: HomieProperty) -> bool:
+    return _is_room_temperature(prop) and any(one.startswith("cool") for one in tokens_in(prop.id, prop.name))
+
+
 def _is_climate_mode(prop: HomieProperty) -> bool:
     return prop.id in _MODES and bool(_options(prop) & _THERMAL)
 
@@ -126,11 +130,12 @@ class _Guess(NamedTuple):
         return is_named and self.fits(prop)
 
 
-_SETTABLE = (
+_SETTABLE: tuple[_Guess, ...] = (
     _Guess("color", ("light", ""), _COLOR),
     _Guess("lock", ("lock",), _BOOLEAN, _LOCKING, is_main=True),
     _Guess("valve", ("valve",), _BOOLEAN, _FLOWING, is_main=True),
     _Guess("on_off", _SWITCHED, _BOOLEAN, _SWITCHING, is_main=True),
+    _Guess("cooling_setpoint", ("thermostat",), _NUMBER, _SETPOINTS, _is_cooling),
     _Guess("heating_setpoint", ("thermostat",), _NUMBER, _SETPOINTS, _is_room_temperature),
     _Guess("tilt", (*_COVERS, "position"), _NUMBER, _TILTS),
     _Guess("position", (*_COVERS, "position"), _NUMBER, _POSITIONS, _is_fraction, is_main=True),
@@ -144,29 +149,28 @@ _SETTABLE = (
     _Guess("move", _COVERS, _ENUM, None, _is_moving),
     _Guess("lock_action", ("lock",), _ENUM, None, lambda prop: {"lock", "unlock"} <= _options(prop)),
 )
-_REPORTED = (
+_REPORTED: tuple[_Guess, ...] = (
     _Guess("local_temperature", ("thermostat",), _NUMBER, frozenset({"temperature"})),
     _Guess("movement", _COVERS, _ENUM, None, lambda prop: _is_opening(prop) and _is_moving(prop)),
     _Guess("lock", ("lock",), _BOOLEAN, _LOCKING, is_main=True),
     _Guess("press", None, _BOOLEAN, frozenset({"button", "doorbell"})),
 )
-_ALSO_BESIDE = frozenset({"movement", "press"})
-"""Reported roles of properties that do not serve the purpose of their node."""
+_REPORTED_BESIDE = tuple(guess for guess in _REPORTED if guess.role in {"movement", "press"})
+"""Roles of properties that do not serve the purpose of their node."""
 
 
 def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
     """Return the guessed role of *prop* in a node of *kind*; empty for none."""
     tokens = tokens_in(prop.id, prop.name)
-    beside = is_beside(tokens - _OF_VALVES if kind == "valve" and prop.is_settable else tokens)
-    if prop.is_settable and (beside or is_setting(tokens_in(node.id, node.name))):
+    guesses = _SETTABLE
+    if not prop.is_settable:
+        guesses = _REPORTED_BESIDE if is_beside(tokens) else _REPORTED
+    elif is_beside(tokens - _OF_VALVES if kind == "valve" else tokens) or is_setting(tokens_in(node.id, node.name)):
         return ""
     if prop.is_number and not kind:
         kind = "position" if "position" in tokens else "level" if tokens_in(node.id, node.type) & _LEVELS else ""
-    guesses = _SETTABLE if prop.is_settable else [one for one in _REPORTED if not beside or one.role in _ALSO_BESIDE]
-    role = next((guess.role for guess in guesses if guess.matches(prop, kind, tokens, is_main=prop.id == node.id)), "")
-    if role == "heating_setpoint" and any(token.startswith("cool") for token in tokens):
-        return "cooling_setpoint"
-    return role
+    is_main = prop.id == node.id
+    return next((guess.role for guess in guesses if guess.matches(prop, kind, tokens, is_main=is_main)), "")
 
 
 CONTROLS = frozenset(

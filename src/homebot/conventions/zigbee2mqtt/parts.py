@@ -63,8 +63,13 @@ _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "l
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 _DOOR = "garage_door_contact"
-_TRIGGERS = frozenset({"trigger", "state"})
-_ALARMS = frozenset({"alarm", "siren_on"})
+_ROLES: Mapping[tuple[str, str], str] = {
+    **dict.fromkeys((("binary", "trigger"), ("binary", "state")), "opener"),
+    **dict.fromkeys((("binary", "alarm"), ("binary", "siren_on")), "siren"),
+    ("enum", "effect"): "effect",
+}
+"""Role by type and name of a settable expose, if the exposes beside it make it possible."""
+
 _SOUNDS = frozenset({"alarm_duration", "alarm_ring", "melody", "ringtone", "volume"})
 _MOTORS = frozenset({"motor_state", "moving"})
 
@@ -83,6 +88,7 @@ class _PartsBuilder:
         self._exposes = exposes
         self._names = {expose.name for expose in exposes}
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
+        self._possible_roles = self._find_possible_roles()
         self._auxiliary: dict[str, Expose] = {}
         for expose in exposes:
             role = self._role(expose)
@@ -100,20 +106,23 @@ class _PartsBuilder:
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
 
+    def _find_possible_roles(self) -> frozenset[str]:
+        roles = {
+            "opener": self._door is not None,
+            "siren": not _SOUNDS.isdisjoint(self._names),
+            "effect": any(expose.type == "light" and not expose.endpoint for expose in self._exposes),
+        }
+        return frozenset(role for role, is_possible in roles.items() if is_possible)
+
     def _role(self, expose: Expose) -> str:
         """Return the role of an auxiliary expose; empty for any other."""
-        is_main = not expose.endpoint
-        is_lit = any(one.type == "light" and not one.endpoint for one in self._exposes)
-        roles = {
-            "opener": expose.type == "binary" and self._door is not None and expose.name in _TRIGGERS,
-            "siren": expose.type == "binary" and expose.name in _ALARMS and not _SOUNDS.isdisjoint(self._names),
-            "effect": expose.type == "enum" and expose.name == "effect" and is_main and is_lit,
-        }
-        if expose.is_settable and (role := next((role for role, fits in roles.items() if fits), "")):
-            return role
         if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
             return f"motor{expose.suffix}"
-        return "program" if expose.type == "enum" and is_program(expose) else ""
+        if is_program(expose):
+            return "program"
+        role = _ROLES.get((expose.type, expose.name), "")
+        is_of_endpoint = role == "effect" and expose.endpoint
+        return role if role in self._possible_roles and expose.is_settable and not is_of_endpoint else ""
 
     def _parts_of(self, expose: Expose) -> Iterable[DescribedPart]:
         topics = self._topics.of(expose)
