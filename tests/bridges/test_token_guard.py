@@ -45,7 +45,7 @@ def test_only_four_tokens_of_an_address_wait_at_a_time() -> None:
     assert guard.begin("10.0.0.5", 1.0) == 1.0
 
 
-def test_what_was_wrong_is_forgotten_in_time() -> None:
+def test_wrong_tokens_are_forgotten_in_time() -> None:
     guard = TokenGuard()
     for _ in range(30):
         guess(guard, "10.0.0.5", 0.0)

@@ -68,7 +68,7 @@ async def test_turns_go_round_in_the_order_of_asking(turns: ServerTurns, clock: 
     assert "".join(got) == "abcabcabc"
 
 
-async def test_one_who_gives_up_costs_nobody_a_turn(turns: ServerTurns, clock: WorkClock) -> None:
+async def test_a_cancelled_waiter_costs_no_turn(turns: ServerTurns, clock: WorkClock) -> None:
     got: list[str] = []
 
     async def worker(name: str) -> None:

@@ -253,7 +253,7 @@ def test_a_device_says_why_it_always_asks(one: Device, reason: str) -> None:
 
 @pytest.mark.parametrize("service_type", ["light", "x_sensor", "x_setting", "thermostat", "fan"])
 @pytest.mark.parametrize("name", ["Oven clock", "Garage door left", "Valve battery", "Gate motor 2", "Boiler 1"])
-def test_what_is_no_relay_or_cover_does_not_ask_by_its_name(name: str, service_type: str) -> None:
+def test_only_relays_and_covers_ask_by_their_name(name: str, service_type: str) -> None:
     one = device(name, part(service_type, "on_off"))
     assert not always_asks(one, one.parts[0])
 
@@ -268,7 +268,7 @@ def test_what_is_no_relay_or_cover_does_not_ask_by_its_name(name: str, service_t
         ("Smart garage door sensor", "x_setting"),
     ],
 )
-def test_a_part_that_does_not_drive_what_the_model_is_called_does_not_ask(model: str, service_type: str) -> None:
+def test_a_part_that_does_not_drive_the_load_in_the_model_does_not_ask(model: str, service_type: str) -> None:
     one = of_model(model, service_type, "on_off")
     assert not always_asks(one, one.parts[0])
 
@@ -310,12 +310,12 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
     assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
 
 
-def test_what_is_built_into_a_garage_door_asks_but_for_its_lamp() -> None:
+def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:
     """Its button opens it as well."""
     assert [may(LOCAL_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]
 
 
-def test_a_type_and_a_room_are_what_a_client_may_command() -> None:
+def test_a_client_may_command_by_type_and_room() -> None:
     rights = read_scope(["act: light in hall"])
     assert [may(rights, one) for one in (HALL_LAMP, KITCHEN_LAMP, HALL_LOCK)] == [True, False, False]
 
@@ -379,7 +379,7 @@ def test_a_scope_has_the_rights_that_it_lists() -> None:
         ("act: not (lamp or foo)", "'foo' is neither a type nor a capability"),
     ],
 )
-def test_what_is_no_right_is_refused_with_what_would_be(right: str, problem: str) -> None:
+def test_an_invalid_right_is_refused_with_the_valid_ones(right: str, problem: str) -> None:
     with pytest.raises(UsageError) as caught:
         read_scope(["read", right])
     assert problem in str(caught.value)

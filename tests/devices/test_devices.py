@@ -52,7 +52,7 @@ async def find(devices: Devices, device_id: str) -> Device:
 
 
 @BOTH_WAYS
-async def test_a_listener_hears_its_devices_in_order_and_nobody_else(
+async def test_a_listener_receives_its_devices_in_order_and_no_others(
     gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
 ) -> None:
     """Also what they said since it came into being, but not what they said before."""
@@ -281,7 +281,7 @@ async def _close_soon(node: Node) -> None:
     node.close()
 
 
-async def test_without_a_directory_nobody_is_found() -> None:
+async def test_without_a_directory_finding_devices_is_an_error() -> None:
     """That is an error, not an empty house."""
     async with Node(Graph(), "app") as node:
         with pytest.raises(ServiceUnavailableError, match="/discovery/find_devices"):
@@ -338,7 +338,7 @@ def logged(entries: list[Any]) -> list[str]:
     return [str(one["message"]) for one in entries if one["event"] == "devices.unknown_word"]
 
 
-async def test_what_is_misspelt_in_a_query_is_logged_once(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+async def test_a_misspelt_query_is_logged_once(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
     """A room, a type and a tag; what is there, and a type that may yet be announced, is not."""
     graph = Graph()
     async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:

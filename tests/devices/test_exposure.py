@@ -57,7 +57,7 @@ async def test_the_app_of_the_guide_is_a_switch_for_a_home_assistant(monkeypatch
 
 
 @pytest.mark.virtual_time
-async def test_what_is_offered_is_seen_with_its_state_and_withdrawn_behind_the_block() -> None:
+async def test_an_exposed_device_has_its_state_and_is_withdrawn_after_the_block() -> None:
     """Also by a gateway that comes late."""
     graph = Graph()
     async with Node(graph, "app") as app, Node(graph, "gateway") as gateway:

@@ -35,7 +35,7 @@ async def nothing_of(query: Follow) -> bool:
     return True
 
 
-async def test_what_is_there_comes_first_and_then_what_happens(
+async def test_present_devices_come_first_and_then_their_changes(
     gateway_on: RunGateway, directory_on: RunDirectory
 ) -> None:
     """Each device once, of the wanted type alone."""
@@ -218,7 +218,7 @@ async def test_a_query_ends_when_it_or_its_node_is_closed(
         assert graph.get_endpoints(node="/app") == ()
 
 
-async def test_a_query_whose_node_closes_while_the_directory_is_away_ends() -> None:
+async def test_a_query_without_a_directory_ends_with_its_node() -> None:
     """It does not wait for ever."""
     async with Node(Graph(), "app") as node, anyio.create_task_group() as tasks:
         tasks.start_soon(_read_all, Follow(node))

@@ -87,7 +87,7 @@ def test_the_tables_are_the_vocabulary(head: str, rows: list[str]) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
+def test_the_table_of_handles_lists_their_conditions_and_commands(kind: type[Handle]) -> None:
     """Their device types, conditions, properties and commands."""
     asked = [one for one in inspect.signature(kind.where).parameters if one != "filters"]
     own = {name: one for name, one in inspect.getmembers(kind) if not name.startswith("_") and name not in vars(Handle)}

@@ -30,7 +30,7 @@ def test_a_number_that_is_none_stays_one() -> None:
     assert math.isnan(Value.of(math.nan).number)
 
 
-def test_a_number_has_no_error_of_what_it_was_calculated_by() -> None:
+def test_a_number_has_no_error_of_its_calculation() -> None:
     """A lamp that counts to 1 has 0.55, which is 55 % and not 55.00000000000001 %."""
     for percent in range(101):
         assert Value.of(percent / 100 * 100).plain() == float(percent)

@@ -140,7 +140,7 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
         ("rooms", "", "is invalid TOML"),
     ],
 )
-def test_what_is_wrong_is_told_with_file_key_and_reason(tmp_path: Path, text: str, key: str, reason: str) -> None:
+def test_a_mistake_is_named_with_file_key_and_reason(tmp_path: Path, text: str, key: str, reason: str) -> None:
     """The first of it."""
     file = tmp_path / "house.toml"
     file.write_text(text)
@@ -171,7 +171,7 @@ def test_a_file_that_cannot_be_read_is_told_so(tmp_path: Path) -> None:
         load_world(tmp_path / "bytes.toml")
 
 
-def test_a_kind_is_called_in_a_description_what_the_device_calls_itself() -> None:
+def test_a_kind_has_one_name_in_description_and_device() -> None:
     """Where it is carried over a wire, that is all that is known of it."""
     for kind in KINDS:
         world = parse_world({"rooms": {"hall": {}}, "devices": {"one": {"kind": kind, "room": "hall"}}}, "test")

@@ -28,7 +28,7 @@ def said(world: World, until: float) -> list[tuple[float, str]]:
     return [(event.at, event.what) for event in world.run_until(until) if event.verb == "says"]
 
 
-def test_a_door_is_open_while_somebody_goes_through() -> None:
+def test_a_door_is_open_while_a_person_goes_through() -> None:
     world = door()
     world.run_until(99.9)
     assert not world.is_open("door")
@@ -49,7 +49,7 @@ def test_a_door_that_hands_open_stays_open_until_they_close_it() -> None:
     assert not world.is_open("door")
 
 
-def test_hands_that_close_a_door_behind_somebody_are_faster_than_the_door() -> None:
+def test_a_door_closed_by_hand_stays_closed() -> None:
     world = door()
     world.run_until(101.0)
     world.press("door", "close", 101.0)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from homebot.house.event_log import Event, WorldLog
 
 
-def test_an_event_is_a_line_of_day_and_time_and_what_happened() -> None:
+def test_an_event_is_one_line_with_day_time_and_fact() -> None:
     """To the millisecond; rounding carries into the next day."""
     assert str(Event(90_061.5, "lamp", "says", "on")) == "1 01:01:01.500 lamp says on"
     assert str(Event(86_399.9999, "anna", "enters", "hall")) == "1 00:00:00.000 anna enters hall"
 
 
-def test_whatever_is_said_is_one_line() -> None:
+def test_a_report_with_line_breaks_is_one_line() -> None:
     """A lamp cannot be made to forge what happened."""
     assert str(Event(0.0, "lamp", "told", "on\n0 x")) == "0 00:00:00.000 lamp told 'on\\n0 x'"
 

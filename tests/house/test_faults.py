@@ -77,7 +77,7 @@ def test_a_deaf_device_hears_nothing_but_hands() -> None:
     assert deaf.operate_manually("on", 1.0) == ("on",)
 
 
-def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
+def test_a_liar_reports_commands_and_does_nothing() -> None:
     """In the words of a device that did it; hands bring the truth back."""
     motor = WindowMotor("motor")
     liar = Liar(motor, dice())
@@ -147,7 +147,7 @@ def test_a_chatterbox_says_everything_again_and_again() -> None:
     assert len(chatterbox.advance(60.0)) == 39
 
 
-def test_what_a_fault_holds_back_is_bounded_and_counted() -> None:
+def test_held_reports_of_a_fault_are_bounded_and_counted() -> None:
     """The oldest is lost."""
     slow = Slow(SimulatedLamp("lamp"), dice(), delay=4.0)
     for _ in range(faults.HELD + 7):
@@ -192,7 +192,7 @@ def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
     assert said(lamp, "off", 20.0) == ["on", "off"]
 
 
-def test_a_sensor_without_power_feels_when_it_is_back_what_is_still_so() -> None:
+def test_a_sensor_applies_a_lasting_input_when_its_power_is_back() -> None:
     """And says only that."""
     contact = Unplugged(SimulatedContactSensor("door"), dice(), since=0.0, until=9.0)
     assert (contact.apply_input(1.0, 1.0), contact.state(), contact.has_power) == ((), "closed", False)
@@ -239,7 +239,7 @@ def test_any_faults_behave_the_same_for_the_same_dice_and_time_goes_on(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_fault_keeps_the_name_and_says_what_it_is(kind: type[faults.DeviceFault]) -> None:
+def test_every_fault_keeps_the_name_of_its_device(kind: type[faults.DeviceFault]) -> None:
     """Its docstring is one line."""
     device = kind(SimulatedLamp("lamp"), dice())
     assert (device.device_id, device.service_type) == ("lamp", "lights")

@@ -178,7 +178,7 @@ async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:
 
 
 @pytest.mark.virtual_time
-async def test_a_house_begins_at_the_time_of_day_and_does_not_say_what_was_before() -> None:
+async def test_a_house_begins_at_the_time_of_day_without_earlier_reports() -> None:
     """Its devices are as the morning left them."""
     errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
     world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall")], errands=errands)
@@ -197,7 +197,7 @@ async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
 
 
 @pytest.mark.virtual_time
-async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_the_way() -> None:
+async def test_a_world_catches_up_after_its_clock_is_set_forward() -> None:
     """An hour at a time; a command that comes meanwhile does not wait for that. Set back, the world waits."""
     errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
     world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall")], errands=errands)
@@ -257,7 +257,7 @@ async def test_a_device_may_have_no_power_from_the_beginning() -> None:
 
 
 @pytest.mark.virtual_time
-async def test_a_device_whose_cable_is_pulled_stops_nobody_and_keeps_its_newest_words() -> None:
+async def test_an_unplugged_device_stops_no_other_and_keeps_its_newest_report() -> None:
     """The older ones go, and are counted."""
     box = Chatterbox(SimulatedLamp("box"), dice(), times=500, every=0.01)
     async with street(World.of(box, SimulatedLamp("other"))) as there:
@@ -273,7 +273,7 @@ async def test_a_device_whose_cable_is_pulled_stops_nobody_and_keeps_its_newest_
 
 
 @pytest.mark.virtual_time
-async def test_what_the_broker_refuses_is_counted_and_told_once_in_a_while() -> None:
+async def test_refusals_of_the_broker_are_counted_and_logged_with_a_limit() -> None:
     """The device goes on."""
 
     class NoLights:
@@ -313,7 +313,7 @@ class Loud(ThesisDialect):
 
 
 @pytest.mark.virtual_time
-async def test_a_dialect_decides_what_goes_over_the_wire() -> None:
+async def test_a_dialect_defines_the_messages_on_the_wire() -> None:
     """Several topics, a birth before the state, a will, and commands out of any payload."""
     world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall", dialect="loud")])
     async with street(world, dialects={"loud": Loud()}) as there:
@@ -357,7 +357,7 @@ async def test_a_power_failure_leaves_the_will() -> None:
         ),
     ],
 )
-async def test_what_cannot_be_carried_is_refused(world: World, heartbeat: float, words: str) -> None:
+async def test_an_invalid_device_of_a_house_is_refused(world: World, heartbeat: float, words: str) -> None:
     """Before anything is connected."""
     with pytest.raises(UsageError, match=words):
         SimulatedHouse("mqtt://127.0.0.1", "villa", world, LoopClock(), heartbeat=heartbeat)

@@ -31,7 +31,7 @@ def test_a_lamp_takes_a_colour_temperature_in_kelvin() -> None:
 
 
 @pytest.mark.parametrize("command", ["1.5", "-1", "90000 K", "warm K", "2700", ""])
-def test_what_a_lamp_cannot_do_it_ignores(command: str) -> None:
+def test_a_lamp_ignores_unknown_commands(command: str) -> None:
     """It says nothing and stays as it is."""
     lamp = SimulatedLamp("lamp", is_on=True)
     assert lamp.handle_command(command, 1.0) == ()

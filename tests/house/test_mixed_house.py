@@ -60,7 +60,7 @@ async def test_a_mixed_house_is_known_device_by_device() -> None:
 
 @pytest.mark.no_cover
 @pytest.mark.virtual_time
-async def test_a_day_of_a_mixed_house_holds_what_it_promises() -> None:
+async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     """Each lamp that was lit is dark again soon, by a command that came over the wire; nothing is lost."""
     world = parse_world(MIXED, "mixed.toml", seed=3)
     async with virtual_house_of("light_service", world=world, seed=3) as house, EventLog.of(house) as log:

@@ -52,6 +52,6 @@ def test_a_motor_that_is_there_says_so() -> None:
 
 
 @pytest.mark.parametrize("command", ["1.01", "ajar", "on"])
-def test_what_a_motor_cannot_do_it_ignores(command: str) -> None:
+def test_a_motor_ignores_unknown_commands(command: str) -> None:
     """It says nothing."""
     assert WindowMotor("motor").handle_command(command, 1.0) == ()

@@ -45,6 +45,6 @@ def test_a_robot_that_is_there_says_so() -> None:
 
 
 @pytest.mark.parametrize("command", ["go loft", "go moon", "dance"])
-def test_what_a_robot_cannot_do_it_ignores(command: str) -> None:
+def test_a_robot_ignores_unknown_commands(command: str) -> None:
     """No way, no room, no such command."""
     assert Robot("robot", PLAN, "hall").handle_command(command, 0.0) == ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 
 
-def test_a_contact_says_what_changes() -> None:
+def test_a_contact_reports_changes() -> None:
     """And nothing twice."""
     contact = SimulatedContactSensor("door")
     assert contact.apply_input(1, 0.0) == ("open",)
@@ -27,7 +27,7 @@ def test_a_motion_sensor_is_clear_a_while_after_the_last_motion() -> None:
     assert (motion.state(), motion.next_event()) == ("clear", None)
 
 
-def test_somebody_may_walk_past_a_motion_sensor() -> None:
+def test_a_person_may_walk_past_a_motion_sensor() -> None:
     motion = MotionSensor("hall", hold=60.0)
     assert motion.operate_manually("nonsense", 0.0) == ()
     assert motion.operate_manually("motion", 1.0) == ("motion",)
@@ -36,7 +36,7 @@ def test_somebody_may_walk_past_a_motion_sensor() -> None:
     assert motion.advance(91.0) == ("clear",)
 
 
-def test_who_walks_past_a_motion_sensor_does_not_hide_who_stays() -> None:
+def test_a_passer_by_does_not_hide_a_person_that_stays() -> None:
     motion = MotionSensor("hall", hold=60.0)
     assert motion.apply_input(1, 0.0) == ("motion",)
     assert motion.operate_manually("motion", 1.0) == ()

@@ -25,7 +25,7 @@ def test_time_never_goes_back() -> None:
     assert lamp.now == 10.0
 
 
-def test_what_was_due_is_said_before_the_answer_to_a_command() -> None:
+def test_due_reports_come_before_the_answer_to_a_command() -> None:
     """A motor that arrived meanwhile says so first."""
     motor = WindowMotor("motor", travel_time=3.0)
     motor.handle_command("open", 0.0)
@@ -33,7 +33,7 @@ def test_what_was_due_is_said_before_the_answer_to_a_command() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "bright", "nan", "inf", "-0.1", "1.1"])
-def test_what_is_no_number_in_range_is_none(text: str) -> None:
+def test_a_number_out_of_range_is_none(text: str) -> None:
     """Not a number, not finite, or outside."""
     assert number(text, 0.0, 1.0) is None
 
@@ -96,7 +96,7 @@ COMMANDS = st.sampled_from(
 
 
 @given(st.sampled_from(DEVICES), COMMANDS)
-def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: SimulatedDevice, command: str) -> None:
+def test_a_device_ignores_unknown_commands(device: SimulatedDevice, command: str) -> None:
     """Of a sensor only hands can do something, which is the world's work."""
     if isinstance(device, SimulatedContactSensor):
         assert device.handle_command(command, 1.0) == ()

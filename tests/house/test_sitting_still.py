@@ -22,25 +22,25 @@ def motion_of(world: World, until: float) -> list[tuple[float, str]]:
     return [(event.at, event.what) for event in world.run_until(until) if event.who == "motion"]
 
 
-def test_somebody_who_reads_moves_for_a_moment_now_and_then() -> None:
+def test_a_reading_person_moves_for_a_moment_now_and_then() -> None:
     """For 20 s after coming in and every 20 minutes; the sensor holds motion for a minute."""
     world = reading(Habit(99.0, "living", still=1200.0))
     assert motion_of(world, 2000.0) == [(100.0, "motion"), (180.0, "clear"), (1320.0, "motion"), (1400.0, "clear")]
     assert world.awake_in("living") == 1
 
 
-def test_somebody_who_gets_up_moves_again() -> None:
+def test_a_person_that_gets_up_moves_again() -> None:
     """And leaves nothing of sitting behind: the next habit moves all the time."""
     world = reading(Habit(99.0, "living", still=3600.0), Habit(1000.0, "living"))
     assert motion_of(world, 8000.0) == [(100.0, "motion"), (180.0, "clear"), (1000.0, "motion")]
 
 
-def test_somebody_who_leaves_does_not_stir_where_they_were() -> None:
+def test_a_person_that_left_does_not_move_in_the_old_room() -> None:
     world = reading(Habit(99.0, "living", still=600.0), Habit(300.0, OUTSIDE))
     assert motion_of(world, 5000.0) == [(100.0, "motion"), (180.0, "clear"), (300.0, "motion"), (361.0, "clear")]
 
 
-def test_somebody_who_reads_gets_up_for_the_lamp_when_it_gets_dark() -> None:
+def test_a_reading_person_gets_up_for_the_lamp_when_it_gets_dark() -> None:
     """Nobody works a lamp without a movement."""
     world = reading(Habit(12 * 3600.0, "living", still=DAY))
     world.run_until(13 * 3600.0)

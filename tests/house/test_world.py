@@ -35,7 +35,7 @@ def anna(*habits: Habit, starts_in: str = OUTSIDE) -> Person:
     return Person("anna", habits, starts_in, asleep=False)
 
 
-def test_somebody_who_comes_home_opens_the_door_is_seen_and_makes_light() -> None:
+def test_a_person_coming_home_opens_the_door_is_detected_and_makes_light() -> None:
     """And leaves the dark behind."""
     world = World(
         PLAN,
@@ -71,7 +71,7 @@ def test_people_unlock_the_door_they_go_through_and_lock_it_behind_them() -> Non
     assert words[-1] == "says locked"
 
 
-def test_somebody_asleep_is_in_the_dark_and_not_seen_moving() -> None:
+def test_a_sleeping_person_is_in_the_dark_and_not_detected() -> None:
     """The lamp goes off when they lie down."""
     devices = [Placed(SimulatedLamp("lamp"), "hall"), Placed(MotionSensor("motion"), "hall")]
     world = World(PLAN, devices, [anna(Habit(100.0, "hall"), Habit(200.0, "hall", asleep=True))])
@@ -80,7 +80,7 @@ def test_somebody_asleep_is_in_the_dark_and_not_seen_moving() -> None:
     assert "0 00:04:20.000 motion says clear" in text
 
 
-def test_somebody_who_changes_their_mind_on_the_way_turns_round() -> None:
+def test_a_person_with_a_new_goal_on_the_way_turns_round() -> None:
     """The first way ends where they are."""
     world = World(PLAN, [], [anna(Habit(100.0, "living"), Habit(103.0, OUTSIDE))])
     assert [event.what for event in world.run_until(1000.0)] == ["hall", OUTSIDE]
@@ -92,7 +92,7 @@ def test_people_can_leave_the_lamps_alone() -> None:
     assert lines(world, 1000.0) == ["0 00:01:41.000 anna enters hall"]
 
 
-def test_somebody_at_home_makes_light_when_it_gets_dark() -> None:
+def test_a_person_at_home_makes_light_when_it_gets_dark() -> None:
     """Once; who is told off stays off."""
     world = World(PLAN, [Placed(SimulatedLamp("lamp"), "living")], [anna(starts_in="living")])
     switched = [event for event in world.run_until(DAY) if event.verb == "switch"]
@@ -137,7 +137,7 @@ def test_looking_at_a_device_changes_nothing() -> None:
     assert text(looks=True) == text(looks=False)
 
 
-def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
+def test_the_power_meter_reports_the_sum_of_all_devices() -> None:
     """Also of what draws power by itself."""
     devices = [
         Placed(PowerMeter("meter"), "hall"),
@@ -152,7 +152,7 @@ def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
     assert said == [(1.0, "10"), (1.0, "50"), (4.0, "10")]
 
 
-def test_a_metering_plug_says_what_its_device_draws() -> None:
+def test_a_metering_plug_reports_the_power_of_its_device() -> None:
     """Whatever else is on, and whatever the device says."""
     devices = [
         Placed(PowerMeter("plug", of="lamp"), "hall"),
@@ -166,7 +166,7 @@ def test_a_metering_plug_says_what_its_device_draws() -> None:
     assert said == [(1.0, "10")]
 
 
-def test_a_liar_draws_what_is_true() -> None:
+def test_a_liar_draws_its_real_power() -> None:
     """Its words change no physics."""
     lamp = Liar(SimulatedLamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
     world = World(PLAN, [Placed(lamp, "hall"), Placed(PowerMeter("meter"), "hall")])
@@ -244,7 +244,7 @@ def test_the_same_house_told_the_same_writes_the_same(orders: list[tuple[float, 
     assert text() == text()
 
 
-def test_a_house_keeps_the_newest_of_what_happened() -> None:
+def test_a_house_keeps_the_newest_events() -> None:
     """As many events as it was told to."""
     world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")], capacity=3)
     for second in range(5):
@@ -287,7 +287,7 @@ def test_a_command_of_any_length_is_kept_short() -> None:
         (lambda: World(PLAN, []).run_until(float("inf")), "inf"),
     ],
 )
-def test_what_is_not_there_is_refused(build: object, problem: str) -> None:
+def test_an_unknown_device_or_room_is_refused(build: object, problem: str) -> None:
     """With its name."""
     assert callable(build)
     with pytest.raises(UsageError, match=problem):
@@ -330,7 +330,7 @@ def test_a_robot_with_a_larger_plan_leaves_the_house() -> None:
     assert lines(world, 60.0) == ["0 00:00:10.000 robot says hall"]
 
 
-def test_somebody_from_outside_works_a_switch() -> None:
+def test_a_caller_operates_a_switch_by_hand() -> None:
     """As those who live there do; a deaf lamp obeys hands."""
     world = World.of(Deaf(SimulatedLamp("lamp"), random.Random(0)))  # noqa: S311  # no secrets
     assert [str(event) for event in world.command("lamp", "on", 1.0)] == ["0 00:00:01.000 lamp told on"]

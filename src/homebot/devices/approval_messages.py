@@ -1,7 +1,7 @@
 """The services by which the owner approves devices that can hurt, and trusts those that a witness contradicted."""
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["ApproveDevice", "DescribeCommands", "GetUnapproved", "TrustDevice"]
@@ -19,7 +19,7 @@ class ApproveDeviceRequest(Message):
     remove: bool = False
 
 
-class ApproveDeviceResponse(Answer):
+class ApproveDeviceResponse(ServiceAnswer):
     """The result of an approval.
 
     Attributes:

@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.messages.message import Message, ServiceType, UInt8
@@ -182,7 +182,7 @@ class CommandedPart(Message):
     result: CommandResult
 
 
-class CommandDevicesResponse(Answer):
+class CommandDevicesResponse(ServiceAnswer):
     """The outcomes of a command in words; a success if at least one part was commanded, and all obeyed.
 
     The message is the reason why nothing was commanded, or name and text of the worst outcome.
@@ -219,7 +219,7 @@ class SendTextRequest(Message):
     trigger: Trigger = NO_TRIGGER
 
 
-class SendTextResponse(Answer):
+class SendTextResponse(ServiceAnswer):
     """The result; a success does not prove that the device obeyed.
 
     Attributes:

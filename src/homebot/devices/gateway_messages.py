@@ -4,10 +4,10 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Reading, Value
 from homebot.errors import WireError
@@ -191,7 +191,7 @@ class CommandAnswer(Message):
     message: str = ""
 
 
-class SendCommandResponse(Answer):
+class SendCommandResponse(ServiceAnswer):
     """The gateway's result for a command; it does not prove that the device obeyed.
 
     Attributes:

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 
@@ -42,7 +42,7 @@ class PlaceDeviceRequest(Message):
     may_be_absent: bool = False
 
 
-class PlaceDeviceResponse(Answer):
+class PlaceDeviceResponse(ServiceAnswer):
     """The result of placing a device.
 
     Attributes:
@@ -68,7 +68,7 @@ class AliasDeviceRequest(Message):
     remove: bool = False
 
 
-class AliasDeviceResponse(Answer):
+class AliasDeviceResponse(ServiceAnswer):
     """The result of naming a device.
 
     Attributes:
@@ -92,7 +92,7 @@ class TagDeviceRequest(Message):
     remove: bool = False
 
 
-class TagDeviceResponse(Answer):
+class TagDeviceResponse(ServiceAnswer):
     """The result of tagging a device.
 
     Attributes:
@@ -150,7 +150,7 @@ class TeachPlaceRequest(Message):
     room: str = ""
 
 
-class TeachPlaceResponse(Answer):
+class TeachPlaceResponse(ServiceAnswer):
     """The result of teaching a room.
 
     Attributes:
@@ -174,7 +174,7 @@ class ChangeRoomRequest(Message):
     name: str = ""
 
 
-class ChangeRoomResponse(Answer):
+class ChangeRoomResponse(ServiceAnswer):
     """The result of changing a room.
 
     Attributes:
@@ -210,7 +210,7 @@ class ImportPlacesRequest(Message):
     replaces: bool = False
 
 
-class ImportPlacesResponse(Answer):
+class ImportPlacesResponse(ServiceAnswer):
     """The result of an import; the message names key and value of the first mistake.
 
     Attributes:

@@ -2,10 +2,10 @@
 
 from typing import Literal, TypeAlias
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import Device, DeviceChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt32
 
@@ -123,7 +123,7 @@ class Found(Message):
     reasons: tuple[str, ...]
 
 
-class QueryDevicesResponse(Answer):
+class QueryDevicesResponse(ServiceAnswer):
     """The devices that fit, best first; equally good ones by id. A query with a misspelt type, room or word fails.
 
     Attributes:
@@ -183,7 +183,7 @@ class AnnouncedOn(Message):
     topic: str
 
 
-class ForgetDeviceResponse(Answer):
+class ForgetDeviceResponse(ServiceAnswer):
     """The result of forgetting a device, which comes back when it sends a message or is announced again.
 
     Attributes:
@@ -208,7 +208,7 @@ class SplitDeviceRequest(Message):
     key: str = ""
 
 
-class SplitDeviceResponse(Answer):
+class SplitDeviceResponse(ServiceAnswer):
     """The result of splitting a device.
 
     Attributes:
@@ -230,7 +230,7 @@ class MergeDevicesRequest(Message):
     devices: tuple[str, ...]
 
 
-class MergeDevicesResponse(Answer):
+class MergeDevicesResponse(ServiceAnswer):
     """The result of merging devices.
 
     Attributes:
@@ -255,7 +255,7 @@ class SubscribeToTopicRequest(Message):
     since: Time = NEVER
 
 
-class SubscribeToTopicResponse(Answer):
+class SubscribeToTopicResponse(ServiceAnswer):
     """The topic on which the messages will come.
 
     Attributes:

@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import Field
 
-from homebot.devices.answer import Answer
 from homebot.devices.device import KeyValue
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 
@@ -68,7 +68,7 @@ class ScanCodeRequest(Message):
     ndef: Annotated[bytes, Field(max_length=_MAX_CODE)] = b""
 
 
-class ScanCodeResponse(Answer):
+class ScanCodeResponse(ServiceAnswer):
     """The device that a code points to; a success if the code was understood, known device or not.
 
     Attributes:
@@ -98,7 +98,7 @@ class ReadTagRequest(Message):
     wait: _Wait = 30.0
 
 
-class ReadTagResponse(Answer):
+class ReadTagResponse(ServiceAnswer):
     """The tag.
 
     Attributes:
@@ -138,7 +138,7 @@ class WriteTagRequest(Message):
     wait: _Wait = 30.0
 
 
-class WriteTagResponse(Answer):
+class WriteTagResponse(ServiceAnswer):
     """The result of writing a tag; it was read back and compared.
 
     Attributes:

@@ -89,12 +89,12 @@ async def test_services_and_their_types(ask: Asker) -> None:
     assert await ask("service_providers", service="std_srvs/srv/Trigger") == {"providers": ["/listener"]}
 
 
-async def test_who_uses_a_topic(ask: Asker) -> None:
+async def test_publishers_and_subscribers_of_a_topic(ask: Asker) -> None:
     assert await ask("publishers", topic="/chatter") == {"publishers": ["/talker"]}
     assert await ask("subscribers", topic="/chatter") == {"subscribers": ["/listener"]}
 
 
-async def test_nodes_and_what_they_do(ask: Asker) -> None:
+async def test_nodes_with_their_topics_and_services(ask: Asker) -> None:
     assert await ask("nodes") == {"nodes": ["/asker", "/listener", "/rosapi", "/talker"]}
     assert await ask("node_details", node="/listener") == {
         "subscribing": ["/chatter"],

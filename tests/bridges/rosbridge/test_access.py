@@ -184,7 +184,7 @@ async def test_a_client_that_may_only_read_publishes_nothing_and_commands_nothin
         (("act: all",), "the right manage is missing; the token robot has: act. "),
     ],
 )
-async def test_a_misspelt_service_is_told_as_such_to_who_may_list_the_services(
+async def test_a_client_that_may_list_services_learns_of_a_misspelt_one(
     open_house: Any, scope: tuple[str, ...], problem: str
 ) -> None:
     """No right would help. Whoever may not list them is told nothing of which there are."""
@@ -230,7 +230,7 @@ async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gatewa
         ("owner-secret", "client:owner", ("act: all",)),
     ],
 )
-async def test_a_command_is_issued_by_the_client_that_gave_it_whatever_it_wrote(
+async def test_the_issuer_of_a_command_is_its_client(
     open_house: Any, token: str, issuer: str, scope: tuple[str, ...]
 ) -> None:
     """Its rights travel with it: those that it claims count as little."""
@@ -331,7 +331,7 @@ async def test_the_token_without_a_name_has_every_right(open_house: Any) -> None
             await commands.receive()
 
 
-async def test_the_scope_of_the_door_is_what_a_client_without_a_token_may_do(open_house: Any) -> None:
+async def test_the_scope_of_the_door_holds_for_clients_without_a_token(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, scope=("read",))) as house, house.peer() as peer:
         await peer.settle()
         told = await refusal(peer, "publish", topic="/chatter", msg={})

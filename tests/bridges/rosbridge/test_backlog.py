@@ -68,7 +68,7 @@ def test_the_oldest_of_all_goes_where_each_topic_has_only_one() -> None:
     assert 5 < sum(left) < 10
 
 
-def test_one_message_may_wait_whatever_its_size() -> None:
+def test_one_message_of_any_size_may_wait() -> None:
     backlog = Backlog(10, DoorBacklog(10))
     big = queue(backlog)
     big.append(text("first"))
@@ -109,7 +109,7 @@ def test_whoever_has_most_waiting_gives_up_where_too_much_waits_for_all() -> Non
         max_size=80,
     )
 )
-def test_what_is_counted_is_what_waits_and_never_more_than_may(steps: list[tuple[str, int, int, int]]) -> None:
+def test_the_count_is_that_of_the_waiting_bytes_and_within_the_limit(steps: list[tuple[str, int, int, int]]) -> None:
     """In whatever order messages of two clients with two topics each come, are taken and are given up."""
     everybody = DoorBacklog(8 * KIB)
     backlogs = [Backlog(6 * KIB, everybody) for _ in range(2)]
@@ -144,7 +144,7 @@ def _closings() -> list[Callable[[Backlog, FeedQueue], None]]:
     return [lambda backlog, _queue: backlog.close(), lambda _backlog, waiting: waiting.close()]
 
 
-def test_what_waited_is_freed_when_its_client_or_its_topic_goes() -> None:
+def test_waiting_messages_are_freed_with_their_client_or_topic() -> None:
     """At once, not when the garbage collector comes by."""
     gc.disable()
     try:

@@ -63,7 +63,7 @@ def test_numbers_of_one_type_are_packed_and_everything_else_is_plain() -> None:
     }
 
 
-def test_what_was_lost_is_told_in_both_forms() -> None:
+def test_losses_are_reported_in_both_forms() -> None:
     time = Time(sec=1, nanosec=2)
     raw = cbor2.loads(publish_cbor_raw("/t", String(data="x"), time, 3))
     assert raw == {

@@ -166,9 +166,7 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house:
         ({"op": "fly"}, "uses the unknown operation 'fly'; known are "),
     ],
 )
-async def test_whoever_is_refused_is_told_why_and_what_without_asking_for_it(
-    open_house: Any, frame: dict[str, object], said: str
-) -> None:
+async def test_a_refused_client_gets_the_reason_unasked(open_house: Any, frame: dict[str, object], said: str) -> None:
     """The protocol's default level is ``error``."""
     async with open_house() as house, house.peer() as peer:
         house.node("talker").create_publisher(String, "/chatter")
@@ -202,7 +200,7 @@ async def test_status_is_not_sent_to_a_client_that_asked_for_none(open_house: An
         ('{"op": "unsubscribe", "topic": "' + "x" * 5000 + '"}', f": unsubscribing from {'x' * 99}… was refused: "),
     ],
 )
-async def test_the_log_says_who_did_what_wrong_in_plain_words(open_house: Any, frame: str, said: str) -> None:
+async def test_the_log_names_the_client_and_its_mistake(open_house: Any, frame: str, said: str) -> None:
     async with open_house() as house, house.peer() as peer:
         with capture_logs() as logs:
             await peer.connection.send(frame)
@@ -345,7 +343,7 @@ async def get(port: int) -> str:
     return answer.decode()
 
 
-async def test_a_plain_http_client_is_told_what_this_is(open_house: Any) -> None:
+async def test_a_plain_http_client_gets_a_greeting(open_house: Any) -> None:
     async with open_house() as house:
         head, _, body = (await get(house.door.port)).partition("\r\n\r\n")
     assert head.startswith("HTTP/1.1 426 ")
@@ -371,7 +369,7 @@ async def test_a_rebound_name_is_turned_away(open_house: Any) -> None:
             assert raw.recv(100).startswith(b"HTTP/1.1 403")
 
 
-async def test_something_that_is_no_web_socket_is_logged_and_harms_nobody(open_house: Any) -> None:
+async def test_invalid_web_socket_is_logged_and_harmless(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         with capture_logs() as logs:
             for _ in range(3):

@@ -64,7 +64,7 @@ def request(identifier: str, throttle_rate: float = 0, queue_length: int = 0) ->
     )
 
 
-async def test_without_a_queue_what_comes_while_throttled_is_dropped() -> None:
+async def test_without_a_queue_messages_while_throttled_are_dropped() -> None:
     client = Client()
     async with feeding(client, request("a", throttle_rate=100)) as publisher:
         for number in range(9):
@@ -73,7 +73,7 @@ async def test_without_a_queue_what_comes_while_throttled_is_dropped() -> None:
     assert client.seen == [(0.0, 0), (0.12, 4), (0.24, 8)]
 
 
-async def test_a_queue_keeps_the_newest_of_what_comes_while_throttled() -> None:
+async def test_a_queue_keeps_the_newest_messages_while_throttled() -> None:
     client = Client()
     async with feeding(client, request("a", throttle_rate=100, queue_length=2)) as publisher:
         for number in range(5):
@@ -93,7 +93,7 @@ async def test_several_requests_get_the_lowest_throttle_and_the_longest_queue() 
     assert client.seen == [(0.0, 0), (0.1, 2), (0.2, 3), (0.3, 4)]
 
 
-async def test_what_was_lost_is_told_with_the_next_message() -> None:
+async def test_losses_are_reported_with_the_next_message() -> None:
     client = Client()
     async with feeding(client, request("a")) as publisher:
         for number in range(13):

@@ -70,7 +70,7 @@ def test_the_image_is_about_square() -> None:
     assert struct.unpack_from(">II", base64.b64decode(frame["data"]), 16) == (316, 317)
 
 
-def test_what_would_take_long_to_compress_is_sent_as_json() -> None:
+def test_a_text_that_takes_long_to_compress_is_sent_as_json() -> None:
     assert list(Packing(as_png=True).pack("x" * 1_048_577, "fragment:1")) == ["x" * 1_048_577]
 
 

@@ -67,6 +67,6 @@ def test_messages_inside_are_completed_too() -> None:
         (Choice, {}, "field 'mode' is missing"),
     ],
 )
-def test_what_does_not_fit_is_refused(message_type: type[Message], values: dict[str, object], problem: str) -> None:
+def test_a_wrong_field_is_refused(message_type: type[Message], values: dict[str, object], problem: str) -> None:
     with pytest.raises(TypeMismatchError, match=problem):
         partial_message_from_client(message_type, values)

@@ -66,7 +66,7 @@ async def test_a_list_of_arguments_may_have_a_text_query(open_house: Any) -> Non
         assert directory.asked == [ON_LIGHTS]
 
 
-async def test_a_search_for_a_text_that_is_no_query_answers_what_is_wrong_with_it(open_house: Any) -> None:
+async def test_a_search_by_an_invalid_text_answers_the_problem(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         FakeDirectory(house.node("directory"))
         answer = await peer.call(QUERY_DEVICES, query="brightnes > 3")
@@ -105,7 +105,7 @@ async def test_a_field_of_another_type_is_refused_before_anything_is_asked(
         assert re.search(problem, answer["values"])
 
 
-async def test_a_query_for_which_there_is_no_directory_fails_by_that_whatever_its_text(open_house: Any) -> None:
+async def test_any_query_without_a_directory_fails_for_that_reason(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         answer = await peer.call(QUERY_DEVICES, query="(light")
         assert answer["result"] is False

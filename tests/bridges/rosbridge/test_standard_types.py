@@ -18,7 +18,7 @@ DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.
 
 
 @pytest.mark.parametrize("spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist"])
-async def test_a_client_drives_what_another_listens_for(open_house: Any, spelling: str) -> None:
+async def test_a_client_publishes_standard_messages_for_another(open_house: Any, spelling: str) -> None:
     async with open_house() as house, house.peer() as robot, house.peer() as joystick:
         await robot.send("subscribe", topic="/cmd_vel", type=spelling)
         await robot.settle()

@@ -14,7 +14,7 @@ from homebot.graph import qos_profile_latched, qos_profile_sensor_data
 from homebot.messages import Int32, String, Time
 
 
-async def test_a_client_reads_what_a_node_publishes(open_house: Any) -> None:
+async def test_a_client_reads_the_messages_of_a_node(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         publisher = house.node("talker").create_publisher(String, "/chatter")
         await peer.send("subscribe", topic="/chatter", type="std_msgs/String")
@@ -33,7 +33,7 @@ async def test_a_topic_keeps_the_name_that_the_client_uses(open_house: Any) -> N
         assert (await peer.receive())["topic"] == "chatter"
 
 
-async def test_a_node_reads_what_a_client_publishes(open_house: Any) -> None:
+async def test_a_node_reads_the_messages_of_a_client(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         subscription = house.node("listener").create_subscription(String, "/chatter")
         await peer.send("advertise", topic="chatter", type="std_msgs/msg/String")
@@ -48,7 +48,7 @@ async def test_an_existing_topic_need_not_be_advertised(open_house: Any) -> None
         assert await subscription.receive() == String(data="hi")
 
 
-async def test_what_a_message_lacks_is_zero_or_empty_and_told_as_a_warning(open_house: Any) -> None:
+async def test_missing_fields_are_zero_or_empty_with_a_warning(open_house: Any) -> None:
     """As ROSBRIDGE_PROTOCOL.md has it, section 3.2.3."""
     async with open_house() as house, house.peer() as peer:
         subscription = house.node("listener").create_subscription(RawMessage, "/raw")
@@ -196,7 +196,7 @@ async def test_a_topic_advertised_again_as_latched_becomes_latched(open_house: A
         assert info.qos == qos_profile_latched
 
 
-async def test_a_slow_client_loses_its_oldest_messages_and_holds_up_nobody(open_house: Any) -> None:
+async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, queue_depth=5)) as house, house.peer() as slow, house.peer() as quick:
         publisher = house.node("camera").create_publisher(String, "/image")
         for peer in (slow, quick):

@@ -45,7 +45,7 @@ async def answer_to(port: int, request: bytes) -> bytes:
         (b"PUT /things/x/properties/y HTTP/1.1\r\n" + HOST + b"Content-Length: 99999999999\r\n\r\n", (b" 413 ",)),
     ],
 )
-async def test_what_breaks_the_rules_is_refused_and_the_next_request_is_answered(
+async def test_an_invalid_request_is_refused_and_the_next_one_is_answered(
     served_house: OpenHouse, request_: bytes, status: tuple[bytes, ...]
 ) -> None:
     async with served_house() as house:

@@ -103,7 +103,7 @@ async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(served_
         ("nothing", b"1", 404),
     ],
 )
-async def test_what_is_no_value_is_refused_in_words(
+async def test_an_invalid_value_is_refused_with_a_reason(
     served_house: OpenHouse, name: str, body: bytes, status: int
 ) -> None:
     async with served_house() as house:
@@ -124,7 +124,7 @@ async def test_what_is_no_value_is_refused_in_words(
         ("on_off", b"\xff", "the body is not valid JSON; the value of on_off is true or false"),
     ],
 )
-async def test_a_body_without_a_value_is_told_what_belongs_there(
+async def test_a_body_without_a_value_is_refused_with_the_expected_one(
     served_house: OpenHouse, name: str, body: bytes, said: str
 ) -> None:
     async with served_house() as house:
@@ -132,7 +132,7 @@ async def test_a_body_without_a_value_is_told_what_belongs_there(
         assert (await house.put(f"{path}/properties/{name}", body))[1]["detail"] == said
 
 
-async def test_what_cannot_be_set_is_not_set(served_house: OpenHouse) -> None:
+async def test_a_read_only_property_is_not_set(served_house: OpenHouse) -> None:
     async with served_house(allows_commands=False) as house:
         lamp, path = await lamp_of(house)
         assert lamp["properties"]["on_off"]["forms"][0]["op"] == ["readproperty"]
@@ -227,7 +227,7 @@ async def test_the_list_comes_in_pages_that_name_the_next(served_house: OpenHous
         ("/a/b/c/d/e/f/g/h/i/j/k", 404),
     ],
 )
-async def test_what_is_not_there_is_answered_with_a_problem(served_house: OpenHouse, path: str, status: int) -> None:
+async def test_an_unknown_thing_is_answered_with_a_problem(served_house: OpenHouse, path: str, status: int) -> None:
     async with served_house() as house:
         found, problem = await house.get(path)
         assert (found, problem["status"]) == (status, status)
@@ -282,7 +282,7 @@ async def test_one_kind_of_event_can_be_asked_for(served_house: OpenHouse) -> No
         assert event["event"] == "thing_deleted"
 
 
-async def test_without_the_token_nobody_is_let_in(served_house: OpenHouse) -> None:
+async def test_a_client_without_the_token_is_rejected(served_house: OpenHouse) -> None:
     async with served_house(token="sesame") as house:
         for headers in ({}, {"Authorization": "Bearer wrong"}):
             async with house.client.get(f"{house.url}/things", headers=headers) as answer:

@@ -58,7 +58,7 @@ def test_whoever_follows_the_changes_has_the_list(steps: list[tuple[str, int]]) 
     assert [one.id for one in catalog.page(0, 100, is_descending=True)] == sorted(copy, reverse=True)
 
 
-def test_what_says_the_same_changes_nothing() -> None:
+def test_an_equal_description_changes_nothing() -> None:
     catalog = ThingCatalog()
     catalog.put("a", {"id": "a", "ops": ("x",)}, "2026-01-01")
     etag, version = catalog.page(0, 1)[0].etag, catalog.version
@@ -69,7 +69,7 @@ def test_what_says_the_same_changes_nothing() -> None:
     assert catalog.page(0, 1)[0].etag != etag
 
 
-def test_of_many_changes_the_last_are_kept_and_who_is_behind_is_told_so() -> None:
+def test_the_last_changes_are_kept_and_a_reader_further_behind_gets_none() -> None:
     catalog = ThingCatalog()
     for number in range(MAX_CHANGES + 50):
         catalog.put("a", {"id": "a", "title": number}, "now")

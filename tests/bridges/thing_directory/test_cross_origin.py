@@ -35,7 +35,7 @@ async def test_a_page_that_is_let_in_may_read_the_answers_and_their_headers(serv
             )
 
 
-async def test_a_browser_that_asks_is_told_what_a_page_may_send_and_needs_no_token(served_house: OpenHouse) -> None:
+async def test_a_preflight_is_answered_with_the_allowed_headers_and_needs_no_token(served_house: OpenHouse) -> None:
     """It asks before each PUT, and before each request with a token; it cannot show the token then."""
     async with served_house(token="sesame") as house:
         path = "/things/urn%3Ax/properties/on_off"
@@ -71,5 +71,5 @@ async def test_a_program_that_is_no_page_is_told_nothing_about_sharing(served_ho
 @pytest.mark.parametrize(
     "origins", [[], ["http://a", "http://b"], ["http://localhost/\udcff"], ["http://localhost/\x01"]]
 )
-def test_what_is_no_origin_is_not_repeated(origins: list[str]) -> None:
+def test_an_invalid_origin_is_not_repeated(origins: list[str]) -> None:
     assert sharing_headers(origins) == {}

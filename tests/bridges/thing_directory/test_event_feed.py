@@ -57,7 +57,7 @@ async def test_a_silent_stream_is_kept_alive_and_ends_with_the_directory() -> No
 
 
 @pytest.mark.parametrize("last_id", ["", "run-", "run-x", "run-99", "other-0", "run-²", f"run-{'9' * 5000}", "-1"])
-async def test_from_an_id_that_is_not_known_only_what_is_new_is_told(last_id: str) -> None:
+async def test_after_an_unknown_id_only_new_changes_are_sent(last_id: str) -> None:
     catalog, client = ThingCatalog(), SlowClient()
     catalog.put("a", {"id": "a"}, "now")
     feed = EventFeed(catalog, "run")

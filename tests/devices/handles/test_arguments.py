@@ -30,7 +30,7 @@ UNKNOWN: dict[str, tuple[type[Any], dict[str, object], str]] = {
 
 
 @pytest.mark.parametrize(("kind", "asked", "problem"), UNKNOWN.values(), ids=UNKNOWN)
-async def test_an_unknown_condition_is_an_error_that_names_what_was_meant(
+async def test_an_unknown_condition_is_an_error_that_suggests_the_nearest(
     kind: Any, asked: dict[str, object], problem: str
 ) -> None:
     async with Node(Graph(), "app") as node:

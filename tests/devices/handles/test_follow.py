@@ -93,7 +93,7 @@ async def test_changes_while_the_reader_is_busy_are_told_as_one(house: House) ->
     assert first.handle.level == 1.0
 
 
-async def test_who_goes_and_comes_back_while_the_reader_is_busy_is_still_there(house: House) -> None:
+async def test_a_device_that_is_back_before_the_reader_reads_is_still_present(house: House) -> None:
     """With the handle that the reader has."""
     lamp = house.device("a", house.part("light", "on_off"))
     house.has(lamp)

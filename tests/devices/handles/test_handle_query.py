@@ -70,7 +70,7 @@ _flags = st.none() | st.booleans()
     mode=st.sampled_from([None, "heat", "HEAT_UP", '"']),
     category=st.sampled_from(["", "config", "diagnostic"]),
 )
-def test_whatever_is_wanted_is_found_by_the_query_for_devices(
+def test_every_matching_handle_is_found_by_the_query_for_devices(
     *,
     device: Device,
     area: str,

@@ -187,7 +187,7 @@ async def test_every_kind_can_be_asked_for_by_its_state(
         (Light, {"on_off": "yes", "color": (1.0,)}, {"on": None, "color": None, "level": None}),
     ],
 )
-async def test_a_handle_tells_what_its_part_told(
+async def test_a_handle_has_the_values_of_its_part(
     house: House, kind: Any, states: dict[str, PlainValue], told: dict[str, PlainValue]
 ) -> None:
     """In the vocabulary's units; what was not told, or is of another type, is None."""
@@ -344,7 +344,7 @@ async def test_a_handle_sends_absolute_commands(
 
 
 @pytest.mark.parametrize("word", ["OFF", "off", "Off"])
-async def test_a_fan_whose_speeds_have_off_is_turned_off_by_that(house: House, word: str) -> None:
+async def test_a_fan_with_a_speed_called_off_is_turned_off_by_that(house: House, word: str) -> None:
     speeds = Capability(name="fan_mode", settable=True, options=("LOW", "HIGH", word))
     house.has(house.device("fan", house.part("fan", capabilities=(speeds,))))
     house.gateway("mqtt")
@@ -373,7 +373,7 @@ async def test_a_fan_whose_speeds_have_off_is_turned_off_by_that(house: House, w
         (lambda it: it.command("nonsense", 1), "nonsense of a was refused: it takes on_off, level, effect"),
     ],
 )
-async def test_what_a_part_cannot_do_is_refused_with_what_it_can(house: House, act: Act, problem: str) -> None:
+async def test_an_unsupported_command_is_refused_with_the_supported_ones(house: House, act: Act, problem: str) -> None:
     """Before anything is sent, so that no half of a command is done."""
     capabilities = (
         Capability(name="on_off", settable=True),

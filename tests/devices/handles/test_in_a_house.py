@@ -35,7 +35,7 @@ def world(tmp_path: Path) -> World:
     return load_world(file)
 
 
-async def test_an_app_acts_on_devices_of_any_convention_and_sees_what_became_of_it(world: World) -> None:
+async def test_an_app_commands_devices_of_any_convention_and_gets_their_outcomes(world: World) -> None:
     """Home Assistant's discovery and the thesis's layout in one house."""
     async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "app") as node:
         devices = Devices(node)

@@ -84,7 +84,7 @@ UNDERSTOOD: dict[str, Query] = {
 
 
 @pytest.mark.parametrize(("text", "meant"), UNDERSTOOD.items(), ids=UNDERSTOOD)
-def test_each_form_means_what_it_says(text: str, meant: Query) -> None:
+def test_each_form_is_parsed_to_its_terms(text: str, meant: Query) -> None:
     assert parse_query(text) == meant
 
 
@@ -127,7 +127,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("text", "problem"), REFUSED.items(), ids=[text[:20] for text in REFUSED])
-def test_what_is_not_understood_is_named(text: str, problem: str) -> None:
+def test_an_unknown_part_of_a_query_is_named(text: str, problem: str) -> None:
     with pytest.raises(UsageError) as caught:
         parse_query(text)
     assert problem in str(caught.value)
@@ -140,7 +140,7 @@ def test_any_text_is_a_query_or_a_usage_error(text: str) -> None:
 
 
 @given(st.text(max_size=50))
-def test_a_quoted_text_is_one_value_whatever_is_in_it(text: str) -> None:
+def test_a_quoted_text_is_one_value(text: str) -> None:
     assert parse_query(f"id={quoted(text)} fresh") == And((FactIs("id", text.casefold()), FreshnessIs("fresh")))
 
 
@@ -149,7 +149,7 @@ def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
     assert parse_query(f"with {name}") == CanDo(name)
 
 
-def test_what_is_asked_again_is_not_read_again() -> None:
+def test_a_repeated_query_is_parsed_once() -> None:
     """Apps ask the same at every event; what is wrong is refused each time."""
     assert parse_query("on lights in kitchen") is parse_query("on lights in kitchen")
     for _ in range(2):

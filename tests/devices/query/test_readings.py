@@ -28,7 +28,7 @@ from homebot.errors import UsageError
         ("the or lamp", "all|lamp", ""),
     ],
 )  # fmt: skip
-def test_what_one_side_says_may_be_meant_for_both(text: str, alternatives: str, distributed: str) -> None:
+def test_words_of_one_side_may_be_meant_for_both(text: str, alternatives: str, distributed: str) -> None:
     found = readings_of(text)
     assert "|".join(found.alternatives) == alternatives
     assert "|".join(found.distributed) == distributed
@@ -40,6 +40,6 @@ def test_words_alone_are_told_apart() -> None:
 
 
 @pytest.mark.parametrize("text", ["light or", "(light", "with nothing"])
-def test_what_is_no_query_has_no_readings(text: str) -> None:
+def test_an_invalid_query_has_no_readings(text: str) -> None:
     with pytest.raises(UsageError):
         readings_of(text)

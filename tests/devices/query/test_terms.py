@@ -123,6 +123,6 @@ def test_no_terms_are_a_query_that_everything_fits() -> None:
         ([QueryTerm(kind="disputed")] * (MAX_TERMS + 1), "1,001 terms; 1,000 is the limit"),
     ],
 )
-def test_what_is_no_query_is_an_error_that_names_the_term(terms: list[QueryTerm], problem: str) -> None:
+def test_invalid_terms_are_an_error_that_names_the_term(terms: list[QueryTerm], problem: str) -> None:
     with pytest.raises(UsageError, match=problem):
         read_terms(terms)

@@ -34,7 +34,7 @@ def at(device: Device, said: str) -> str:
     return command_address(device, device.endpoints[0], said)
 
 
-def test_a_word_goes_by_the_way_that_takes_what_it_means() -> None:
+def test_a_text_goes_by_the_route_that_accepts_its_command() -> None:
     """Of its gateway; a word that means nothing is for that to refuse."""
     device = lamp(
         Route(gateway="mqtt", key="own", part="state", takes=("on_off",)),

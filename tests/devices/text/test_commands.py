@@ -76,7 +76,9 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
         ("anything", part("text"), ("text", "anything")),
     ],
 )
-def test_a_word_is_understood_by_what_the_part_can_do(said: str, thing: Part, meant: tuple[str, PlainValue]) -> None:
+def test_a_text_is_decoded_by_the_capabilities_of_the_part(
+    said: str, thing: Part, meant: tuple[str, PlainValue]
+) -> None:
     assert decode_command(said, thing) == meant
 
 
@@ -155,18 +157,16 @@ OPENING = part("movement", "position")
         ("eco", part("on_off", preset_mode=("eco", "away")), {"preset_mode": "eco"}),
     ],
 )
-def test_a_word_tells_what_it_says_of_the_part_and_what_follows(
-    said: str, thing: Part, told_of_it: dict[str, PlainValue]
-) -> None:
+def test_a_text_gives_a_value_and_the_implied_ones(said: str, thing: Part, told_of_it: dict[str, PlainValue]) -> None:
     assert decode_text(said, thing) == told_of_it
 
 
 @pytest.mark.parametrize("said", ["", "ON", "1.5", "-0.1", "nan", "inf", "2700", "3 K", "open", "on off", "1e999"])
-def test_what_is_no_word_of_a_lamp_tells_nothing(said: str) -> None:
+def test_an_unknown_text_of_a_lamp_gives_no_value(said: str) -> None:
     assert decode_text(said, LIGHT) == {}
 
 
-def test_a_part_says_nothing_of_what_cannot_be_read() -> None:
+def test_a_part_reports_no_unreadable_capability() -> None:
     mute = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", readable=False, settable=True),))
     assert decode_text("on", mute) == {}
 
@@ -187,7 +187,7 @@ _movements = st.sampled_from(["open", "closed", "opening", "closing", "stopped"]
         st.tuples(st.just(part("power")), st.fixed_dictionaries({"power": st.integers(-9000, 9000).map(float)})),
     )
 )
-def test_what_is_told_in_a_word_is_heard_from_it(case: tuple[Part, dict[str, PlainValue]]) -> None:
+def test_an_encoded_state_is_decoded_to_the_same_values(case: tuple[Part, dict[str, PlainValue]]) -> None:
     """Of several values those that the word is about."""
     thing, readings = case
     said = encode_state(readings)
@@ -259,7 +259,7 @@ _names = st.sampled_from(["on_off", "level", "position", "movement", "lock", "te
 
 
 @given(_names, _values, st.lists(_names, unique=True, max_size=4))
-def test_a_word_that_is_told_means_what_was_asked_for(name: str, value: PlainValue, names: list[str]) -> None:
+def test_an_encoded_command_is_decoded_to_the_same_value(name: str, value: PlainValue, names: list[str]) -> None:
     """To three digits; what has no word is refused."""
     thing = part(*names)
     try:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 from pydantic import ConfigDict, Field
 
 from homebot.conventions.setup_codes import check_matter_setup_code
-from homebot.devices.answer import Answer
 from homebot.devices.names import GatewayNames
+from homebot.devices.service_answer import ServiceAnswer
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError
 from homebot.messages.message import Message, ServiceType
 
@@ -59,7 +59,7 @@ class CommissionRequest(Message):
     network_only: bool = True
 
 
-class CommissionResponse(Answer):
+class CommissionResponse(ServiceAnswer):
     """The result of commissioning or decommissioning.
 
     Attributes:

@@ -2,10 +2,10 @@
 
 from homebot.messages.message import Message
 
-__all__ = ["Answer"]
+__all__ = ["ServiceAnswer"]
 
 
-class Answer(Message):
+class ServiceAnswer(Message):
     """The result of a request.
 
     Attributes:
