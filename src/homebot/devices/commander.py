@@ -22,7 +22,7 @@ from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
-from homebot.devices.outcomes import Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.devices.text_sender import TextSender
 
 __all__ = ["Commander"]
-
-NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
 
 
 _LONGEST_CODE: Final = 255

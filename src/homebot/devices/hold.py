@@ -13,7 +13,6 @@ import anyio
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import Setting
 from homebot.devices.command_results import outcome_of
-from homebot.devices.commander import NO_CONTROL
 from homebot.devices.device_view import DeviceView
 from homebot.devices.lease_messages import (
     LONGEST_TTL,
@@ -26,7 +25,7 @@ from homebot.devices.lease_messages import (
     RenewLease,
 )
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
-from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import NO_CONTROL, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError

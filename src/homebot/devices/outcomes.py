@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import ClassVar
 
 __all__ = [
+    "NO_CONTROL",
     "AlreadySo",
     "Confirmed",
     "Contradicted",
@@ -19,6 +20,10 @@ __all__ = [
     "Superseded",
     "worst",
 ]
+
+
+NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
+"""Reason of a command without an answer."""
 
 
 class Evidence(IntEnum):

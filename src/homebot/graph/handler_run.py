@@ -3,23 +3,50 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Iterator
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from contextlib import suppress
 from contextvars import ContextVar
 from inspect import iscoroutine
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, Protocol, TypeAlias, final
 
 import anyio
 
-from homebot.errors import ServiceGoneError
+from homebot.errors import ServiceError, ServiceGoneError
 from homebot.support.isolation import is_cancelled, is_end_of, uncancel
 
-if TYPE_CHECKING:
-    from homebot.graph.service import Service
-
-__all__ = ["HandlerRun", "calling_runs"]
+__all__ = ["HandlerRun", "StartHandler", "calling_runs"]
 
 _current: ContextVar[HandlerRun | None] = ContextVar("_current", default=None)
+
+
+StartHandler: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], bool]
+"""Starts a task of the serving node; returns False if the node does not run."""
+
+
+class Server(Protocol):
+    """The service whose handler runs."""
+
+    start: StartHandler
+
+    @property
+    def service_name(self) -> str:
+        """The full name of the service."""
+
+    @property
+    def is_closed(self) -> bool:
+        """True once it serves no longer."""
+
+    def add_run(self, run: HandlerRun) -> None:
+        """Count *run* among the handlers at work."""
+
+    def remove_run(self, run: HandlerRun) -> None:
+        """Count *run* no longer."""
+
+    def failed(self, crash: BaseException, *, has_caller: bool) -> ServiceError:
+        """Record the *crash* of a handler, and return the error for its caller."""
+
+    def drop(self, outcome: object) -> None:
+        """Count an *outcome* that has no caller."""
 
 
 @final
@@ -31,7 +58,7 @@ class HandlerRun:
         task: The task that runs the handler, or None before it has started.
     """
 
-    def __init__(self, server: Service[Any, Any], handler: Awaitable[object]) -> None:
+    def __init__(self, server: Server, handler: Awaitable[object]) -> None:
         loop = asyncio.get_running_loop()
         self.server = server
         self.began = loop.time()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from homebot.errors import (
@@ -21,19 +21,16 @@ from homebot.errors import (
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.failures import ServiceReports
-from homebot.graph.handler_run import HandlerRun, calling_runs
+from homebot.graph.handler_run import HandlerRun, StartHandler, calling_runs
 from homebot.messages.message import Message, ServiceType
 from homebot.support.isolation import crash_of, error_text
 
-__all__ = ["Handler", "Service", "ServiceSlot", "StartHandler"]
+__all__ = ["Handler", "Service", "ServiceSlot"]
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
 Handler: TypeAlias = Callable[[RequestT], ResponseT | Awaitable[ResponseT]]
-
-StartHandler: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], bool]
-"""Starts a task of the serving node; returns False if the node does not run."""
 
 MAX_AT_WORK = 1000  # handlers of a concurrent service that wait, their callers' time limits passed or not
 MAX_WAITING = 1000  # callers in line

@@ -6,7 +6,7 @@ from pydantic import ValidationError
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homeassistant.convention import BUILDERS, COMPONENTS
+from homebot.conventions.homeassistant.components import BUILDERS, COMPONENTS
 from homebot.conventions.homeassistant.topics import DEVICE
 from homebot.errors import WireError
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homeassistant.convention import BUILDERS
+from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -19,8 +19,8 @@ from homebot.conventions.description import (
     DeviceWithdrawn,
 )
 from homebot.conventions.homeassistant.announcement import Announced, read_announcement
+from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.convention import BUILDERS
 from homebot.conventions.homeassistant.device import DeviceReader, read_availability
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text

@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import BaseModel, Field
 
 from homebot.conventions.convention import ConventionSettings, LazyConvention
+from homebot.conventions.homie.attributes import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 
 if TYPE_CHECKING:
     from homebot.conventions.homie.reader import HomieReader
 
-__all__ = ["DEVICE_ATTRIBUTES", "NODE_ATTRIBUTES", "PROPERTY_ATTRIBUTES", "Homie", "HomieSettings"]
-
-PROPERTY_ATTRIBUTES = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
-NODE_ATTRIBUTES = ("$name", "$type", "$array", "$properties")
-DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
+__all__ = ["Homie", "HomieSettings"]
 
 _Domain = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^(?:\+|[^+#\x00/$]+)$")]
 

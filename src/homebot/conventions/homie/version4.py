@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import AnnouncementEvent
-from homebot.conventions.homie.convention import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
+from homebot.conventions.homie.attributes import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 from homebot.conventions.homie.model import (
     MAX_PROPERTIES,
     STATES,

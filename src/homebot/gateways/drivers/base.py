@@ -7,21 +7,18 @@ states and sends it commands. There is one driver object for each found service,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from typing import ClassVar, Final, Protocol, TypeVar
+from collections.abc import Awaitable, Callable, Sequence
+from typing import ClassVar, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict
-from structlog.typing import FilteringBoundLogger
 
-from homebot.clock import Clock
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
-from homebot.devices.value import PlainValue
 from homebot.errors import LinkError
-from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.driver_host import DriverHost
 from homebot.support.extras import check_extra
 
-__all__ = ["Driver", "DriverHost", "DriverSettings", "FoundService", "first_answer"]
+__all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]
 
 Answer = TypeVar("Answer")
 
@@ -40,32 +37,6 @@ class DriverSettings(BaseModel):
         Raises:
             UsageError: One cannot be read; names the key.
         """
-
-
-class DriverHost(Protocol):
-    """The interface that a gateway offers to the driver of one service."""
-
-    clock: Clock
-    log: FilteringBoundLogger
-
-    def describe(self, device: GatewayDevice) -> None:
-        """Publish the description of the device, once it is known and on each change.
-
-        Args:
-            device: The device; its key is that of the service. Facts from DNS-SD are added by the gateway.
-        """
-
-    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        """Publish a report of a part, in the units of the vocabulary; values that it cannot have are refused."""
-
-    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device, or one of its parts, can be reached; the gateway does so for the connection."""
-
-    async def deliver_raw(self, payload: bytes) -> None:
-        """Deliver a raw message of the device to the subscribers of its address."""
-
-    def reject(self, payload: bytes, why: str) -> None:
-        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
 
 
 class Driver(ABC):

@@ -6,7 +6,7 @@ Source: as :mod:`homebot.gateways.matter.server_messages`: ``commission_with_cod
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
 
 from pydantic import ConfigDict, Field
 
@@ -17,7 +17,7 @@ from homebot.errors import LinkError, PeerError, RefusedError, UnableError
 from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
-    from homebot.gateways.matter.gateway import MatterGateway
+    from homebot.gateways.matter.server_link import MatterServerLink
     from homebot.graph import Node
 
 __all__ = [
@@ -101,10 +101,31 @@ class CommissioningNames:
         self.decommission = f"{GatewayNames(gateway).node}/decommission"
 
 
+class CommissioningGateway(Protocol):
+    """The gateway of the nodes."""
+
+    @property
+    def acts(self) -> bool:
+        """Whether commands are sent."""
+
+    @property
+    def observes_because(self) -> str:
+        """The reason why not."""
+
+    def connected_link(self) -> MatterServerLink:
+        """Return the connection to the server, or raise a :class:`LinkError`."""
+
+    def node_of(self, key: str) -> tuple[int, str]:
+        """Return the id of a node and its name, or raise an :class:`UnableError`."""
+
+    async def add_commissioned(self, data: object) -> tuple[str, str]:
+        """Add a node as the answer to its commissioning describes it; return its key and name."""
+
+
 class CommissioningServices:
     """Serves :class:`CommissioningNames`."""
 
-    def __init__(self, gateway: MatterGateway, node: Node) -> None:
+    def __init__(self, gateway: CommissioningGateway, node: Node) -> None:
         self._gateway = gateway
         self._is_busy = False
         names = CommissioningNames(node.name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import anyio
 
@@ -27,7 +27,7 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
 from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
-    from homebot.gateways.nfc.gateway import NfcGateway
+    from homebot.gateways.nfc.device_finder import DeviceFinder
     from homebot.graph import Node
 
 __all__ = ["TagServices"]
@@ -39,10 +39,24 @@ _MAX_WRITING: Final = 5.0
 """Seconds to wait for a tag that is being written when the time is up."""
 
 
+class TagGateway(Protocol):
+    """The gateway whose readers are used."""
+
+    finder: DeviceFinder
+    at_reader: dict[str, TagSeen]
+    readers: dict[int, tuple[str, ...]]
+    acts: bool
+    observes_because: str
+
+    def read(self, seen: TagSeen) -> Pointer:
+        """Return the pointer on a tag."""
+        ...
+
+
 class TagServices:
     """Serves :class:`homebot.devices.tags.TagNames`."""
 
-    def __init__(self, gateway: NfcGateway, node: Node) -> None:
+    def __init__(self, gateway: TagGateway, node: Node) -> None:
         self._gateway = gateway
         self._desks: list[ReaderDesk] = []
         self._next: anyio.Event = anyio.Event()

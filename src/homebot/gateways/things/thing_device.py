@@ -19,7 +19,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import DriverHost
+from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import Binding

@@ -15,7 +15,8 @@ from homebot.conventions.esphome.entity import Fields
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService
+from homebot.gateways.driver_host import DriverHost
+from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, EsphomeSettings
 
 if TYPE_CHECKING:

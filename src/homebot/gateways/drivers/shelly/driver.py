@@ -23,7 +23,8 @@ from homebot.devices.identity import identifiers
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService, first_answer
+from homebot.gateways.driver_host import DriverHost
+from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink
 from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings, wants_password
 from homebot.gateways.http_address import http_origin

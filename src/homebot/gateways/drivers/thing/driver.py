@@ -60,7 +60,12 @@ class ThingDriver(Driver):
 
         logins = read_logins(self.settings.credentials)
         self._session = ThingSession(
-            self.service, self.host, logins, self.settings.poll_every, must_describe=self.must_describe
+            self.service,
+            self.host,
+            logins,
+            self.settings.poll_every,
+            must_describe=self.must_describe,
+            is_web_thing=self.service.service_type == WEB_THING,
         )
         await self._session.run()
 

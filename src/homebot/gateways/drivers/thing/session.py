@@ -20,8 +20,8 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import DriverHost, FoundService, first_answer
-from homebot.gateways.drivers.thing.driver import WEB_THING
+from homebot.gateways.driver_host import DriverHost
+from homebot.gateways.drivers.base import FoundService, first_answer
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.things.http_credentials import ThingLogin
@@ -53,6 +53,7 @@ class ThingSession:
 
     Args:
         must_describe: Whether a host without a description is an error.
+        is_web_thing: Whether it speaks the Web Thing API.
     """
 
     def __init__(
@@ -63,11 +64,13 @@ class ThingSession:
         poll_every: float,
         *,
         must_describe: bool,
+        is_web_thing: bool,
     ) -> None:
         self._service = service
         self._poll_every = poll_every
         self._host = host
         self._must_describe = must_describe
+        self._is_web_thing = is_web_thing
         self._host_name = _name_of(service)
         self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
@@ -121,7 +124,7 @@ class ThingSession:
         """Return the description from the first address that answers; None if there is none and none is required."""
         said = self._service.properties
         scheme, path = said.get("scheme", ""), said.get("td", "")
-        if self._service.service_type == WEB_THING:
+        if self._is_web_thing:
             scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
         if not self._must_describe:
             scheme, path = "", ""

@@ -20,7 +20,8 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.base import Driver, DriverHost, DriverSettings, FoundService, first_answer
+from homebot.gateways.driver_host import DriverHost
+from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
 from homebot.support.isolation import ungrouped
 

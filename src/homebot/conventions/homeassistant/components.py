@@ -1,0 +1,45 @@
+"""The components of configs that are understood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+__all__ = ["BUILDERS", "COMPONENTS"]
+
+BUILDERS: Mapping[str, tuple[str, str]] = {
+    "alarm_control_panel": ("locks", "build_alarm_control_panel"),
+    "binary_sensor": ("sensors", "build_binary_sensor"),
+    "button": ("settings", "build_button"),
+    "camera": ("sensors", "build_camera"),
+    "climate": ("climate", "build_climate"),
+    "cover": ("openings", "build_cover"),
+    "date": ("settings", "build_moment"),
+    "datetime": ("settings", "build_moment"),
+    "device_automation": ("sensors", "build_trigger"),
+    "device_tracker": ("sensors", "build_device_tracker"),
+    "event": ("sensors", "build_event"),
+    "fan": ("appliances", "build_fan"),
+    "humidifier": ("appliances", "build_humidifier"),
+    "image": ("sensors", "build_image"),
+    "lawn_mower": ("appliances", "build_lawn_mower"),
+    "light": ("light", "build_light"),
+    "lock": ("locks", "build_lock"),
+    "notify": ("settings", "build_notify"),
+    "number": ("settings", "build_number"),
+    "scene": ("settings", "build_scene"),
+    "select": ("settings", "build_select"),
+    "sensor": ("sensors", "build_sensor"),
+    "siren": ("appliances", "build_siren"),
+    "switch": ("settings", "build_switch"),
+    "tag": ("sensors", "build_tag"),
+    "text": ("settings", "build_text"),
+    "time": ("settings", "build_moment"),
+    "update": ("sensors", "build_update"),
+    "vacuum": ("appliances", "build_vacuum"),
+    "valve": ("openings", "build_valve"),
+    "water_heater": ("climate", "build_water_heater"),
+}
+"""Module and builder by component. Other components are ignored without a log line."""
+
+COMPONENTS = (*BUILDERS, "device")
+"""Components of configs: those with a builder, or a whole device."""
