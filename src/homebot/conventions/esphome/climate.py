@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.esphome.entity import (
-    EntityKind,
     EntityRow,
+    EsphomeComponent,
     Fields,
     ReadField,
     choice_row,
@@ -181,7 +181,7 @@ def _climate_type(info: Fields) -> str:
 _VISUAL = ("visual_min_temperature", "visual_max_temperature")
 _swings_of = _named(_SWINGS, "supported_swing_modes")
 
-CLIMATE: Final = EntityKind(
+CLIMATE: Final = EsphomeComponent(
     _climate_type,
     (
         _Target("heating_setpoint", *_VISUAL, _heating_field).row(),
@@ -213,7 +213,7 @@ CLIMATE: Final = EntityKind(
 
 _water_modes_of = _named(_WATER_MODES, "supported_modes")
 
-WATER_HEATER: Final = EntityKind(
+WATER_HEATER: Final = EsphomeComponent(
     "water_heater",
     (
         _Target("heating_setpoint", "min_temperature", "max_temperature", _water_field).row(),
@@ -258,7 +258,7 @@ def _fan_presets(info: Fields) -> Mapping[str, object]:
     return {one: one for one in options_of(info, "supported_preset_modes")}
 
 
-FAN: Final = EntityKind(
+FAN: Final = EsphomeComponent(
     "fan",
     (
         flag_row("on_off", "state"),

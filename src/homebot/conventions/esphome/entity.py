@@ -18,8 +18,8 @@ from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = [
-    "EntityKind",
     "EntityRow",
+    "EsphomeComponent",
     "EsphomeEntity",
     "Fields",
     "ReadField",
@@ -97,7 +97,7 @@ class EntityRow:
         )
 
 
-class EntityKind(NamedTuple):
+class EsphomeComponent(NamedTuple):
     """A component: the type of its parts, or a function of the description, and its rows.
 
     Attributes:
@@ -119,7 +119,7 @@ class EsphomeEntity:
         state: The fields of its last state; empty before the first.
     """
 
-    def __init__(self, component: str, info: Fields, kind: EntityKind) -> None:
+    def __init__(self, component: str, info: Fields, kind: EsphomeComponent) -> None:
         self.component = component
         self.info = info
         self.key = key_of(info)

@@ -14,8 +14,8 @@ from homebot.conventions.command_values import require_bool, require_number, req
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
 from homebot.conventions.esphome.entity import (
-    EntityKind,
     EntityRow,
+    EsphomeComponent,
     Fields,
     choice_row,
     flag_row,
@@ -205,7 +205,7 @@ def _moment_fields(kind: str, text: str) -> Fields:
     return {"epoch_seconds": int(instant.timestamp())}
 
 
-def _moment(kind: str) -> EntityKind:
+def _moment(kind: str) -> EsphomeComponent:
     """Return the kind of a date, a time of day, or both: a text in ISO 8601."""
 
     def read(_info: Fields, state: Fields) -> PlainValue:
@@ -221,24 +221,24 @@ def _moment(kind: str) -> EntityKind:
             zone = " with a time zone" if kind == "datetime" else ""
             raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format{zone}") from None
 
-    return EntityKind("x_setting", (EntityRow("text", read, write),), kind)
+    return EsphomeComponent("x_setting", (EntityRow("text", read, write),), kind)
 
 
-KINDS: Final[Mapping[str, EntityKind]] = {
+KINDS: Final[Mapping[str, EsphomeComponent]] = {
     "climate": CLIMATE,
     "water_heater": WATER_HEATER,
     "light": LIGHT,
-    "cover": EntityKind(
+    "cover": EsphomeComponent(
         lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
         (*_movement_rows("movement"), percent_row("tilt", "tilt", "supports_tilt")),
     ),
-    "lock": EntityKind("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
-    "valve": EntityKind("water_valve", _movement_rows("valve")),
+    "lock": EsphomeComponent("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
+    "valve": EsphomeComponent("water_valve", _movement_rows("valve")),
     "fan": FAN,
-    "switch": EntityKind(
+    "switch": EsphomeComponent(
         lambda info: "plug" if _class_of(info) == "outlet" else "switch", (flag_row("on_off", "state"),)
     ),
-    "siren": EntityKind(  # it only reports whether it is on; tone and volume also turn it on
+    "siren": EsphomeComponent(  # it only reports whether it is on; tone and volume also turn it on
         "siren",
         (
             flag_row("on_off", "state"),
@@ -252,11 +252,11 @@ KINDS: Final[Mapping[str, EntityKind]] = {
             EntityRow("volume", None, write_percent("volume", "volume", state=True), "supports_volume"),
         ),
     ),
-    "alarm_control_panel": EntityKind(
+    "alarm_control_panel": EsphomeComponent(
         "x_alarm_panel",
         (EntityRow("alarm", read_named("state", dict(enumerate(_ALARM_STATES))), _write_alarm, options=_ALARM_STATES),),
     ),
-    "media_player": EntityKind(
+    "media_player": EsphomeComponent(
         "speaker",
         (
             EntityRow(
@@ -274,19 +274,19 @@ KINDS: Final[Mapping[str, EntityKind]] = {
             EntityRow("value", read_named("state", _PLAYER_STATES)),
         ),
     ),
-    "event": EntityKind(
+    "event": EsphomeComponent(
         "generic_switch", (EntityRow("press", _read_event, options=lambda info: options_of(info, "event_types")),)
     ),
-    "binary_sensor": EntityKind(
+    "binary_sensor": EsphomeComponent(
         lambda info: condition_of(_class_of(info))[0],
         (EntityRow(lambda info: condition_of(_class_of(info))[1], read_flag("state")),),
     ),
-    "sensor": EntityKind(
+    "sensor": EsphomeComponent(
         lambda info: _quantity(info).service_type,
         (EntityRow(lambda info: _quantity(info).capability, _read_quantity, unit=lambda info: _quantity(info).unit),),
     ),
-    "text_sensor": EntityKind("x_sensor", (EntityRow("value", read_text("state")),)),
-    "number": EntityKind(
+    "text_sensor": EsphomeComponent("x_sensor", (EntityRow("value", read_text("state")),)),
+    "number": EsphomeComponent(
         "x_setting",
         (
             EntityRow(
@@ -298,21 +298,21 @@ KINDS: Final[Mapping[str, EntityKind]] = {
             ),
         ),
     ),
-    "select": EntityKind("x_setting", (choice_row("option", "state", _listed("options")),)),
-    "text": EntityKind(  # a password can be set but is never read
+    "select": EsphomeComponent("x_setting", (choice_row("option", "state", _listed("options")),)),
+    "text": EsphomeComponent(  # a password can be set but is never read
         "x_setting",
         (
             EntityRow("text", None, _write_text, when=_is_secret),
             EntityRow("text", read_text("state"), _write_text, when=lambda info: not _is_secret(info)),
         ),
     ),
-    "button": EntityKind(
+    "button": EsphomeComponent(
         "x_setting", (_push_row("push"), _push_row("locate", lambda info: _class_of(info) == "identify"))
     ),
     "date": _moment("date"),
     "time": _moment("time"),
     "datetime": _moment("datetime"),
-    "update": EntityKind(  # homebot never installs an update
+    "update": EsphomeComponent(  # homebot never installs an update
         "x_update",
         (
             EntityRow("version", read_text("current_version")),

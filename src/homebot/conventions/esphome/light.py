@@ -12,8 +12,8 @@ from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number, require_option
 from homebot.conventions.esphome.entity import (
-    EntityKind,
     EntityRow,
+    EsphomeComponent,
     Fields,
     choice_row,
     flag_row,
@@ -149,7 +149,7 @@ def _write_effect(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"state": True, "effect": require_option("effect", value, _effects(info))}
 
 
-LIGHT: Final = EntityKind(
+LIGHT: Final = EsphomeComponent(
     "light",
     (
         flag_row("on_off", "state"),
