@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -435,35 +434,3 @@ def test_read_only_and_write_only_exclude_each_other() -> None:
     thing["properties"]["on"]["writeOnly"] = True
     with pytest.raises(WireError, match=r"properties\.on\.writeOnly: readOnly and writeOnly exclude each other"):
         read_thing(thing)
-
-
-_json = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=10),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=10), inner, max_size=4),
-    max_leaves=10,
-)
-
-
-@given(_json)
-def test_any_json_is_a_thing_or_a_clear_error(value: object) -> None:
-    with pytest.raises(WireError):
-        read_thing(value)
-
-
-@given(st.data())
-def test_any_damage_to_a_description_gives_a_thing_or_a_clear_error(data: st.DataObject) -> None:
-    """Anything at any place."""
-    thing = lamp()
-    places: list[tuple[Any, Any]] = []
-
-    def collect(value: Any) -> None:
-        keys = value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
-        for key in keys:
-            places.append((value, key))
-            collect(value[key])
-
-    collect(thing)
-    for where, key in data.draw(st.lists(st.sampled_from(places), min_size=1, max_size=3)):
-        where[key] = data.draw(_json)
-    with suppress(WireError):
-        assert all(one.part.service_type in DEVICE_TYPES for one in parts_of(read_thing(thing), MQTT))

@@ -336,13 +336,3 @@ def test_no_message_or_command_breaks_a_part(
                 continue
             assert written.topic == "t/set"
             parse_json(written.payload)
-
-
-@given(st.binary() | st.text().map(lambda text: text.encode(errors="surrogatepass")))
-def test_any_payload_is_a_thing_or_a_clear_error(payload: bytes) -> None:
-    """The empty one takes a thing back."""
-    convention = ThingDescriptions(ThingSettings())
-    if not payload:
-        return
-    with pytest.raises(WireError):
-        convention.read_message(TOPIC, payload, retained=False)
