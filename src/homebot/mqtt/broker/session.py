@@ -220,9 +220,7 @@ class BrokerSession:
                     unchecked = 0
                 queue.popleft()
                 self._send(outbound, first)
-        if (self.overrun or self.held_publishers) and queue.low:
-            self.overrun = False
-            self._release_publishers()
+        self._catch_up()
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
         """Handle a PUBREC; see :meth:`InFlight.taken`."""
@@ -289,6 +287,12 @@ class BrokerSession:
     def _mark_congested(self) -> None:
         if self._queue.high:
             self._congested[self] = None
+
+    def _catch_up(self) -> None:
+        """Release the waiting publishers once half of the queue is free."""
+        if (self.overrun or self.held_publishers) and self._queue.low:
+            self.overrun = False
+            self._release_publishers()
 
     def _release_publishers(self) -> None:
         publishers, self.held_publishers = self.held_publishers, {}

@@ -100,9 +100,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         PacketError: 0x81 malformed, 0x82 packet id 0 or a forbidden property, 0x90 a wildcard in the topic,
             0x94 a topic alias of 0.
     """
-    if end - start < 2:
-        raise PacketError("PUBLISH ends before its topic", data[start:end])
-    position = start + 2 + (data[start] << 8 | data[start + 1])
+    position = start + 2 + int.from_bytes(data[start : start + 2], "big")
     qos = flags >> 1 & 3
     if position > end or qos == 3 or (flags & 8 and not qos and version is not ProtocolVersion.V31):
         raise PacketError(f"PUBLISH has flags 0x{flags:x} or is too short", data[start:end])
@@ -114,7 +112,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         _refuse_topic(topic, version, data[start:end])
     packet_id: int | None = None
     if qos:
-        packet_id = _read_packet_id("PUBLISH", data[start:end], position - start)
+        packet_id = _read_packet_id("PUBLISH", data, position, end)
         position += 2
     properties = NO_PROPERTIES
     if version is ProtocolVersion.V5:
@@ -179,7 +177,7 @@ def decode_acknowledgement(packet_type: PacketType, body: bytes, version: Protoc
         PacketError: 0x81 malformed, 0x82 packet id 0 or a reason that this packet must not carry.
     """
     kind, reasons = _KINDS[packet_type]
-    packet_id = _read_packet_id(packet_type.name, body, 0)
+    packet_id = _read_packet_id(packet_type.name, body, 0, len(body))
     if len(body) == 2:
         return kind(packet_id)
     if version != ProtocolVersion.V5:
@@ -223,12 +221,12 @@ _FIRST_BYTES: dict[type[Acknowledgement], tuple[bytes, PacketType]] = {
 }
 
 
-def _read_packet_id(name: str, body: bytes, position: int) -> int:
-    packet_id = int.from_bytes(body[position : position + 2], "big")
-    if position + 2 > len(body):
-        raise PacketError(f"{name} ends before its packet id", body)
+def _read_packet_id(name: str, data: bytes, position: int, end: int) -> int:
+    if position + 2 > end:
+        raise PacketError(f"{name} ends before its packet id", data[position:end])
+    packet_id = data[position] << 8 | data[position + 1]
     if not packet_id:
-        raise PacketError("packet id is 0", body, ReasonCode.PROTOCOL_ERROR)
+        raise PacketError("packet id is 0", data[position:end], ReasonCode.PROTOCOL_ERROR)
     return packet_id
 
 
