@@ -39,6 +39,8 @@ pytestmark = [
 
 LONGEST_TURN = 0.05  # seconds of the processor of the reference machine
 MOST_MEMORY = 64
+MOST_KEPT = 32
+"""MiB after a flood: nothing is referenced any more, but glibc keeps freed messages of all sockets, about 20 MiB."""
 
 
 @pytest.fixture
@@ -70,11 +72,11 @@ def withstood(broker: AttackedBroker, before: Toll, what: str, *, memory: float 
 
 
 def recovered(broker: AttackedBroker, before: Toll) -> Toll:
-    """Check that what is open is as it was, and that glibc keeps no more of the memory than a flood may take."""
+    """Check that no more is open than before, and that most of the memory is free again."""
     after = broker.settled(before)
     print(f"afterwards: {after}, {after.rss - before.rss:+.0f} MiB")
     assert after.left_open == before.left_open
-    assert after.rss < before.rss + MOST_MEMORY
+    assert after.rss < before.rss + MOST_KEPT
     return after
 
 

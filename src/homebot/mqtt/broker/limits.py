@@ -82,7 +82,7 @@ class BrokerLimits:
     max_queued_messages: int = 10_000
     max_queued_bytes: int = 16 * _MIB
     max_all_queued_bytes: int = 32 * _MIB
-    max_all_unsent_bytes: int = 24 * _MIB
+    max_all_unsent_bytes: int = 20 * _MIB
     max_will_bytes: int = 8 * _MIB
     max_client_id: int = 1024
     max_alias_text: int = 32 * 1024
