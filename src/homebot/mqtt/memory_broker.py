@@ -34,11 +34,7 @@ class MemoryBroker(EmbeddedBroker):
     """A broker for 3.1, 3.1.1 and 5 that is reached by :meth:`dial` alone; used like ``Broker``.
 
     Args:
-        clock: As for :class:`EmbeddedBroker`, and so are all that are not named here.
-        limits: All bounds.
-        credentials: Passwords by user name; None lets everybody in.
-        keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
-        refuse_filters: Filters with subscriptions answered by 0x80.
+        clock: As for :class:`EmbeddedBroker`, as all arguments that are not listed here.
         random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
             run the same.
 

@@ -56,11 +56,7 @@ class Broker(EmbeddedBroker):
     Args:
         host: Address to listen on; other than loopback only with *credentials*.
         port: TCP port; 0 takes any free one and keeps it for later starts.
-        clock: As for :class:`EmbeddedBroker`, and so are all that are not named here.
-        limits: All bounds.
-        credentials: Passwords by user name; None lets everybody in.
-        keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
-        refuse_filters: Filters with subscriptions answered by 0x80.
+        clock: As for :class:`EmbeddedBroker`, as all arguments that are not listed here.
         endpoint: Creates the endpoint of one connection; to wrap each :class:`Peer`.
 
     Raises:

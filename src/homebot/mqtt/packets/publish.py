@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from homebot.errors import UsageError
 from homebot.mqtt.packets.primitives import MAX_UINT16, Cursor, encode_text, encode_uint16, encode_varint
@@ -100,7 +100,9 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         PacketError: 0x81 malformed, 0x82 packet id 0 or a forbidden property, 0x90 a wildcard in the topic,
             0x94 a topic alias of 0.
     """
-    position = start + 2 + int.from_bytes(data[start : start + 2], "big")
+    if end - start < 2:
+        raise PacketError("PUBLISH ends before its topic", data[start:end])
+    position = start + 2 + (data[start] << 8 | data[start + 1])
     qos = flags >> 1 & 3
     if position > end or qos == 3 or (flags & 8 and not qos and version is not ProtocolVersion.V31):
         raise PacketError(f"PUBLISH has flags 0x{flags:x} or is too short", data[start:end])
@@ -108,8 +110,8 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         topic = data[start + 2 : position].decode()
     except UnicodeDecodeError:
         raise PacketError("the topic is not valid UTF-8", data[start:end]) from None
-    if "+" in topic or "#" in topic or "\0" in topic or not topic:
-        _refuse_topic(topic, version, data[start:end])
+    if "+" in topic or "#" in topic or "\0" in topic:
+        _refuse_topic(topic, data[start:end])
     packet_id: int | None = None
     if qos:
         packet_id = _read_packet_id("PUBLISH", data, position, end)
@@ -238,10 +240,7 @@ def _read_properties(data: bytes, position: int, end: int) -> tuple[Properties, 
     return decode_properties(cursor, PacketType.PUBLISH), position + cursor.position
 
 
-def _refuse_topic(topic: str, version: ProtocolVersion, body: bytes) -> None:
+def _refuse_topic(topic: str, body: bytes) -> NoReturn:
     if "\0" in topic:
         raise PacketError("the topic has a NUL", body)
-    if topic:
-        raise PacketError("the topic has a wildcard", body, ReasonCode.TOPIC_NAME_INVALID)
-    if version != ProtocolVersion.V5:
-        raise PacketError("PUBLISH has no topic", body, ReasonCode.PROTOCOL_ERROR)
+    raise PacketError("the topic has a wildcard", body, ReasonCode.TOPIC_NAME_INVALID)
