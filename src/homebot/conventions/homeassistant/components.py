@@ -39,7 +39,10 @@ BUILDERS: Mapping[str, tuple[str, str]] = {
     "valve": ("openings", "build_valve"),
     "water_heater": ("climate", "build_water_heater"),
 }
-"""Module and builder by component. Other components are ignored without a log line."""
+"""Module and builder by component, each proven by lines of ``components.jsonl`` in the tests.
+
+Other components are ignored without a log line.
+"""
 
 COMPONENTS = (*BUILDERS, "device")
 """Components of configs: those with a builder, or a whole device."""
