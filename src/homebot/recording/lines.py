@@ -1,8 +1,8 @@
 """Lines of a recording, each a JSON object ``{"at": …, "kind": …, "message": {…}}``. Pure.
 
-*at* is in seconds since the start of the recording, below 0 for what was reported before. *kind* says which message it
-is, in the JSON of rosbridge. Lines are in the order in which they were noted; readers sort them by time, those of one
-moment stay as they are.
+*at* is in seconds since the start of the recording, below 0 for earlier reports. *kind* is the kind of the message,
+in the JSON of rosbridge. Lines are in the order of recording; readers sort them by time, without changing the order
+of one moment.
 
 ==============  ================================  ==============================================================
 kind            message                           meaning

@@ -28,8 +28,8 @@ _MEGABYTE: Final = 1_000_000
 class RecordingFile:
     """A new file, readable by its owner only: it shows when people were at home.
 
-    What does not fit any more is dropped; the last lines then say how much, and that the file is full. It is bounded by
-    the size of its text, before any compression.
+    Lines beyond the bound are dropped; the last lines then have their number, and that the file is full. The bound is
+    on the size of the text, before any compression.
 
     Args:
         path: The file; compressed if the name ends in ``.gz``.

@@ -60,8 +60,8 @@ def command_diff(
         recorded: The commands of the recording, in the order of time.
         replayed: Those of the replay.
         issuers: The full names of the nodes that are compared.
-        ends_at: Where the recording ends, in seconds since its start. What is within 1 s before that and has no
-            counterpart may have one that came too late, and is no difference.
+        ends_at: The end of the recording, in seconds since its start. An unmatched command within 1 s before it is no
+            difference: its counterpart may have come too late.
     """
     before = [one for one in recorded if one.command.issuer in issuers]
     now = [one for one in replayed if one.command.issuer in issuers]
@@ -134,8 +134,8 @@ def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
 def _without_repeats(commands: Iterable[TimedCommand]) -> list[TimedCommand]:
     """Return *commands*, in the order of time, without repetitions by their app within 1 s.
 
-    How often an app says so depends on how busy the computer was: a lamp may report the same three times while an app
-    still acts upon the first. What does something each time, such as a button, and raw texts are no repeats.
+    Their number depends on the load of the computer: a lamp may report the same three times while an app still acts on
+    the first. Commands with an effect each time, such as a press, and raw texts are no repetitions.
     """
     kept: list[TimedCommand] = []
     latest: dict[tuple[str, str, str], TimedCommand] = {}

@@ -1,8 +1,8 @@
 """Devices that the directory knows at the start of a replay, as rows of its index. Pure.
 
-Those that appear in the recording are among them, as devices that went: the id of a new device is made of what the
-directory heard of it first, and of several announcements of one moment it may hear the last alone. So a replay could
-give it another id.
+Devices that appear in the recording are among them, as removed ones: the id of a new device is made of its first
+announcement, and of several announcements of one moment the directory may get the last alone. So a replay could choose
+another id.
 """
 
 from __future__ import annotations

@@ -27,9 +27,8 @@ Tell: TypeAlias = Callable[[Message], Awaitable[None]]
 class ReplayFeed:
     """The messages of gateways in a recording, each at its time.
 
-    Messages of one moment are handed over together, as a burst from the network is, unless somebody gave a command or
-    stated something of a device in between: what comes after it may be its effect. What comes at the moment of a timer
-    comes after the timer.
+    Messages of one moment are published together, as a burst from the network is, unless a command or a statement of
+    the owner was in between: later messages may be its effect. Messages at the moment of a timer come after the timer.
 
     Args:
         recording: The recording; it starts at the present of *clock*.

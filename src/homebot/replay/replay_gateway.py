@@ -1,7 +1,7 @@
 """The muted gateway of a replay: it publishes the recorded messages of a gateway and sends nothing.
 
 It keeps the duties of :mod:`homebot.gateways.base`. Commands are accepted as the recorded gateway did: while it was
-away they are unreachable, and where it only observed they are refused. What a device does then is in the recording.
+away they are unreachable, and where it only observed they are refused. The answer of the device is in the recording.
 """
 
 from __future__ import annotations
