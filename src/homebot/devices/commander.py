@@ -81,18 +81,7 @@ class Commander:
         if part is None:
             return Gone()
         settings = _checked(view.device, part, values, transition, code)
-        trigger = current_trigger()
-        request = CommandRequest(
-            device=view.device.id,
-            part=part.id,
-            settings=settings,
-            transition=float(transition),
-            code=code,
-            issuer=self._node.full_name,
-            scope=(),
-            cause=trigger.id,
-            trigger=trigger,
-        )
+        request = self._request(view.device.id, part.id, settings, transition, code)
         try:
             result = await self._control.call(request, timeout=_LONGEST)
         except ServiceUnavailableError:
@@ -104,6 +93,22 @@ class Commander:
         for reported in result.reported:
             view.record_result(part.id, reported, self._clock.now())
         return outcome_of(result)
+
+    def _request(
+        self, device_id: str, part_id: str, settings: tuple[Setting, ...], transition: float, code: str
+    ) -> CommandRequest:
+        trigger = current_trigger()
+        return CommandRequest(
+            device=device_id,
+            part=part_id,
+            settings=settings,
+            transition=float(transition),
+            code=code,
+            issuer=self._node.full_name,
+            scope=(),
+            cause=trigger.id,
+            trigger=trigger,
+        )
 
     async def send_text(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send a raw text; see :meth:`homebot.devices.Devices.tell`."""

@@ -167,6 +167,25 @@ def at_base(text: str, base: str) -> str:
     return f'{{"base":{compact_json(base)},{text[1:]}'
 
 
+_ACTIONS: Final[Mapping[str, object]] = {
+    "retrieveThing": {
+        "description": "the description of one thing",
+        "safe": True,
+        "idempotent": True,
+        "uriVariables": {"id": {"type": "string", "format": "iri-reference"}},
+        "output": {"type": "object"},
+        "forms": [
+            {
+                "href": "/things/{id}",
+                "op": "invokeaction",
+                "response": {"contentType": TD_TYPE},
+                "htv:methodName": "GET",
+            }
+        ],
+    }
+}
+
+
 def directory_description(title: str, thing_id: str, security: Mapping[str, object]) -> dict[str, object]:
     """Return the description of the directory itself."""
     page = {name: {"type": "integer", "minimum": least} for name, least in (("offset", 0), ("limit", 1))}
@@ -193,23 +212,7 @@ def directory_description(title: str, thing_id: str, security: Mapping[str, obje
                 ],
             }
         },
-        "actions": {
-            "retrieveThing": {
-                "description": "the description of one thing",
-                "safe": True,
-                "idempotent": True,
-                "uriVariables": {"id": {"type": "string", "format": "iri-reference"}},
-                "output": {"type": "object"},
-                "forms": [
-                    {
-                        "href": "/things/{id}",
-                        "op": "invokeaction",
-                        "response": {"contentType": TD_TYPE},
-                        "htv:methodName": "GET",
-                    }
-                ],
-            }
-        },
+        "actions": _ACTIONS,
         "events": {_event_name(name): _event(name) for name in CHANGE_NAMES},
     }
 
