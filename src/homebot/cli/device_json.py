@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.answer import fields_of
+from homebot.cli.json_message import fields_of
 from homebot.cli.time_format import iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import OWNER

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.terminal import progress
 from homebot.cli.time_format import to_seconds
@@ -50,7 +50,7 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
     """Return the results of *convert* for each device that offers *service_type* (all if it is empty), sorted by id."""
     found: dict[str, T] = {}
     if service_type:
-        answer = Answer(door.call(FIND_DEVICES, {"service_type": service_type}))
+        answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type}))
         found = {one.id: convert(one) for one in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
         total = _add_all(door, convert, found)
@@ -132,12 +132,12 @@ def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
     is_served = entities(door, kind="service", name=GET_UNAPPROVED)  # not where nothing is controlled
     fields = door.call(GET_UNAPPROVED, {"device": device}) if is_served else {"devices": [], "reasons": []}
-    return cast("UnapprovedResponse", Answer(fields))
+    return cast("UnapprovedResponse", JsonMessage(fields))
 
 
 def house_time(door: DoorClient) -> float:
     """Return the present time of homebot, in seconds since 1970."""
-    return to_seconds(cast("Time", Answer(door.call("/rosapi/get_time")).time))
+    return to_seconds(cast("Time", JsonMessage(door.call("/rosapi/get_time")).time))
 
 
 def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, T]) -> int:
@@ -162,7 +162,7 @@ def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Calla
     response = door.begin_call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
 
     def page() -> QueryDevicesResponse:
-        answer = cast("QueryDevicesResponse", Answer(response()))
+        answer = cast("QueryDevicesResponse", JsonMessage(response()))
         if not answer.success:
             raise PeerError(answer.message)
         return answer
@@ -173,7 +173,7 @@ def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Calla
 def _near(door: DoorClient, name: str) -> list[Device]:
     """Return the devices that a search for *name* finds, without carrying a whole house; none if they are many."""
     answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
-    page = cast("QueryDevicesResponse", Answer(answer))
+    page = cast("QueryDevicesResponse", JsonMessage(answer))
     return [one.device for one in page.results] if page.total <= _NEAR else []
 
 

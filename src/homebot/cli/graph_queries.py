@@ -7,8 +7,8 @@ import binascii
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypedDict, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.errors import PeerError
@@ -34,7 +34,7 @@ __all__ = [
 
 def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EndpointDetails]:
     """Return the entities of the graph, sorted by name; an empty text means any."""
-    found = Answer(door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node}))
+    found = JsonMessage(door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node}))
     return cast("list[EndpointDetails]", found.endpoints)
 
 

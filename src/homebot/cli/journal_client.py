@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, cast, final
 
-from homebot.cli.answer import Answer, fields_of
 from homebot.cli.door_client import DoorClient
+from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.values import plain_value
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JOURNAL
@@ -82,8 +82,8 @@ class JournalClient:
         """
         return cast("ExplainMissingStateResponse", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
 
-    def _ask(self, service: str, request: Mapping[str, object]) -> Answer:
-        found = Answer(self._door.call(service, request))
+    def _ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        found = JsonMessage(self._door.call(service, request))
         if not found.success:
             raise PeerError(cast("str", found.message))
         names = cast("list[KeyValue]", found.names)

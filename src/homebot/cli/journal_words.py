@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.time_format import ago, from_seconds, to_seconds
 from homebot.cli.values import plain_value, value_text
@@ -132,7 +132,7 @@ def name_text(device: str, names: Mapping[str, str], part: str = "") -> str:
 
 def ago_text(seconds: float, now: float) -> str:
     """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12`` or ``just now, at 10:03:12``."""
-    time = cast("Time", Answer(from_seconds(seconds)))
+    time = cast("Time", JsonMessage(from_seconds(seconds)))
     return f"{ago(time, now).replace('now', 'just now')}, at {clock_text(time, now).rpartition('.')[0]}"
 
 

@@ -6,9 +6,9 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
+from homebot.cli.json_message import JsonMessage
 from homebot.devices.names import GatewayNames
 from homebot.errors import LinkError, RefusedError
 
@@ -108,7 +108,7 @@ class GatewayPublisher:
         service = GatewayNames(gateway).health
         if not entities(self._door, kind="service", name=service):
             return None
-        health = cast("HealthResponse", Answer(self._door.call(service)))
+        health = cast("HealthResponse", JsonMessage(self._door.call(service)))
         counts = {one.name: one.count for one in health.counts}
         return counts if "commands" in counts else None
 
@@ -130,5 +130,5 @@ def gateway_state(door: DoorClient, gateway: str) -> GatewayState | None:
     is_published = entities(door, kind="publisher", name=topic)
     for message in door.until(_STATE_WITHIN if is_published else _STATE_TIMEOUT):
         if message.topic == topic:
-            return cast("GatewayState", Answer(message.message))
+            return cast("GatewayState", JsonMessage(message.message))
     return None

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from homebot.cli.answer import fields_of
+from homebot.cli.json_message import fields_of
 from homebot.devices import Device
 from homebot.errors import ConfigError
 from homebot.messages.json import message_from_json

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import ALIAS_DEVICE
 from homebot.errors import PeerError
@@ -42,7 +42,7 @@ def _alias(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id
         request = {"device": device, "alias": options.name, "remove": options.undo}
-        answer = cast("AliasDeviceResponse", Answer(door.call(ALIAS_DEVICE, request)))
+        answer = cast("AliasDeviceResponse", JsonMessage(door.call(ALIAS_DEVICE, request)))
         if not answer.success:
             raise PeerError(answer.message)
         aliases = ", ".join(map(printable, answer.aliases)) or "none"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device, unapproved
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import APPROVE_DEVICE
 from homebot.errors import PeerError
@@ -43,7 +43,7 @@ def _approve(options: argparse.Namespace) -> int:
         device = named_device(door, options.device).id
         waited = device in unapproved(door, device)
         request = {"device": device, "remove": options.undo}
-        answer = cast("ApproveDeviceResponse", Answer(door.call(APPROVE_DEVICE, request)))
+        answer = cast("ApproveDeviceResponse", JsonMessage(door.call(APPROVE_DEVICE, request)))
         if not answer.success:
             raise PeerError(answer.message)
         print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")

@@ -7,11 +7,11 @@ import getpass
 import math
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.answer import Answer, fields_of
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
+from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.cli.table import printable
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.errors import PeerError
@@ -63,7 +63,7 @@ def _do(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         home = home_name(door)
-        answer = cast("CommandDevicesResponse", Answer(door.call(COMMAND_DEVICES, request, _LONGEST)))
+        answer = cast("CommandDevicesResponse", JsonMessage(door.call(COMMAND_DEVICES, request, _LONGEST)))
         if options.json:
             print(json_text(fields_of(answer)))
         elif not answer.results:

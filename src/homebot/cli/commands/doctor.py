@@ -6,11 +6,11 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import entities
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
@@ -91,9 +91,8 @@ def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:
 
 def _health(door: DoorClient) -> dict[str, HealthResponse]:
     services = [one.name for one in entities(door, kind="service") if one.type == _GET_HEALTH]
-    return {
-        name.removesuffix("/health").strip("/"): cast("HealthResponse", Answer(door.call(name))) for name in services
-    }
+    answers = {name: JsonMessage(door.call(name)) for name in services}
+    return {name.removesuffix("/health").strip("/"): cast("HealthResponse", one) for name, one in answers.items()}
 
 
 def print_gateway(name: str, state: GatewayState | None) -> bool:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
 from homebot.devices.names import FORGET_DEVICE
@@ -48,7 +48,7 @@ def _forget(options: argparse.Namespace) -> int:
         if options.purge:  # before anything is done, so that nothing is done by halves
             for gateway in sorted({one.gateway for one in device.endpoints}):
                 publisher.check(gateway)
-        answer = cast("ForgetDeviceResponse", Answer(door.call(FORGET_DEVICE, {"device": device.id})))
+        answer = cast("ForgetDeviceResponse", JsonMessage(door.call(FORGET_DEVICE, {"device": device.id})))
         if not answer.success:
             raise PeerError(answer.message)
         returns = "" if options.purge else "; it comes back when it sends a message or is announced again"

@@ -9,10 +9,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import positive, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
@@ -126,7 +126,7 @@ def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -
         return next(filter(None, known))
     for received in door.until(timeout):
         if received.topic == DEVICE_CHANGES:
-            change = cast("DeviceChange", Answer(received.message))
+            change = cast("DeviceChange", JsonMessage(received.message))
             if change.kind != "removed" and _is_of(change.device, gateway, key):
                 return change.device.id
     return ""

@@ -6,12 +6,12 @@ import argparse
 import json
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_client import JournalClient, entry_json
 from homebot.cli.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.time_format import ago
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.errors import UsageError
@@ -73,7 +73,7 @@ def _journal(options: argparse.Namespace) -> int:
             elif not found.complete:
                 print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
         while options.follow:
-            entry = cast("JournalEntry", Answer(door.next().message))
+            entry = cast("JournalEntry", JsonMessage(door.next().message))
             if device in {"", entry.device} and options.command_id in {"", entry.command}:
                 client.read_name(entry.device)
                 client.read_name(entry.trigger.device)

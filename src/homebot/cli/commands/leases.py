@@ -6,12 +6,12 @@ import argparse
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import age, from_seconds, iso, to_seconds
@@ -48,7 +48,7 @@ def _leases(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id if options.device else ""
-        parts = cast("LeasesResponse", Answer(door.call(GET_LEASES, {"device": device}))).parts
+        parts = cast("LeasesResponse", JsonMessage(door.call(GET_LEASES, {"device": device}))).parts
         if options.json:
             print(list_text([json_text(_json(one)) for one in parts]))
         elif parts:
@@ -65,7 +65,7 @@ def _leases(options: argparse.Namespace) -> int:
 def _labels(door: DoorClient, parts: Iterable[HeldPart]) -> dict[tuple[str, str], str]:
     """Return the ids of the held devices, each with its part where several take commands."""
     places = [(one.device, one.part) for one in parts]
-    answer = Answer(door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})}))
+    answer = JsonMessage(door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})}))
     simple = {
         one.id
         for one in cast("list[Device]", answer.devices)
@@ -93,7 +93,7 @@ def _rows(label: str, held: HeldPart, now: float) -> Iterator[tuple[str, ...]]:
 
 
 def _left(until: Time, now: float) -> str:
-    return age(cast("Time", Answer(from_seconds(now))), to_seconds(until))
+    return age(cast("Time", JsonMessage(from_seconds(now))), to_seconds(until))
 
 
 def _json(held: HeldPart) -> dict[str, object]:

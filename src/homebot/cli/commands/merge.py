@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import MERGE_DEVICES
 from homebot.errors import PeerError
@@ -43,7 +43,7 @@ def _merge(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         ids = [named_device(door, one).id for one in options.devices]
-        answer = cast("MergeDevicesResponse", Answer(door.call(MERGE_DEVICES, {"devices": ids})))
+        answer = cast("MergeDevicesResponse", JsonMessage(door.call(MERGE_DEVICES, {"devices": ids})))
         if not answer.success:
             raise PeerError(answer.message)
         if len(ids) == 1:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import PLACE_DEVICE
 from homebot.errors import PeerError, UsageError
@@ -66,7 +66,7 @@ def _place(options: argparse.Namespace) -> int:
             "is_new": options.new,
             "may_be_absent": isinstance(known, list),
         }
-        answer = cast("PlaceDeviceResponse", Answer(door.call(PLACE_DEVICE, request)))
+        answer = cast("PlaceDeviceResponse", JsonMessage(door.call(PLACE_DEVICE, request)))
         if not answer.success:
             hint = "" if options.new or "did you mean" not in answer.message else " For another room, add --new"
             raise PeerError(f"{answer.message}{hint}")

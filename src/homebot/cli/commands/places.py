@@ -8,11 +8,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
@@ -92,7 +92,7 @@ def _list(options: argparse.Namespace) -> int:
     """Print the rooms."""
 
     def run(door: DoorClient) -> int:
-        places = cast("GetPlacesResponse", Answer(door.call(GET_PLACES, {})))
+        places = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {})))
         areas = all_devices(door, lambda device: device.area)
         rooms = _rooms(places, areas)
         if options.json:
@@ -146,7 +146,7 @@ def _edit(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         answer = cast(
-            "ChangeRoomResponse", Answer(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
+            "ChangeRoomResponse", JsonMessage(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
         )
         if not answer.success:
             raise PeerError(answer.message)
@@ -169,7 +169,7 @@ def _export(options: argparse.Namespace) -> int:
     """Write the places file."""
 
     def run(door: DoorClient) -> int:
-        text = cast("ExportPlacesResponse", Answer(door.call(EXPORT_PLACES, {}))).text
+        text = cast("ExportPlacesResponse", JsonMessage(door.call(EXPORT_PLACES, {}))).text
         if options.file == "-":
             print(text, end="")
             return 0
@@ -189,7 +189,7 @@ def _import(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         request = {"text": text, "replaces": options.replace}
-        answer = cast("ImportPlacesResponse", Answer(door.call(IMPORT_PLACES, request)))
+        answer = cast("ImportPlacesResponse", JsonMessage(door.call(IMPORT_PLACES, request)))
         if not answer.success:
             raise PeerError(f"{options.file}: {answer.message}")
         for one in answer.added:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.journal_words import issuer_text, settings_text
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import END_LEASES
 from homebot.errors import PeerError
@@ -38,7 +38,7 @@ def _release(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id
-        parts = cast("LeasesResponse", Answer(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
+        parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
         for held in parts:
             for one in held.holders:
                 who = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"

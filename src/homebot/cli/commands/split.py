@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import SPLIT_DEVICE
 from homebot.errors import PeerError
@@ -42,7 +42,7 @@ def _split(options: argparse.Namespace) -> int:
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id
         request = {"device": device, "gateway": options.gateway, "key": options.key}
-        answer = cast("SplitDeviceResponse", Answer(door.call(SPLIT_DEVICE, request)))
+        answer = cast("SplitDeviceResponse", JsonMessage(door.call(SPLIT_DEVICE, request)))
         if not answer.success:
             raise PeerError(answer.message)
         ids = [printable(one) for one in answer.devices]

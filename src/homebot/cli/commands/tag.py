@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.answer import Answer
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import entities
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
 from homebot.errors import PeerError
@@ -90,7 +90,7 @@ def _tag(options: argparse.Namespace, *, remove: bool) -> int:
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id
         request = {"device": device, "tag": options.tag, "remove": remove}
-        answer = cast("TagDeviceResponse", Answer(door.call(TAG_DEVICE, request)))
+        answer = cast("TagDeviceResponse", JsonMessage(door.call(TAG_DEVICE, request)))
         if not answer.success:
             raise PeerError(answer.message)
         print(f"tags of {printable(device)}: {', '.join(map(printable, answer.tags)) or 'none'}")
@@ -142,7 +142,7 @@ def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
     if not (found.device and found.area):
         raise PeerError("the code does not say which device is in which room")
     request = {"device": found.device, "gateway": gateway, "room": found.area}
-    answer = cast("TeachPlaceResponse", Answer(door.call(TEACH_PLACE, request)))
+    answer = cast("TeachPlaceResponse", JsonMessage(door.call(TEACH_PLACE, request)))
     if not answer.success:
         raise PeerError(answer.message)
     print(f"{printable(found.device)} is in {printable(answer.room)} now")
@@ -167,14 +167,14 @@ def _write(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
-def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> Answer:
+def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> JsonMessage:
     """Call a service of the gateway for tags.
 
     Raises:
         PeerError: It failed; or there is none, and the message says how it is turned on.
     """
     try:
-        return Answer(door.call(service, request, timeout))
+        return JsonMessage(door.call(service, request, timeout))
     except PeerError:
         if entities(door, kind="service", name=service):
             raise

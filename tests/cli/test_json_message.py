@@ -6,7 +6,7 @@ from typing import cast
 
 import pytest
 
-from homebot.cli.answer import Answer, fields_of
+from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.devices import Device
 from homebot.devices.health import Count, HealthResponse
 from homebot.errors import WireError
@@ -16,7 +16,7 @@ HEALTH = HealthResponse(counts=(Count(name="late", count=2),), notes=("hot",))
 
 
 def test_an_answer_reads_like_the_message_it_is_of() -> None:
-    answer = cast("HealthResponse", Answer(message_to_json(HEALTH)))
+    answer = cast("HealthResponse", JsonMessage(message_to_json(HEALTH)))
 
     assert [(one.name, one.count) for one in answer.counts] == [("late", 2)]
     assert tuple(answer.notes) == HEALTH.notes
@@ -24,7 +24,7 @@ def test_an_answer_reads_like_the_message_it_is_of() -> None:
 
 
 def test_a_missing_field_names_itself_and_a_likely_reason() -> None:
-    device = cast("Device", Answer({}))
+    device = cast("Device", JsonMessage({}))
 
     with pytest.raises(WireError, match="without the field area; is it of another version"):
         device.area  # noqa: B018 - reading is the test

@@ -1,7 +1,7 @@
-"""Answers of homebot: messages as JSON has them, read by attribute.
+"""Messages as JSON has them, read by attribute.
 
-Typed as the messages themselves, ``cast("Device", Answer(fields))``: to import these, and to check thousands of devices
-once more, takes longer than all else that a command does.
+Typed as the messages themselves, ``cast("Device", JsonMessage(fields))``: to import these, and to check thousands of
+devices once more, takes longer than all else that a command does.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from homebot.errors import WireError
 if TYPE_CHECKING:
     from homebot.messages.message import Message
 
-__all__ = ["Answer", "fields_of"]
+__all__ = ["JsonMessage", "fields_of"]
 
 
 @final
-class Answer:
-    """One message; its fields are attributes, and messages in them are answers as well.
+class JsonMessage:
+    """One message; its fields are attributes, and messages in them likewise.
 
     Args:
         fields: Its fields as JSON has them.
@@ -32,19 +32,19 @@ class Answer:
 
     def __getattr__(self, name: str) -> object:
         try:
-            return _answered(self._fields[name])
+            return _read(self._fields[name])
         except KeyError:
             raise WireError(f"homebot answered without the field {name}; is it of another version?") from None
 
 
 def fields_of(message: Message) -> Mapping[str, object]:
-    """Return the fields of an answer as JSON has them."""
-    return cast("Answer", message)._fields
+    """Return the fields of *message*, a :class:`JsonMessage`, as JSON has them."""
+    return cast("JsonMessage", message)._fields
 
 
-def _answered(value: object) -> object:
+def _read(value: object) -> object:
     if isinstance(value, dict):
-        return Answer(value)
+        return JsonMessage(value)
     if isinstance(value, list):
-        return [_answered(one) for one in value]
+        return [_read(one) for one in value]
     return value
