@@ -113,7 +113,9 @@ class ActingLease:
         elif self._is_sure or (self._is_candidate and is_first):
             self._answer.set()
             if word.says == "ask" and self._is_sure:
-                self._log_other(word)
+                self._warn(
+                    OTHER_OBSERVES, f"another homebot ({word.name or word.id}) started here as well; it only observes"
+                )
         elif self._is_candidate:  # it may have come too late to hear our question, and would hear nothing of us
             self._is_candidate = False
             self._yield_to(word)
@@ -126,7 +128,7 @@ class ActingLease:
         try:
             await self._connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in topics))
         except HomebotError as exc:
-            self._warn_once(exc)
+            self._warn(NOT_ASKED, f"cannot check on {self._topic} whether another homebot sends commands: {exc}")
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._restate_status)
             if self._wants:
@@ -174,7 +176,7 @@ class ActingLease:
         try:
             await self._connection.publish(self._topic, word.model_dump_json().encode(), qos=1)
         except HomebotError as exc:
-            self._warn_once(exc)
+            self._warn(NOT_ASKED, f"cannot check on {self._topic} whether another homebot sends commands: {exc}")
 
     def _yield_to(self, word: _LeaseMessage) -> None:
         is_new = not self.rival
@@ -194,15 +196,6 @@ class ActingLease:
             RESUMED, message=f"sending commands again: the homebot {rival} has stopped", rival=rival
         )
 
-    def _log_other(self, word: _LeaseMessage) -> None:
-        if self._limit.allows(OTHER_OBSERVES) is not None:
-            name = word.name or word.id
-            self._gateway.node.log.warning(
-                OTHER_OBSERVES, message=f"another homebot ({name}) started here as well; it only observes", rival=name
-            )
-
-    def _warn_once(self, exc: HomebotError) -> None:
-        if self._limit.allows(NOT_ASKED) is not None:
-            self._gateway.node.log.warning(
-                NOT_ASKED, message=f"cannot check on {self._topic} whether another homebot sends commands: {exc}"
-            )
+    def _warn(self, event: str, message: str) -> None:
+        if self._limit.allows(event) is not None:
+            self._gateway.node.log.warning(event, message=message)

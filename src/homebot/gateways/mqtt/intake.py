@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
-from operator import length_hint
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
@@ -82,9 +81,7 @@ class AnnouncementHandler:
         self._counters.announcements += 1
         with DuplicateKeys() as repeated:
             for convention in conventions:
-                steps = self._begin(convention, message)
-                if steps is not None:
-                    await self._run_steps(steps, convention, message)
+                await self._read(convention, message)
         if self._accepted:
             is_valid = not self._offended
             self._quarantine.accept(message.topic, message.payload, is_valid=is_valid)
@@ -119,30 +116,18 @@ class AnnouncementHandler:
         """Remove a device after an empty message, which deletes its retained message at the broker."""
         self._remove(stored, "its retained message was deleted")
 
-    def _begin(self, convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None] | None:
-        """Let *convention* read a message; return the events that are left to handle, None if there are none.
-
-        Most messages tell one thing, which is handled at once.
-        """
+    async def _read(self, convention: Convention, message: MqttMessage) -> None:
+        """Handle the events that *convention* finds in a message."""
+        length = len(message.payload)
         try:
             if _takes_slices(type(convention)) and isinstance(convention, SlicedConvention):
-                return iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
-            steps = iter(convention.read_message(message.topic, message.payload, retained=message.retain))
-            event = next(steps, _END)
-            if isinstance(event, DeviceAnnounced):
-                self._describe(event, message, len(message.payload))
+                length = 0  # of each device in a list it is unknown
+                steps = iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
             else:
-                self._handle(event, convention, message, len(message.payload))
-            return steps if length_hint(steps, 1) else None
+                steps = iter(convention.read_message(message.topic, message.payload, retained=message.retain))
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)
-        return None
-
-    async def _run_steps(
-        self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage
-    ) -> None:
-        # The bytes of each device in a list of devices are unknown here.
-        length = 0 if _takes_slices(type(convention)) else len(message.payload)
+            return
         work, taken = TimeSlice(self._clock), 0
         while taken <= MAX_STEPS and self._step(steps, convention, message, length):
             taken += 1
@@ -271,5 +256,5 @@ def _why(stored: StoredAnnouncement, message: MqttMessage) -> str:
 
 @cache
 def _takes_slices(kind: type[Convention]) -> bool:
-    """Return whether reading takes slices: a look at a protocol takes longer than to read a short announcement."""
+    """Return whether *kind* reads in slices; a check of a protocol takes longer than a short announcement."""
     return issubclass(kind, SlicedConvention)

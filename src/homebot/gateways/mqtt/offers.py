@@ -123,10 +123,7 @@ class Offers:
 
     def _next(self) -> Publication:
         """Return the next publication: descriptions come before events."""
-        if not self._waiting:
-            return self._events.popleft()
-        topic = next(iter(self._waiting))
-        return self._waiting.pop(topic)
+        return self._waiting.pop(next(iter(self._waiting))) if self._waiting else self._events.popleft()
 
     async def _publish_anew(self, connection: MqttConnection, exposed: ExposedDevices) -> None:
         async for state in connection.states():

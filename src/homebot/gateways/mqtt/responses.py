@@ -46,12 +46,6 @@ class ResponseCounters:
     responses_unknown: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class _Awaited:
-    command: Command
-    until: float
-
-
 @final
 class Responses:
     """Asks devices for responses, and publishes the answers.
@@ -66,7 +60,7 @@ class Responses:
         self._gateway = gateway
         self._clock = clock
         self._publish = publish
-        self._awaited: BoundedMap[bytes, _Awaited] = BoundedMap(MOST_AWAITED)
+        self._awaited: BoundedMap[bytes, tuple[Command, float]] = BoundedMap(MOST_AWAITED)
 
     def request(self, command: Command, properties: MessageProperties) -> MessageProperties:
         """Return *properties* of a message with *command*, which ask for a response if a caller waits for it."""
@@ -74,7 +68,7 @@ class Responses:
             return properties
         token = secrets.token_hex(_TOKEN).encode()
         until = self._clock.monotonic() + (command.expires_after or math.inf)
-        self._awaited[token] = _Awaited(command, until)
+        self._awaited[token] = command, until
         return self.named(command.id, properties)._replace(response_topic=self.topic, correlation_data=token)
 
     @staticmethod
@@ -88,11 +82,12 @@ class Responses:
         if awaited is None or message.retain:
             self.counters.responses_unknown += 1
             return
-        if self._clock.monotonic() > awaited.until:
+        command, until = awaited
+        if self._clock.monotonic() > until:
             self.counters.responses_late += 1
             return
         self.counters.responses += 1
-        command, problem = awaited.command, problem_of(message.payload)
+        problem = problem_of(message.payload)
         self._publish(
             CommandAnswer(
                 gateway=self._gateway,
