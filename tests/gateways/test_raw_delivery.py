@@ -186,8 +186,8 @@ def test_a_late_text_is_made_when_it_is_asked_for_and_once() -> None:
         return message(number)
 
     for number in range(12):
-        texts.keep_late(partial(make, number), float(number))
-    texts.keep(message(12), 12.0, is_event=False)
+        texts.record_lazy(partial(make, number), float(number))
+    texts.record(message(12), 12.0, is_event=False)
     assert made == []
     for _ in range(2):
         assert [one.payload for one in texts.missed_by(10.0, 12.0)] == [b"10", b"11", b"12"]
@@ -197,9 +197,9 @@ def test_a_late_text_is_made_when_it_is_asked_for_and_once() -> None:
 def test_a_part_that_is_described_anew_takes_over_its_texts() -> None:
     """Those that were not made yet as well."""
     before, now = PartTexts(), PartTexts()
-    before.keep_late(lambda: message(1), 1.0)
-    before.keep(message(2), 2.0, is_event=True)
-    now.take_over(before)
+    before.record_lazy(lambda: message(1), 1.0)
+    before.record(message(2), 2.0, is_event=True)
+    now.copy_texts(before)
     assert [one.payload for one in now.missed_by(0.0, 3.0)] == [b"1", b"2"]
 
 

@@ -241,11 +241,11 @@ class PartTexts:
         self._kept = made
         return made
 
-    def take_over(self, before: PartTexts) -> None:
+    def copy_texts(self, before: PartTexts) -> None:
         """Take over the texts of the same part as it was described *before*."""
         self._kept, self.events = before._kept, before.events
 
-    def keep(self, message: RawMessage, now: float, *, is_event: bool) -> None:
+    def record(self, message: RawMessage, now: float, *, is_event: bool) -> None:
         """Remember a text that came at *now* on the monotonic clock, unless it is long."""
         if len(message.payload) > _KEPT_PAYLOAD:
             return
@@ -254,7 +254,7 @@ class PartTexts:
         else:
             self._kept = (*self._kept[1 - _KEPT :], (now, message))
 
-    def keep_late(self, make: LateText, now: float) -> None:
+    def record_lazy(self, make: LateText, now: float) -> None:
         """Remember a state that came at *now*, with its text made on demand."""
         self._kept = (*self._kept[1 - _KEPT :], (now, make))
 

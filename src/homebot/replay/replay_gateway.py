@@ -81,7 +81,7 @@ class ReplayGateway(Gateway):
                     self.reports.dispose(message.stream)  # it happened once
             case RawMessage():
                 texts = self._texts.setdefault(message.address, PartTexts())
-                texts.keep(message, self._heard_at(message.received_at.to_seconds()), is_event=False)
+                texts.record(message, self._heard_at(message.received_at.to_seconds()), is_event=False)
                 await self._listeners.deliver(message, wait_if_full=True)
 
     def _heard_at(self, stamp: float) -> float:

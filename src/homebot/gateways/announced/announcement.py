@@ -44,8 +44,6 @@ class AnnouncedPart(PartTexts):
     """One part of a described device, as it speaks.
 
     Attributes:
-        stored: The announcement of the part.
-        described: The part.
         address: Where it is listened to: its text address, or the address on which it says text by itself.
         known: The last value of each capability with its reading; None if it reported none.
         names: The capabilities of its last short state, one object for all its states that have the same.
@@ -115,7 +113,6 @@ class AvailabilityReader:
     """One address that tells whether a device, or some of its parts, can be reached.
 
     Attributes:
-        reachability: What it tells.
         index: Which of the sources of that.
     """
 
@@ -128,12 +125,8 @@ class StoredAnnouncement:
     """A device, or one announcement of it, that a gateway publishes.
 
     Attributes:
-        gateway: The gateway.
-        key: The key of the device at that gateway.
-        described: The description.
         excess: Bytes beyond the length that its offers explain.
         stale_after: Seconds of silence after which it counts as stale; 0 for the default of its gateway.
-        parts: Its parts by id.
         reachability: Reported reachability of the device (``""``) and its parts; only of those that report it.
         subscriptions: The filters that its parts are read on.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
@@ -199,7 +192,7 @@ class StoredAnnouncement:
             kind=kind, why=why, confirmed=confirmed, seen_at=at, expires_at=until, heard_at=heard_at
         )
 
-    def take_over_state(self, before: StoredAnnouncement) -> None:
+    def copy_state(self, before: StoredAnnouncement) -> None:
         """Take over the state of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed
         self.heard_at, self.refresh_at = before.heard_at, before.refresh_at
@@ -212,13 +205,13 @@ class StoredAnnouncement:
         self.reachable = known or _NOTHING
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
-                announced_part.take_over(old)
+                announced_part.copy_texts(old)
 
-    def let_go(self) -> None:
+    def detach(self) -> None:
         """Forget its parts, which refer back to it: a removed announcement must not wait for the garbage collector."""
         self.parts, self.reachability, self.subscriptions = {}, _NOTHING, []
 
-    def note_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
+    def record_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
         """Record the published reachability of *part*; most devices report none."""
         if not isinstance(self.reachable, dict):
             self.reachable = {}

@@ -134,7 +134,7 @@ class PublishedDevices:
         self.engine.quarantine.budgets.forget(key)
         self._reporter.dispose_all(stored)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
-        stored.let_go()
+        stored.detach()
 
     async def report(
         self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False
@@ -164,7 +164,7 @@ class PublishedDevices:
         if stored is None or (part in stored.reachable and stored.reachable[part] is reachable):
             return
         self._reporter.refresh_time()
-        stored.note_reachable(part, reachable)
+        stored.record_reachable(part, reachable)
         # Without an address the report would say None: the device no longer reports it.
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
@@ -209,7 +209,7 @@ class PublishedDevices:
         change = self._registry.put(device.described())
         device.complete(change.stored)
         if change.before is not None:
-            change.before.let_go()
+            change.before.detach()
             self._raw.leave(self._given[device.key], unless=device.raw)
         self._given[device.key] = device
         self._raw.enter(device)
@@ -244,7 +244,7 @@ class _RawMessages:
 
     def record(self, message: RawMessage, now: float) -> None:
         if message.address in self._devices:  # else it goes to the text address, on which there are texts to be missed
-            self._last.setdefault(message.address, PartTexts()).keep(message, now, is_event=False)
+            self._last.setdefault(message.address, PartTexts()).record(message, now, is_event=False)
 
     def leave(self, device: GatewayDevice, unless: str = "") -> None:
         last_there = self._devices.get(device.raw)

@@ -142,7 +142,7 @@ class DeviceRegistry:
         stored = StoredAnnouncement(self.gateway, key, described, excess)
         refused, readers = self._enter(stored, before)
         if before is not None:
-            stored.take_over_state(before)
+            stored.copy_state(before)
             self._forget(before)
         self.by_key[key] = stored
         self._parts += len(described.parts)

@@ -45,11 +45,7 @@ class StateReader:
     """The way from messages of state to the graph.
 
     Args:
-        devices: The registered announcements, by key.
-        reporter: Where it is reported.
-        listeners: The subscribers to texts.
         scheduler: Ends values that end by themselves.
-        counters: Of the gateway.
         record_failure: Called with address, convention and error if a convention raised an unexpected exception.
     """
 
@@ -83,7 +79,6 @@ class StateReader:
         """Read a message as the state of parts, and as the availability of devices.
 
         Args:
-            address: Where it came.
             payload: Its bytes; where they are too long for a state, that is only counted.
             announced_parts: The parts that publish there, the parts of one device together.
             availability_readers: The devices and parts with availability there.
@@ -101,10 +96,10 @@ class StateReader:
         for some in _portions(announced_parts):
             if some is not announced_parts:
                 await anyio.lowlevel.checkpoint()
-            for text in self.take(address, payload, some, retained=retained):
+            for text in self.read_parts(address, payload, some, retained=retained):
                 await self._listeners.deliver(text, wait_if_full=wait_if_full)
 
-    def take(
+    def read_parts(
         self, address: str, payload: bytes, announced_parts: Sequence[AnnouncedPart], *, retained: bool
     ) -> Sequence[RawMessage]:
         """Read a message as :meth:`read`, but return the texts to be delivered: none without a listener to texts."""
@@ -131,7 +126,7 @@ class StateReader:
             for expiry in described.expiries:
                 self._schedule_expiry(part, expiry, values)
             if (part.is_plain or _is_brief(values)) and not listened.get(part.address):
-                self._keep_late(part, values, retained)
+                self._record_lazy(part, values, retained)
                 continue
             has_events = has_events or not EVENTS.isdisjoint(values)
             text = self._as_text(part, values, retained=retained)
@@ -163,7 +158,7 @@ class StateReader:
             retained=retained,
             received_at=self._reporter.stamp,
         )
-        part.keep(raw, now, is_event=False)
+        part.record(raw, now, is_event=False)
         await self._listeners.deliver(raw, wait_if_full=wait_if_full)
 
     async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
@@ -177,7 +172,7 @@ class StateReader:
         is_brief = _is_brief(values)
         self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
         if is_brief and not self._listeners.has_listeners(part.address):
-            self._keep_late(part, values, retained)
+            self._record_lazy(part, values, retained)
             return
         text = self._as_text(part, values, retained=retained)
         if text is not None:
@@ -272,10 +267,10 @@ class StateReader:
             return
         if part not in stored.reachable and reachable is None:
             return
-        stored.note_reachable(part, reachable)
+        stored.record_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, shared.address, reachable=reachable, retained=retained)
 
-    def _keep_late(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
+    def _record_lazy(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
         """Keep *values*, and make their text on demand."""
         stored, reporter, names = part.stored, self._reporter, tuple(values)
         if names == part.names:
@@ -283,7 +278,7 @@ class StateReader:
         else:
             part.names = names
         late = stored.gateway, stored.key, part.address, names, tuple(values.values()), reporter.stamp, retained
-        part.keep_late(_new(_LateText, late), reporter.now)
+        part.record_lazy(_new(_LateText, late), reporter.now)
 
     def _as_text(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
@@ -301,7 +296,7 @@ class StateReader:
             retained=retained,
             received_at=self._reporter.stamp,
         )
-        announced_part.keep(raw, self._reporter.now, is_event=not EVENTS.isdisjoint(values))
+        announced_part.record(raw, self._reporter.now, is_event=not EVENTS.isdisjoint(values))
         return raw
 
     def _schedule_expiry(

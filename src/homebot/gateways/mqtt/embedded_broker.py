@@ -34,7 +34,6 @@ async def _hosted(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
 
 
 EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
-"""The service of the host that gateways without an address need."""
 
 
 @asynccontextmanager

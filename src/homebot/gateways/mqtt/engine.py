@@ -57,20 +57,12 @@ class AnnouncedDevices:
     """The engine of one gateway: from its conventions' announcements to devices.
 
     Args:
-        gateway: The gateway.
-        conventions: Its conventions.
-        connection: Its connection.
-        lease: Lets the gateway act while no other homebot does.
-        settings: Its table.
         responses: Asks devices for responses to commands; None if they are not to be asked.
 
     Attributes:
-        counters: The counters of the gateway.
         offers: The devices that homebot offers to others.
         read_text: Takes a message as the text that a part says by itself.
         route: Returns the readers of a topic; None if it has none.
-        secrets: Records the messages with a code.
-        texts: The service of texts and raw messages.
         tick: Advances the time; once before each batch of messages.
         quarantine: Defers messages of sources that break the rules.
     """
@@ -150,8 +142,6 @@ class AnnouncedDevices:
         An empty one takes a device that says text out of the house.
 
         Args:
-            message: The message.
-            route: Its readers.
             raw: Whether to deliver its bytes to the listeners of the topic itself.
         """
         topic, payload = message.topic, message.payload
@@ -200,7 +190,7 @@ class AnnouncedDevices:
         if len(payload) > MAX_STATE_BYTES:
             self.counters.oversize += 1
             return None
-        texts = self._states.take(topic, payload, route.announced_parts, retained=retained)
+        texts = self._states.read_parts(topic, payload, route.announced_parts, retained=retained)
         if texts or self._listeners.by_address.get(topic):
             return self._deliver(texts, message, route)
         return None
@@ -239,7 +229,6 @@ class AnnouncedDevices:
         Raises:
             RefusedError: The broker said no.
             InvalidNameError: The address is no topic.
-            LinkError: There is no link.
         """
         address, payload = command.address, command.payload.encode()
         codec = self._registry.codecs.get(address)
@@ -331,7 +320,6 @@ class AnnouncedDevices:
         """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
 
         Args:
-            missed: The readers of each topic.
             taken: The topic of the message that was just taken.
         """
         for topic, reader in missed:

@@ -32,7 +32,6 @@ GRACE = 10.0
 Zigbee2MQTT renames a device by taking it back and announcing it two seconds later.
 """
 
-
 MAX_STEPS = 100_000
 """Steps of one message: a convention that never ends must not hold the gateway."""
 
@@ -43,12 +42,8 @@ class AnnouncementHandler:
     """The way from announcements to sightings.
 
     Args:
-        clock: Says when others should have a turn.
-        engine: The mechanisms of the gateway.
-        registry: The registered announcements.
         reserved: The topics on which no device is told anything.
         on_change: Told of every description that was taken, after its sighting.
-        on_removal: Told when one is gone.
         on_question: Called with the request that a convention wants to send to a device.
     """
 
@@ -200,7 +195,7 @@ class AnnouncementHandler:
                 self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
         self._on_change(change)
         if before is not None:
-            before.let_go()
+            before.detach()
 
     def _publish_sighting(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None, message: MqttMessage
@@ -243,7 +238,7 @@ class AnnouncementHandler:
         self._quarantine.budgets.forget(stored.described.topic)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         self._reporter.dispose_all(stored)
-        stored.let_go()
+        stored.detach()
         self._on_removal()
 
 

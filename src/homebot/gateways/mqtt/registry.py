@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
@@ -25,7 +25,6 @@ __all__ = ["AnnouncementRegistry", "TopicReaders"]
 _MAX_ROUTES = 50_000
 _MAX_GROUPS = 64
 """Groups of conventions that find announcements on the same topics: few, however many topics there are."""
-
 
 _FEW_PARTS = 100
 """Parts that may read one message in one go."""
@@ -60,12 +59,6 @@ class TopicReaders(NamedTuple):
 
 class AnnouncementRegistry(DeviceRegistry):
     """The announcements of all conventions of one gateway.
-
-    Args:
-        gateway: Its name.
-        conventions: The conventions.
-        topics: Counts which state topics are needed.
-        bounds: How much may stand at once.
 
     Attributes:
         codecs: How parts say text, by the topics on which they are told.
@@ -198,7 +191,7 @@ class AnnouncementRegistry(DeviceRegistry):
             self._remove_reader(topic_filter, part)
 
     def _forget_routes(self, topic_filter: str) -> None:
-        if "+" in topic_filter or "#" in topic_filter:
+        if has_wildcard(topic_filter):
             self._routes.clear()
         else:
             self._routes.pop(topic_filter, None)
@@ -212,23 +205,28 @@ class AnnouncementRegistry(DeviceRegistry):
             if text is None:
                 texts = tuple(one for one in conventions if one in self._text_conventions)
             conventions = tuple(one for one in conventions if one not in self._text_conventions)
-        if not readers and text is None:  # announcements are many, and few of them come again
-            if conventions or texts:
-                return self._announcement_readers(conventions, texts)
-            route = None
-        else:
-            availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
-            announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
-            only_text = None if conventions or readers else text
-            others = conventions or texts or text or availability_readers
-            only_states = not others and len(announced_parts) <= _FEW_PARTS
-            route = TopicReaders(
-                conventions, texts, text, only_text, availability_readers, announced_parts, only_states
-            )
+        if not readers and text is None and (conventions or texts):
+            return self._announcement_readers(conventions, texts)  # announcements are many, and few of them come again
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
-        self._routes[topic] = route
+        route = self._routes[topic] = _route_of(conventions, texts, text, readers)
         return route
+
+
+def _route_of(
+    conventions: tuple[Convention, ...],
+    texts: tuple[Convention, ...],
+    text: AnnouncedPart | None,
+    readers: Sequence[AnnouncedPart | AvailabilityReader],
+) -> TopicReaders | None:
+    if not readers and text is None:
+        return None
+    availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
+    announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
+    only_text = None if conventions or readers else text
+    others = conventions or texts or text or availability_readers
+    only_states = not others and len(announced_parts) <= _FEW_PARTS
+    return TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts, only_states)
 
 
 class _Routes(dict[str, TopicReaders | None]):
@@ -243,7 +241,7 @@ class _Routes(dict[str, TopicReaders | None]):
 
 
 def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hashable:
-    """Return the key of what *availability* tells: the device with it; only the announcement if that names none."""
+    """Return the key of a shared *availability*: its device, or the announcement if that names no device."""
     device = stored.described.identifiers or stored.key
     try:
         hash(availability)

@@ -36,7 +36,6 @@ class ResponseCounters:
     """Counters of responses.
 
     Attributes:
-        responses: Responses to a command in its time.
         responses_late: Those that came after the command had expired.
         responses_unknown: Those to no known command.
     """
