@@ -31,35 +31,41 @@ def test_a_test_without_a_loop_has_a_broker_too(mqtt_broker_thread):
 """
 
 
-def run(pytester: pytest.Pytester, mark: str, *options: str) -> pytest.RunResult:
+def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
+    """Run the tests that were made, in this process."""
+    scope = () if "no:asyncio" in options else ("-o", "asyncio_default_fixture_loop_scope=function")
+    return pytester.runpytest_inprocess("-p", "no:cacheprovider", "--strict-markers", *scope, *options)
+
+
+def use(pytester: pytest.Pytester, mark: str, *options: str) -> pytest.RunResult:
     pytester.makepyfile(test_use=USE.format(mark=mark, payload="37", text="7"))
-    return pytester.runpytest_subprocess("-p", "no:cacheprovider", *options)
+    return run(pytester, *options)
 
 
 def test_it_works_with_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
-    run(pytester, "@pytest.mark.asyncio\n", "-p", "no:anyio").assert_outcomes(passed=2)
+    use(pytester, "@pytest.mark.asyncio\n", "-p", "no:anyio").assert_outcomes(passed=2)
 
 
 def test_it_works_with_pytest_asyncio_in_auto_mode(pytester: pytest.Pytester) -> None:
-    run(pytester, "", "--asyncio-mode=auto").assert_outcomes(passed=2)
+    use(pytester, "", "--asyncio-mode=auto").assert_outcomes(passed=2)
 
 
 def test_it_works_with_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
     pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
-    run(pytester, "@pytest.mark.anyio\n", "-p", "no:asyncio").assert_outcomes(passed=2)
+    use(pytester, "@pytest.mark.anyio\n", "-p", "no:asyncio").assert_outcomes(passed=2)
 
 
 def test_it_works_without_any_of_them(pytester: pytest.Pytester) -> None:
-    run(pytester, "", "-p", "no:asyncio", "-p", "no:anyio").assert_outcomes(passed=2)
+    use(pytester, "", "-p", "no:asyncio", "-p", "no:anyio").assert_outcomes(passed=2)
 
 
 def test_it_works_where_pytest_asyncio_leaves_a_test_alone(pytester: pytest.Pytester) -> None:
-    run(pytester, "").assert_outcomes(passed=2)
+    use(pytester, "").assert_outcomes(passed=2)
 
 
 def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(test_use=USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9"))
-    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result = run(pytester)
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(
         [
@@ -128,7 +134,7 @@ async def test_after_what_was_allowed(mqtt_broker_session):
 
 def test_a_test_whose_client_breaks_the_protocol_fails_unless_it_is_allowed(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(test_breach=BREACH)
-    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers")
+    result = run(pytester)
     result.assert_outcomes(passed=5, errors=2)
     result.stdout.fnmatch_lines(
         [
@@ -149,7 +155,7 @@ def test_a_mark_that_cannot_be_used_says_why(pytester: pytest.Pytester) -> None:
         "@pytest.mark.mqtt_broker(5)\ndef test_a_bare_value(mqtt_broker): pass\n\n"
         "@pytest.mark.mqtt_broker(tls=1)\ndef test_a_wrong_type(mqtt_broker_thread): pass\n"
     )
-    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers")
+    result = run(pytester)
     result.assert_outcomes(errors=3)
     result.stdout.fnmatch_lines(
         [
@@ -166,4 +172,4 @@ def test_the_mark_nearest_to_a_test_counts_most(pytester: pytest.Pytester) -> No
         "@pytest.mark.mqtt_broker(tls=False)\ndef test_both(mqtt_broker):\n"
         "    assert (mqtt_broker.settings.keep_alive, mqtt_broker.settings.tls) == (5, False)\n"
     )
-    pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers").assert_outcomes(passed=1)
+    run(pytester).assert_outcomes(passed=1)
