@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     from homebot.log import configure_logging
     from homebot.messages import Message, ServiceType
     from homebot.runtime import Runtime
+    from homebot.version import __version__
 
 __all__ = [
     "AirConditioner",
@@ -177,8 +178,6 @@ __all__ = [
     "run",
 ]
 
-__version__ = "0.1.0"
-
 _NAMES = {
     "homebot.apps": "App",
     "homebot.cli.script": "run",
@@ -207,6 +206,7 @@ _NAMES = {
     "homebot.log": "configure_logging",
     "homebot.messages": "Message ServiceType",
     "homebot.runtime": "Runtime",
+    "homebot.version": "__version__",
 }
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 

@@ -16,12 +16,12 @@ from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import Final
 
-import homebot
 from homebot.cli.arguments import add_global_options, unused_option
 from homebot.cli.completion import SHELLS, PrintCompletion
 from homebot.cli.parser import CommandParser
 from homebot.errors import HomebotError
 from homebot.support.output import clean_output
+from homebot.version import __version__
 
 __all__ = ["gc_paused", "main", "make_parser"]
 
@@ -102,7 +102,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"homebot {homebot.__version__}")
+    parser.add_argument("--version", action="version", version=f"homebot {__version__}")
     parser.add_argument(
         "--print-completion",
         action=PrintCompletion,

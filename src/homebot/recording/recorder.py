@@ -14,7 +14,6 @@ from typing import Final, TypeAlias, final
 import anyio
 from anyio.abc import TaskStatus
 
-import homebot
 from homebot.devices import FIND_DEVICES, Devices, FindDevices, GatewayNames, RawMessage, Sighting, gateway_of
 from homebot.devices.gateway_messages import GatewayState, Report
 from homebot.devices.journal_messages import JournalEntry
@@ -40,6 +39,7 @@ from homebot.recording.lines import (
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
+from homebot.version import __version__
 
 __all__ = ["Recorder", "RunFacts"]
 
@@ -139,7 +139,7 @@ class Recorder:
         facts = self._facts
         header = RecordingHeader(
             format=FORMAT,
-            version=homebot.__version__,
+            version=__version__,
             home=facts.home,
             started_at=Time.from_seconds(self._started_at),
             trusts_apps=facts.trusts_apps,
