@@ -178,7 +178,7 @@ class _PartsBuilder:
 
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    part = described.part.with_checked(payloads=payload_digest(announced)).slimmed()
+    part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
     return replace(described, part=part)
 
 

@@ -106,7 +106,7 @@ class CommissioningGateway(Protocol):
 
     @property
     def acts(self) -> bool:
-        """Whether commands are sent."""
+        """True if commands are sent."""
 
     @property
     def observes_because(self) -> str:
