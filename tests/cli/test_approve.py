@@ -38,7 +38,7 @@ def index_node(graph: Graph) -> Node:
     )
     index.observe(sighting(2, "Double switch", "Hall").model_copy(update={"parts": gangs}), NOW)
     persistence = IndexPersistence(node, index, None)
-    DirectoryServices(node, index, persistence, lambda at_most: len(index.take_changes(at_most)) >= at_most).register()
+    DirectoryServices(node, index, persistence, lambda at_most: len(index.pop_changes(at_most)) >= at_most).register()
     control = Control(Node(graph, "control"))
     control.register()
     return node

@@ -66,7 +66,7 @@ def index_node(index: DeviceIndex, graph: Graph) -> Node:
     for number, (name, area) in enumerate((("Desk lamp", "Study"), ("Ceiling", ""))):
         index.observe(sighting(number, name, area), NOW)
     persistence = IndexPersistence(node, index, None)
-    DirectoryServices(node, index, persistence, lambda at_most: len(index.take_changes(at_most)) >= at_most).register()
+    DirectoryServices(node, index, persistence, lambda at_most: len(index.pop_changes(at_most)) >= at_most).register()
     return node
 
 

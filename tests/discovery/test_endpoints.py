@@ -73,12 +73,12 @@ def test_it_is_one_device_with_an_endpoint_for_each_gateway(lamp: Device) -> Non
 def test_a_gateway_at_which_it_is_silent_is_stale_and_used_last_while_the_device_is_fresh(
     index: DeviceIndex, lamp: Device, hear: Hear
 ) -> None:
-    index.take_changes()
+    index.pop_changes()
     hear("cable", 1000.0)
-    index.take_changes()
+    index.pop_changes()
     assert index.next_deadline() == HOUR
     assert index.expire(HOUR) == 0, "the device is not stale"
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert (change.kind, change.why) == ("changed", "it has been silent for too long over radio")
     assert change.device.freshness == "fresh"
     assert life(change.device) == [("cable", "fresh", "unknown"), ("radio", "stale", "unknown")]
@@ -90,9 +90,9 @@ def test_a_gateway_that_hears_it_again_is_fresh_and_in_its_old_place(
 ) -> None:
     hear("cable", 1000.0)
     index.expire(HOUR)
-    index.take_changes()
+    index.pop_changes()
     hear("radio", 4000.0)
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert change.why == "it reported again over radio"
     assert life(change.device) == [("radio", "fresh", "unknown"), ("cable", "fresh", "unknown")]
     assert routes(change.device) == ["radio", "cable"]
@@ -111,13 +111,13 @@ def test_one_that_was_stale_everywhere_returns_over_the_gateway_that_hears_it(
 def test_the_route_that_says_that_it_cannot_be_reached_there_comes_last(
     index: DeviceIndex, lamp: Device, hear: Hear
 ) -> None:
-    index.take_changes()
+    index.pop_changes()
     hear("radio", 10.0, "reachable", value=False)
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert life(change.device) == [("cable", "fresh", "unknown"), ("radio", "fresh", "no")]
     assert routes(change.device) == ["cable", "radio"]
     hear("radio", 11.0, "reachable", value=True)
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert routes(change.device) == ["radio", "cable"]
 
 

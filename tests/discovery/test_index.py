@@ -45,7 +45,7 @@ def sighting(
 def observe(index: DeviceIndex, one: Sighting) -> DeviceChange | None:
     """Take a sighting in and return what it changes."""
     index.observe(one)
-    changes = index.take_changes()
+    changes = index.pop_changes()
     assert len(changes) <= 1
     return changes[0] if changes else None
 
@@ -53,7 +53,7 @@ def observe(index: DeviceIndex, one: Sighting) -> DeviceChange | None:
 def expire(index: DeviceIndex, now: float, at_most: int | None = None) -> tuple[DeviceChange, ...]:
     """Return what the passing of time changes."""
     index.expire(now, at_most)
-    return index.take_changes()
+    return index.pop_changes()
 
 
 @pytest.fixture
@@ -262,7 +262,7 @@ def test_what_is_told_holds_all_that_its_types_ask_for(index: DeviceIndex) -> No
             received_at=Time.from_seconds(1),
         )
     )
-    changes, states = index.take_changes(), index.take_states()
+    changes, states = index.pop_changes(), index.pop_states()
 
     assert changes[0].device.states
     for change in changes:

@@ -107,7 +107,7 @@ def test_every_announcement_belongs_to_one_device_and_every_change_tells_a_consi
             index.report(report(key, now, what=what))
         index.expire(now)
         last = index.sequence
-        for change in index.take_changes():
+        for change in index.pop_changes():
             assert change.sequence == last + 1
             last = change.sequence
             assert (change.kind == "appeared") == (change.device.id not in there)

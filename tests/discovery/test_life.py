@@ -34,13 +34,13 @@ def after(index: DeviceIndex, one: Sighting | Report) -> list[str]:
         index.observe(one)
     else:
         index.report(one)
-    return [change.kind for change in index.take_changes()]
+    return [change.kind for change in index.pop_changes()]
 
 
 def expire(index: DeviceIndex, now: float) -> tuple[DeviceChange, ...]:
     while index.expire(now):
         pass
-    return index.take_changes()
+    return index.pop_changes()
 
 
 def freshness(index: DeviceIndex) -> str:
@@ -107,7 +107,7 @@ def test_a_device_that_said_live_that_it_is_online_may_be_silent_for_a_day(
     for one in (said, kept):
         index.observe(one)
         index.report(tell(one, REACHABLE, True, at=5, retained=one is kept))
-    index.take_changes()
+    index.pop_changes()
     assert [one.device.id for one in expire(index, DAY)] == ["kept"]
     assert [one.device.id for one in expire(index, DAY + 5)] == ["said"]
 
@@ -126,7 +126,7 @@ def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
     assert after(index, other) == ["appeared"]
     alive = lamp.model_copy(update={"confirmed": True, "seen_at": other.seen_at, "expires_at": other.expires_at})
     index.observe(alive)
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert (change.kind, change.device.id) == ("appeared", "lamp")
     assert change.why.startswith("it returned")
     assert sorted(one.id for one in index.devices()) == ["lamp", "lamp_0001"]
@@ -164,7 +164,7 @@ def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
     lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
     after(index, lamp)
     assert index.forget("lamp", 5.0) == (("mqtt", "homeassistant/l/aabbccddeeff/config"),)
-    assert [one.kind for one in index.take_changes()] == ["removed"]
+    assert [one.kind for one in index.pop_changes()] == ["removed"]
     assert after(index, lamp) == []
     assert after(index, lamp.model_copy(update={"confirmed": True})) == ["appeared"]
     assert index.forget("nobody", 5.0) is None
@@ -221,10 +221,10 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     index.observe(announce("l", part("light", "on_off", id="l"), ids=("id:lamp",)))
     for one in old:
         index.report(one.model_copy(update={"retained": True}))
-    index.take_changes()
+    index.pop_changes()
     (device,) = index.devices()
     assert [(one.part, one.capability) for one in device.states] == [("l", "on_off")]
-    assert [state.capability for one in index.take_states() for state in one.states] == ["on_off"]
+    assert [state.capability for one in index.pop_states() for state in one.states] == ["on_off"]
     assert not index.find(parse_query("level > 1"))
 
 
@@ -251,7 +251,7 @@ def test_states_are_told_where_somebody_wants_them(
     index.collect(states=True)
     index.report(tell(lamp, "on_off", True, part="l", at=2))
     index.report(tell(lamp, "on_off", False, part="l", at=3))
-    changes, states = index.take_changes(), index.take_states()
+    changes, states = index.pop_changes(), index.pop_states()
     (change,) = states
     assert [(one.value.plain(), one.since.sec) for one in change.states] == [(False, 3)]
     assert (change.device, change.sequence) == ("lamp", changes[-1].sequence + 1)
@@ -268,7 +268,7 @@ def test_new_values_of_one_message_are_one_change(
     for at, level in ((1, 5.0), (2, 6.0)):
         on, off = tell(lamp, "on_off", True, part="l", at=at), tell(lamp, "level", level, part="l", at=at)
         index.report(on.model_copy(update={"readings": (*on.readings, *off.readings)}))
-    both, level_alone = index.take_states()
+    both, level_alone = index.pop_states()
     assert [(one.capability, one.value.plain()) for one in both.states] == [("on_off", True), ("level", 5.0)]
     assert [(one.capability, one.value.plain()) for one in level_alone.states] == [("level", 6.0)]
     assert both.stream != level_alone.stream

@@ -31,7 +31,7 @@ def after(index: DeviceIndex, *sightings: Sighting) -> tuple[DeviceChange, ...]:
     """Return what the sightings change."""
     for one in sightings:
         index.observe(one)
-    return index.take_changes()
+    return index.pop_changes()
 
 
 def kinds(changes: tuple[DeviceChange, ...]) -> list[tuple[str, str, str]]:
@@ -79,7 +79,7 @@ def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
     index.observe(announce("l", part(), ids=(MAC,)).model_copy(update={"why": "its description changed"}))
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert (change.kind, change.why) == ("appeared", "it was announced")
 
 

@@ -62,7 +62,7 @@ def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
 def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(lamp: Sighting) -> None:
     index = index_of()
     index.observe(lamp, 0.0)
-    index.take_changes()
+    index.pop_changes()
     assert index.places.place("lamp", "kitchen", 7.0) == "Kitchen"
     device = got(index, "lamp")
     assert (device.area, device.outer_areas) == ("Kitchen", ("Downstairs", "Home"))
@@ -71,7 +71,7 @@ def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(la
         ("Study", "homeassistant", "homeassistant:l", "mqtt"),
     ]
     assert device.facts[0].said_at == Time.from_seconds(7.0)
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert (change.kind, change.why, change.device) == ("changed", "the owner placed it in Kitchen", device)
     assert index.places.unplace("lamp") == "Study"
     assert got(index, "lamp").outer_areas == ("Home",)
@@ -116,8 +116,8 @@ def test_aliases_and_tags_add_up_and_are_taken_back(lamp: Sighting) -> None:
         ("Corner lamp", "Reading lamp", "Lamp"),
         ("Night",),
     )
-    assert index.places.take_back("lamp", "name", "CORNER LAMP") == ("Reading lamp",)
-    assert index.places.take_back("lamp", "tag", "night") == ()
+    assert index.places.withdraw("lamp", "name", "CORNER LAMP") == ("Reading lamp",)
+    assert index.places.withdraw("lamp", "tag", "night") == ()
     assert got(index, "lamp").name == "Reading lamp"
 
 
@@ -187,9 +187,9 @@ def test_a_command_outranks_the_configuration_until_it_is_taken_back(lamp: Sight
     with pytest.raises(RefusedError, match="'Hall' is stated in the configuration"):
         index.places.unplace("lamp")
     with pytest.raises(RefusedError, match="'night' is stated in the configuration"):
-        index.places.take_back("lamp", "tag", "night")
+        index.places.withdraw("lamp", "tag", "night")
     with pytest.raises(RefusedError, match="no command gave it to lamp, which has night"):
-        index.places.take_back("lamp", "tag", "day")
+        index.places.withdraw("lamp", "tag", "day")
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))

@@ -75,7 +75,7 @@ def export(index: DeviceIndex) -> str:
 
 
 def take(index: DeviceIndex, text: str, *, replaces: bool = False) -> Imported:
-    return done(index.places_exchange.take(parse_places(text, "Home", 9.0), replaces=replaces))
+    return done(index.places_exchange.apply(parse_places(text, "Home", 9.0), replaces=replaces))
 
 
 def stated(index: DeviceIndex) -> dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]]:
@@ -133,9 +133,9 @@ def test_an_import_is_of_a_device_that_went_and_of_no_other_that_was_split_off()
 def test_devices_hear_of_a_room_that_moved() -> None:
     index = house(0, 1)
     index.places.place("lamp", "Hall", 1.0)
-    index.take_changes()
+    index.pop_changes()
     take(index, "[places.rooms.hall]\nfloor = 'Downstairs'")
-    (change,) = index.take_changes()
+    (change,) = index.pop_changes()
     assert (change.device.id, change.device.outer_areas) == ("lamp", ("Downstairs", "Home"))
 
 

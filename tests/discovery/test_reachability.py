@@ -51,12 +51,12 @@ def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks
     index.report(tell(meter, "power", 5.0, part="m", at=1))
     index.report(tell(lamp, REACHABLE, False, at=2))
     assert (only(index).reachable.state, only(index).offline_parts) == ("no", ("l",))
-    index.take_changes()
+    index.pop_changes()
     index.report(tell(meter, "power", 6.0, part="m", at=3))
     device = only(index)
     assert (device.reachable.state, device.offline_parts) == ("unknown", ("l",))
     assert device.reachable.why == "homeassistant:lamp is offline, but homeassistant:meter reported since"
-    assert [one.kind for one in index.take_changes()] == ["changed"]
+    assert [one.kind for one in index.pop_changes()] == ["changed"]
     assert not index.find(parse_query("offline"))
 
 

@@ -176,7 +176,7 @@ async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends(
 
     def publish(at_most: int) -> bool:
         clock.advance(0.006)
-        return len(index.take_changes(at_most)) >= at_most
+        return len(index.pop_changes(at_most)) >= at_most
 
     async with (
         Node(graph, "discovery") as node,

@@ -243,14 +243,14 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
 
     after = DeviceIndex(forget_after=1000.0, first_sequence=100)
     after.restore(read_entry("lamp", text), now=9000.0)
-    (change,) = after.take_changes()
+    (change,) = after.pop_changes()
     device = change.device
     assert (change.kind, device.id, device.freshness, device.last_seen.sec) == ("appeared", "lamp", "unconfirmed", 6)
     assert (device.first_seen.sec, device.expires.sec) == (5, 12600)
     assert [len(one.routes) for one in device.parts] == [2]
     assert device.evidence == index.devices()[0].evidence
     after.observe(announce("l", lamp.parts[0], ids=("mac:aabbccddeeff",), name="Renamed", at=9001))
-    assert after.take_changes() == ()
+    assert after.pop_changes() == ()
 
 
 def test_a_device_that_a_newer_homebot_wrote_is_read_without_what_is_new(announce: Announce, part: MakePart) -> None:

@@ -87,8 +87,8 @@ class ChangeQueue:
         self.states: list[NewStates] = []
         self.growing: dict[str, _PendingChange] = {}
 
-    def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
-        """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
+    def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
+        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
         pending = self._last.get(entry.id)
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
@@ -97,8 +97,8 @@ class ChangeQueue:
         self.pending.append(change)
         self._last[entry.id] = change
 
-    def note_growth(self, entry: Entry, why: str) -> None:
-        """Note a further announcement of *entry*; it goes into the next change, at the latest at the end of growth."""
+    def add_growth(self, entry: Entry, why: str) -> None:
+        """Add a further announcement of *entry*; it goes into the next change, at the latest at the end of growth."""
         if entry.id not in self._last:
             self.growing[entry.id] = _PendingChange("changed", entry, why, "")
 
@@ -108,8 +108,8 @@ class ChangeQueue:
         self.pending += self.growing.values()
         self.growing.clear()
 
-    def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
-        """Note that *entry* goes; it is published as it is now."""
+    def add_removal(self, entry: Entry, why: str, other: str = "") -> None:
+        """Add the removal of *entry*; it is published as it is now."""
         device = entry.to_device(self._topics)
         self.growing.pop(entry.id, None)
         if self._last.pop(entry.id, None) is not None:
@@ -123,14 +123,14 @@ class ChangeQueue:
         self._events = (self._events + 1) % _EVENTS
         return str(self._events)
 
-    def note_states(self, states: NewStates) -> None:
-        """Note new values, or one event; while 10,000 wait, they are dropped and counted."""
+    def add_states(self, states: NewStates) -> None:
+        """Add new values, or one event; while 10,000 wait, they are dropped and counted."""
         if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
         else:
             self.states.append(states)
 
-    def take(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
+    def pop(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and the disputes they caused, and forget them.
 
         Args:
@@ -145,7 +145,7 @@ class ChangeQueue:
             found += self._changes(one)
         return tuple(found)
 
-    def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
+    def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; changes of a removed part are left out.
 
         Args:

@@ -91,11 +91,11 @@ class DeviceTable:
         self.collects_states = False
         self.collects_settings = False
 
-    def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
-        """Note a change of *entry*, which makes its message and its postings out of date."""
+    def record_change(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
+        """Record a change of *entry*, which makes its message and its postings out of date."""
         entry.invalidate_device()
         self.outdated[entry.id] = None
-        self.changes.note(kind, entry, why, other)
+        self.changes.add(kind, entry, why, other)
 
     def drop(self, entry: Entry) -> None:
         """Remove *entry*, but not its announcements."""

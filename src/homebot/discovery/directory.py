@@ -351,14 +351,14 @@ class Directory:
             await self._settings_changed.wait()
             await anyio.sleep(_SETTINGS_PAUSE)
             self._settings_changed = anyio.Event()
-            changed = self.index.settings.take()
+            changed = self.index.settings.pop()
             while some := tuple(islice(changed, _FEW)):
                 self._settings.publish(ChangedSettings(changes=some))
                 await anyio.lowlevel.checkpoint()
 
     def _publish_some(self, at_most: int) -> bool:
         """Publish so many changes and, after the last one, new states; return whether more may wait."""
-        changes = self.index.take_changes(at_most)
+        changes = self.index.pop_changes(at_most)
         for change in changes:
             self._services.remember(change)
             self._changes.publish(change)
@@ -371,7 +371,7 @@ class Directory:
         return self.index.has_states
 
     def _publish_states(self, at_most: int) -> None:
-        for state in self.index.take_states(at_most):
+        for state in self.index.pop_states(at_most):
             self._states.publish(state)
 
     def _log(self, change: DeviceChange) -> None:

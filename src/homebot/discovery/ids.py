@@ -111,11 +111,11 @@ class Tombstones:
 
     def put(self, tombstone: Tombstone) -> Tombstone | None:
         """Remember *tombstone*; return the one that is forgotten for it, if any."""
-        self.take(tombstone.id)
+        self.pop(tombstone.id)
         self.by_id[tombstone.id] = tombstone
         self._by_key.update(dict.fromkeys(tombstone.keys, tombstone.id))
         self._by_hardware.update(dict.fromkeys(tombstone.hardware, tombstone.id))
-        return self.take(next(iter(self.by_id))) if len(self.by_id) > self._at_most else None
+        return self.pop(next(iter(self.by_id))) if len(self.by_id) > self._at_most else None
 
     def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
         """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
@@ -130,7 +130,7 @@ class Tombstones:
         """Return the record of the removed device."""
         return self.by_id.get(device_id)
 
-    def take(self, device_id: str) -> Tombstone | None:
+    def pop(self, device_id: str) -> Tombstone | None:
         """Forget the removed device, and return its record."""
         tombstone = self.by_id.pop(device_id, None)
         if tombstone is not None:

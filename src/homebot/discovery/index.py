@@ -1,7 +1,7 @@
 """The index: the devices, their services, and the freshness of that knowledge. Pure; it is given the time.
 
 It holds devices, not topics: with any number of messages, announcements and addresses, a device is one entry. Changes
-of devices are collected until :meth:`DeviceIndex.take_changes`, so that a device that is announced in thirty
+of devices are collected until :meth:`DeviceIndex.pop_changes`, so that a device that is announced in thirty
 messages is published once.
 """
 
@@ -50,7 +50,7 @@ class DeviceIndex:
     Attributes:
         counters: Counts of dropped and refused inputs.
         owner: The owner's statements on devices.
-        take_changes: Returns the changes, at most so many or all, oldest first, and forgets them; several changes
+        pop_changes: Returns the changes, at most so many or all, oldest first, and forgets them; several changes
             of one device are one change.
         next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
         is_due_before: Returns whether it has something to do before a time of that clock.
@@ -69,7 +69,7 @@ class DeviceIndex:
         table = DeviceTable(first_sequence, owner or OwnerFacts())
         self.counters = table.counters
         self.tombstones = table.tombstones
-        self.take_changes = table.changes.take
+        self.pop_changes = table.changes.pop
         self.owner = table.owner
         self._table = table
         self._sources = table.sources
@@ -147,7 +147,7 @@ class DeviceIndex:
         """Take in a new announcement, and the reports that waited for it."""
         self._intake.add(key, sighting)
         now = self._liveness.now
-        for report in self._pending.take(key, now) if key in self._sources else ():
+        for report in self._pending.pop(key, now) if key in self._sources else ():
             self.report(report, now)
 
     def _revived(self, key: SourceKey, report: Report) -> SourceRecord | None:
@@ -168,7 +168,7 @@ class DeviceIndex:
             How many were made; ask again until it is none.
         """
         made = 0
-        while (at_most is None or made < at_most) and (entry := self._liveness.take_silent(now)) is not None:
+        while (at_most is None or made < at_most) and (entry := self._liveness.pop_silent(now)) is not None:
             made += 1
             if entry.freshness == "stale":
                 at = self._liveness.forgotten_at(entry)
@@ -222,15 +222,15 @@ class DeviceIndex:
         """True if changes of states wait to be taken."""
         return bool(self._table.changes.states)
 
-    def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`.
+    def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
+        """Return the changes of states, oldest first, and forget them; to be called after :meth:`pop_changes`.
 
         Those of parts and capabilities that went meanwhile are left out.
 
         Args:
             at_most: How many to look at; None for all.
         """
-        return self._table.changes.take_states(at_most)
+        return self._table.changes.pop_states(at_most)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""

@@ -96,7 +96,7 @@ class Liveness:
 
     Attributes:
         now: Time of the newest input, in seconds of a clock that is never set.
-        next_deadline: Returns when :meth:`take_silent` has a device, in seconds of that clock; None for never.
+        next_deadline: Returns when :meth:`pop_silent` has a device, in seconds of that clock; None for never.
         is_due_before: Returns whether it has one before a time of that clock.
     """
 
@@ -154,9 +154,9 @@ class Liveness:
             return
         self._table.outdated[entry.id] = None
         if before == "stale":
-            self._table.note("returned", entry, "it reported again")
+            self._table.record_change("returned", entry, "it reported again")
         else:
-            self._table.note("changed", entry, why)
+            self._table.record_change("changed", entry, why)
 
     def extend(self, entry: Entry, source: SourceRecord, heard_at: float) -> None:
         """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one already.
@@ -195,7 +195,7 @@ class Liveness:
         """Watch over *entry* no more."""
         self._deadlines.discard(entry.id)
 
-    def take_silent(self, now: float) -> Entry | None:
+    def pop_silent(self, now: float) -> Entry | None:
         """Return a device that has been silent for too long at *now*; None if there is none.
 
         One that is stale is to be removed, any other to be marked as stale.
@@ -214,7 +214,7 @@ class Liveness:
         """Note that *entry* was silent for too long, at every gateway."""
         entry.freshness = "stale"
         self.schedule(entry)
-        self._table.note("stale", entry, "it has been silent for too long")
+        self._table.record_change("stale", entry, "it has been silent for too long")
 
     def _due(self, entry: Entry) -> float:
         """Return when *entry* is stale; where it is, when it is to be removed."""
@@ -236,7 +236,7 @@ class Liveness:
             entry.stale_gateways = entry.gateways() - {gateway}
         elif gateway in entry.stale_gateways:
             entry.stale_gateways -= {gateway}
-            self._table.note("changed", entry, f"it reported again over {gateway}")
+            self._table.record_change("changed", entry, f"it reported again over {gateway}")
         self.schedule(entry)
 
     def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
@@ -244,7 +244,7 @@ class Liveness:
         silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
         entry.stale_gateways |= frozenset(silent)
         if silent:
-            self._table.note("changed", entry, f"it has been silent for too long over {', '.join(silent)}")
+            self._table.record_change("changed", entry, f"it has been silent for too long over {', '.join(silent)}")
         self.schedule(entry)
 
     def forgotten_at(self, entry: Entry) -> float:

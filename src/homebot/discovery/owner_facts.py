@@ -310,14 +310,17 @@ class OwnerFacts:
                 self._put(_Statement(statement.facts, own, {device_id: None}))
                 self.is_unsaved = True
         for source in sources:
-            names = tuple(_names(device_id, (source,)))
-            configured = next((name for name in names if name in self._configured), "")
-            if configured and self._known_as.get(source.key) != configured and self._has_room():
-                self._known_as[source.key] = configured
-                self.is_unsaved = True
-            stated = next((self._by_name[name] for name in names if name in self._by_name), None)
-            if stated is not None and source.key not in self._by_key:
-                self._add_key(stated, source.key)
+            self._adopt_by_name(source.key, tuple(_names(device_id, (source,))))
+
+    def _adopt_by_name(self, key: SourceKey, names: Iterable[str]) -> None:
+        """Give the announcement *key* the statements on one of *names* of its device."""
+        configured = next((name for name in names if name in self._configured), "")
+        if configured and self._known_as.get(key) != configured and self._has_room():
+            self._known_as[key] = configured
+            self.is_unsaved = True
+        stated = next((self._by_name[name] for name in names if name in self._by_name), None)
+        if stated is not None and key not in self._by_key:
+            self._add_key(stated, key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
         """Give the announcement *key* the statements on *sibling*, which is of the same device."""

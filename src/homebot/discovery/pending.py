@@ -69,7 +69,7 @@ class PendingReports:
         update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True}
         return sighting.model_copy(update={**update, "kind": "appeared", "why": "it reported again"})
 
-    def take(self, key: SourceKey, now: float) -> tuple[Report, ...]:
+    def pop(self, key: SourceKey, now: float) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
         found = self._reports.pop(key, None)
         if found is None:

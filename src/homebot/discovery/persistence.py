@@ -107,7 +107,7 @@ class IndexPersistence:
     async def load(self) -> None:
         """Take in the content of the file, as unconfirmed; an unusable file costs no more than its content."""
         if self._file is None:
-            await self._take_in(_understood(_records_of(self._known)))
+            await self._restore_entries(_understood(_records_of(self._known)))
             return
         if not await self._open(self._file):
             return
@@ -116,7 +116,7 @@ class IndexPersistence:
         except LinkError as exc:
             await self._set_aside(self._file, str(exc))
             return
-        await self._take_in(known)
+        await self._restore_entries(known)
 
     async def export(self) -> tuple[IndexRow, ...]:
         """Return all that the file would have now, whether there is one or not."""
@@ -129,7 +129,7 @@ class IndexPersistence:
         )
         return tuple(IndexRow(table=table, id=name, record=text) for table, rows in tables for name, text in rows)
 
-    async def _take_in(self, known: _SavedState) -> None:
+    async def _restore_entries(self, known: _SavedState) -> None:
         for tombstone in known.tombstones:
             self._index.tombstones.put(tombstone)
         rejected = known.rejected + self._restore_owner(known.owner)

@@ -177,7 +177,7 @@ class PlacesEditor:
         self.state(entry, [fact, *others], f"the owner gave it the {_WORDS[name]} {added}")
         return self._values(entry, name)
 
-    def take_back(self, device_id: str, name: FactName, value: str) -> tuple[str, ...]:
+    def withdraw(self, device_id: str, name: FactName, value: str) -> tuple[str, ...]:
         """Take back an alias or a tag that a command or an import stated; return those that it still has.
 
         Raises:
@@ -240,7 +240,7 @@ class PlacesEditor:
         """Describe *entries* anew, because of statements of the owner: *why*."""
         for entry in entries:
             entry.invalidate_description()
-            self._table.note("changed", entry, why)
+            self._table.record_change("changed", entry, why)
 
     def _values(self, entry: Entry, name: FactName) -> tuple[str, ...]:
         facts = self._table.owner.of(entry.id, entry.sources.values())

@@ -70,7 +70,7 @@ class PlacesExchange:
         devices += [(name, facts, ()) for name, facts in unknown if facts]
         return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
 
-    def take(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
+    def apply(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
         """Take over the content of a places file: all of it or, if it does not fit, nothing.
 
         It adds rooms, aliases and tags. The room of a device that was stated here before stays. Others may have their
@@ -95,8 +95,8 @@ class PlacesExchange:
         for names, facts in places.devices.items():
             yield
             entries = self._known_by(names, by_identifier)
-            added += [entry.id for entry in entries if self._take_device(entry, facts, kept, replaces=replaces)]
-            if not entries and self._take_unknown(names, facts, kept, replaces=replaces):
+            added += [entry.id for entry in entries if self._apply_device(entry, facts, kept, replaces=replaces)]
+            if not entries and self._apply_unknown(names, facts, kept, replaces=replaces):
                 added.append(f"{names[0]}, which is not there yet")
         if owner.plan.rooms != before.rooms:
             yield from self._restate(before, owner.plan)
@@ -134,7 +134,7 @@ class PlacesExchange:
         """Return how many statements a device of the file takes at most."""
         return max(len(names), sum(1 + len(entry.sources) for entry in self._known_by(names, by_identifier)))
 
-    def _take_device(self, entry: Entry, facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool) -> bool:
+    def _apply_device(self, entry: Entry, facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool) -> bool:
         """Take over the facts of a device; return whether any is new."""
         stated = self._editor.stated(entry)
         in_use = self._table.owner.of(entry.id, entry.sources.values())
@@ -143,7 +143,7 @@ class PlacesExchange:
             self._editor.state(entry, merged, "a places file was imported")
         return merged != stated
 
-    def _take_unknown(
+    def _apply_unknown(
         self, names: tuple[str, ...], facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool
     ) -> bool:
         """Take over the facts of a device that is not there yet; return whether any is new."""

@@ -200,7 +200,7 @@ class PlacesServices:
             parse = partial(parse_places, request.text, index.owner.plan.home, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
-            imported = await self._in_turns(index.places_exchange.take(places, replaces=request.replaces))
+            imported = await self._in_turns(index.places_exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
             return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
         except RefusedError as exc:
@@ -227,7 +227,7 @@ class PlacesServices:
             RefusedError, UsageError: It cannot be stated; the message says why.
         """
         places, now = self._index.places, self._clock.now()
-        words = places.take_back(device, fact, word) if remove else places.add(device, fact, word, now)
+        words = places.withdraw(device, fact, word) if remove else places.add(device, fact, word, now)
         self._publish_all()
         return words
 

@@ -25,7 +25,7 @@ _Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, StoredValue]
 
 @final
 class SettingChanges:
-    """Settings that changed and were not taken yet; to note one that changed already costs nearly nothing.
+    """Settings that changed and were not taken yet; to record one that changed already costs nearly nothing.
 
     Args:
         table: The devices.
@@ -40,10 +40,10 @@ class SettingChanges:
     def __bool__(self) -> bool:
         return bool(self._waiting)
 
-    def note(
+    def record(
         self, entry: Entry, source: SourceRecord, new: Iterable[tuple[tuple[str, str], Reading, StoredValue]]
     ) -> None:
-        """Note the new live values of *source*, each with its part and capability, and where it is kept."""
+        """Record the new live values of *source*, each with its part and capability, and where it is kept."""
         waiting = self._waiting
         for place, reading, stored in new:
             if place[1] not in SETTABLE or id(stored) in waiting:
@@ -53,7 +53,7 @@ class SettingChanges:
             else:
                 self._table.changes.states_lost += 1
 
-    def take(self) -> Iterator[ChangedSetting]:
+    def pop(self) -> Iterator[ChangedSetting]:
         """Yield the changes since the last time, as in `ChangedSettings`, and forget them."""
         table, waiting = self._table, self._waiting
         self._waiting = {}

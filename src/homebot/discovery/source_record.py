@@ -22,8 +22,8 @@ __all__ = [
     "SourceRecord",
     "StoredValue",
     "is_described_anew",
-    "note_description",
     "preference",
+    "record_description",
 ]
 
 SourceKey: TypeAlias = tuple[str, str]
@@ -167,7 +167,7 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
     return bool(_DESCRIPTION(vars(before)) != _DESCRIPTION(vars(now)))
 
 
-def note_description(source: SourceRecord, before: Sighting) -> None:
+def record_description(source: SourceRecord, before: Sighting) -> None:
     """Record when *source* first reported each capability; drop capabilities that it no longer has."""
     now = source.sighting
     known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}

@@ -62,21 +62,12 @@ class StateRecorder:
             place = reading.part, reading.capability
             stored = values.get(place)
             if stored is None:
-                part, capability = place
-                if capability == REACHABLE:
+                if reading.capability == REACHABLE:
                     before = before or self._reach(entry)
                     shows_life = shows_life and reading.value.flag
                     self._record_reachability(entry, source, reading, report)
-                elif capability in EVENTS:
-                    if live:
-                        self._record_event(entry, source, reading, stamp)
-                elif has_capability(source, part, capability):
-                    value = reading.value
-                    stored = values[place] = StoredValue(value, value.plain(), stamp, stamp, live, now)
-                    self._post(entry, source, place, stored)
+                elif (stored := self._record_first(entry, source, reading, report)) is not None:
                     new.append((place, reading, stored))
-                else:
-                    self._table.counters.unknown_parts += 1
             elif live or not stored.live:  # retained values never overwrite live ones
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 value = reading.value
@@ -98,7 +89,23 @@ class StateRecorder:
         else:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:
-            self._table.note("changed", entry, entry.reachability().why)
+            self._table.record_change("changed", entry, entry.reachability().why)
+
+    def _record_first(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> StoredValue | None:
+        """Record an event, or the first value of a capability, which it returns."""
+        stamp, live = report.received_at, not report.retained
+        if reading.capability in EVENTS:
+            if live:
+                self._record_event(entry, source, reading, stamp)
+            return None
+        if not has_capability(source, reading.part, reading.capability):
+            self._table.counters.unknown_parts += 1
+            return None
+        place = reading.part, reading.capability
+        stored = StoredValue(reading.value, reading.value.plain(), stamp, stamp, live, self._liveness.now)
+        source.values[place] = stored
+        self._post(entry, source, place, stored)
+        return stored
 
     def _compare(self, entry: Entry, source: SourceRecord, reading: Reading) -> None:
         """Note a change of a device of which an endpoint is only claimed; one that knows its changes is trusted."""
@@ -113,7 +120,7 @@ class StateRecorder:
 
             entry.agreement = Agreement()
         change = number, reading.capability, value
-        if agreeing := entry.agreement.note(change, endpoint_of(source), entry.claimed, self._liveness.now):
+        if agreeing := entry.agreement.record(change, endpoint_of(source), entry.claimed, self._liveness.now):
             self._trust(entry, agreeing)
 
     def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
@@ -146,7 +153,7 @@ class StateRecorder:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
         if live and table.collects_settings:
-            self._settings.note(entry, source, new)
+            self._settings.record(entry, source, new)
         if not table.collects_states:
             return
         merged = entry.parts(table.topics)
@@ -159,7 +166,7 @@ class StateRecorder:
                 readings.append(shown)
                 names += (shown.part, shown.capability)
         if readings:
-            table.changes.note_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
+            table.changes.add_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -179,7 +186,7 @@ class StateRecorder:
         if table.collects_states:
             event = _of_part(merged.parts[number].id, reading)
             stream = stream_of((entry.id, event.part, event.capability, table.changes.event_number()))
-            table.changes.note_states((entry, merged, (event,), stream, stamp, True))
+            table.changes.add_states((entry, merged, (event,), stream, stamp, True))
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:

@@ -52,10 +52,10 @@ def test_a_device_that_is_split_is_one_for_each_that_it_was_said_to_be(
     index: DeviceIndex, announced: tuple[Sighting, ...]
 ) -> None:
     assert after(index, *announced) == {"radio": ["cable", "radio", "web"]}
-    index.take_changes()
+    index.pop_changes()
     assert index.split("radio", None, 1.0) == ("radio", "cable", "web")
     assert gateways(index.devices()) == {"radio": ["radio"], "cable": ["cable"], "web": ["web"]}
-    unmerged = {one.other for one in index.take_changes() if one.kind == "unmerged"}
+    unmerged = {one.other for one in index.pop_changes() if one.kind == "unmerged"}
     assert unmerged <= {"cable", "web"}
 
 
@@ -95,7 +95,7 @@ def test_devices_without_anything_in_common_are_merged_with_the_reason(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
     after(index, announce("a", part("light", "on_off"), name="A"), announce("b", part("light", "on_off"), name="B"))
-    index.take_changes()
+    index.pop_changes()
     index.merge(("homeassistant:a", "homeassistant:b") if index.get("homeassistant:a") else ("a", "b"), 1.0)
     (device,) = index.devices()
     assert device.evidence == ("the owner merged homeassistant:a and homeassistant:b",)

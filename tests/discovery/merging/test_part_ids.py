@@ -222,8 +222,8 @@ def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
     index.collect(states=True)
     for one in (foreign, native, *([gone(foreign)] if is_alone else [])):
         index.observe(one)
-        index.take_changes()
+        index.pop_changes()
     index.report(tell(native, "on_off", True, part="state"))
-    (change,) = index.take_states()
+    (change,) = index.pop_states()
     assert [(one.part, one.value.plain()) for one in change.readings] == [("0x17_light", True)]
     assert change.stream.split("\0")[1:] == ["0x17_light", "on_off"]

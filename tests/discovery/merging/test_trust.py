@@ -120,11 +120,11 @@ def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index:
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"))
     index.collect(states=True)
     index.report(report(TRUE, "unlocked", 1.0, "lock"), 1.0)
-    index.take_changes()
-    index.take_states()
+    index.pop_changes()
+    index.pop_states()
     index.report(report(STRANGER, "locked", 2.0, "lock"), 2.0)
     assert [one.value.plain() for one in only(index).states] == ["unlocked"]
-    assert index.take_states() == ()
+    assert index.pop_states() == ()
 
 
 def test_a_stranger_does_not_say_what_the_device_is(index: DeviceIndex) -> None:
@@ -185,11 +185,11 @@ def test_one_that_reports_the_same_changes_becomes_a_fallback(index: DeviceIndex
     observe(index, sighting(TRUE), sighting(STRANGER))
     change(index, False, 0.0, TRUE, STRANGER)
     for number in range(1, 4):
-        index.take_changes()
+        index.pop_changes()
         assert routes(index) == [TRUE]
         change(index, number % 2 == 1, number * 60.0, *((TRUE, STRANGER) if number % 2 else (STRANGER, TRUE)))
     assert sorted(routes(index)) == [STRANGER, TRUE]
-    assert [one.why for one in index.take_changes()][-1] == "air reported the same changes as its other endpoints"
+    assert [one.why for one in index.pop_changes()][-1] == "air reported the same changes as its other endpoints"
 
 
 def test_one_that_misses_a_change_begins_anew(index: DeviceIndex) -> None:
@@ -305,7 +305,7 @@ def test_endpoints_that_are_remembered_are_bounded(index: DeviceIndex) -> None:
 def test_changes_that_wait_are_bounded() -> None:
     agreement = Agreement()
     for number in range(1000):
-        assert not agreement.note((number, "value", "x"), STRANGER, [STRANGER], 0.0)
+        assert not agreement.record((number, "value", "x"), STRANGER, [STRANGER], 0.0)
     assert len(agreement._lately) == 32
 
 

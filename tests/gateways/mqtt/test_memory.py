@@ -60,7 +60,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
             assert isinstance(heard, DeviceAnnounced)
             change = registry.put(heard)
             index.observe(change.stored.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
-        index.take_changes()
+        index.pop_changes()
 
     for number in range(10):
         take(number)

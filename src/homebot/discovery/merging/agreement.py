@@ -58,7 +58,7 @@ class Agreement:
         self._counts: dict[EndpointKey, tuple[int, float]] = {}
         self._lately: OrderedDict[Change, _Reported] = OrderedDict()
 
-    def note(
+    def record(
         self, change: Change, endpoint: EndpointKey, claimed: Iterable[EndpointKey], now: float
     ) -> frozenset[EndpointKey]:
         """Note that *endpoint* reported a change.

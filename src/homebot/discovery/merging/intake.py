@@ -10,7 +10,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
-from homebot.discovery.source_record import SourceKey, SourceRecord, is_described_anew, note_description
+from homebot.discovery.source_record import SourceKey, SourceRecord, is_described_anew, record_description
 
 __all__ = ["MAX_SOURCES", "SightingIntake"]
 
@@ -52,10 +52,7 @@ class SightingIntake:
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
         table, merger, now = self._table, self._merger, self._liveness.now
-        tombstone = table.tombstones.find(key, ()) if table.tombstones.by_id else None
-        if tombstone is not None and tombstone.retained_only and not sighting.confirmed:
-            table.counters.retained_only += 1
-            self._pending.remember_forgotten(key, sighting)
+        if self._is_forgotten(key, sighting):
             return
         if len(table.sources) >= _SOURCES_PER_DEVICE * self._max_devices:
             table.counters.rejected += 1
@@ -93,6 +90,16 @@ class SightingIntake:
         if sighting.confirmed and not is_alone:
             self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
 
+    def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
+        """Return whether *sighting* is only retained, of a device that the owner had forgotten, and remember it."""
+        table = self._table
+        tombstone = table.tombstones.find(key, ()) if table.tombstones.by_id else None
+        if tombstone is None or not tombstone.retained_only or sighting.confirmed:
+            return False
+        table.counters.retained_only += 1
+        self._pending.remember_forgotten(key, sighting)
+        return True
+
     def refresh(self, source: SourceRecord, sighting: Sighting) -> None:
         """Take in a further sighting of a known announcement."""
         table, key = self._table, source.key
@@ -100,12 +107,12 @@ class SightingIntake:
         entry = table.owners[key]
         if is_described_anew(before, sighting):
             self.announced += 1
-            note_description(source, before)
+            record_description(source, before)
             if affected := self._merger.identities.put(key, sighting):
                 self._merger.regroup(affected, "its identifiers changed")
                 entry = table.owners[key]
             self._merger.describe(entry)
-            table.note("changed", entry, "its description changed")
+            table.record_change("changed", entry, "its description changed")
             self._merger.join_repetitions(key)
             entry = table.owners[key]
         if sighting.confirmed:

@@ -61,7 +61,7 @@ class DeviceMerger:
         table = self._table
         tombstone = self._tombstone(sources) if table.tombstones.by_id else None
         if tombstone is not None:
-            table.tombstones.take(tombstone.id)
+            table.tombstones.pop(tombstone.id)
         is_back = tombstone is not None and tombstone.id not in table.entries
         if tombstone is not None and is_back:
             device_id = tombstone.id
@@ -82,7 +82,7 @@ class DeviceMerger:
         now = self._liveness.now
         for source in sources.values():
             self._liveness.extend(entry, source, now if source.heard_at == -math.inf else source.heard_at)
-        table.note("appeared", entry, f"it returned: {why}" if is_back else why)
+        table.record_change("appeared", entry, f"it returned: {why}" if is_back else why)
         return entry
 
     def join(self, entry: Entry, source: SourceRecord, sibling: SourceKey) -> None:
@@ -97,7 +97,7 @@ class DeviceMerger:
         self.describe(entry, source)
         if entry.freshness == "unconfirmed":
             self._liveness.extend(entry, source, self._liveness.now)
-        self._table.changes.note_growth(entry, "it announces more capabilities")
+        self._table.changes.add_growth(entry, "it announces more capabilities")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
         """Make *entry* of the index file a device, unconfirmed.
@@ -115,7 +115,7 @@ class DeviceMerger:
         self._table.owner.adopt(entry.id, entry.sources.values())
         self.describe(entry)
         self._liveness.restart(entry, now, wall)
-        self._table.note("appeared", entry, "it was known before the last start")
+        self._table.record_change("appeared", entry, "it was known before the last start")
 
     def remove(self, entry: Entry, why: str, *, retained_only: bool, at: float) -> None:
         """Remove *entry* with its announcements.
@@ -127,7 +127,7 @@ class DeviceMerger:
             at: When, in seconds since the Unix epoch.
         """
         table = self._table
-        table.changes.note_removed(entry, why)
+        table.changes.add_removal(entry, why)
         trusted = entry.trusted or command_endpoints(entry.sources.values())
         tombstone = Tombstone(
             entry.id, tuple(entry.sources), entry.hardware(), retained_only, at, tuple(sorted(trusted))
@@ -156,7 +156,7 @@ class DeviceMerger:
         self._refresh_conflicts(table.topics.discard(key))
         self.regroup(affected, why)
         self.describe(entry)
-        table.note("changed", entry, f"it announces fewer capabilities: {why}")
+        table.record_change("changed", entry, f"it announces fewer capabilities: {why}")
 
     def join_repetitions(self, key: SourceKey) -> None:
         """Make one device of announcements of one part, such as one that is left over from a rename.
@@ -229,7 +229,7 @@ class DeviceMerger:
     def _set_trusted(self, entry: Entry, endpoints: frozenset[EndpointKey], why: str) -> None:
         entry.trusted |= endpoints
         self.describe(entry)
-        self._table.note("changed", entry, why)
+        self._table.record_change("changed", entry, why)
 
     def _judge(self, entry: Entry, new: SourceRecord | None) -> bool:
         """Decide which endpoints of *entry* are trusted; return whether that changes the status of others."""
@@ -274,25 +274,27 @@ class DeviceMerger:
             entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
         for source in sources:
-            silence = source.lasts
-            if silence > entry.silence_allowed:
-                entry.silence_allowed = silence
+            entry.silence_allowed = max(entry.silence_allowed, source.lasts)
             concerned |= table.topics.put(topic_use(source, entry.id))
         if concerned:
             self._refresh_conflicts(concerned)
         table.outdated[entry.id] = None
         table.unsaved.add(entry.id)
-        owner = ""
+        self._refresh_topic_owner(entry, sources, is_whole=new is None)
+
+    def _refresh_topic_owner(self, entry: Entry, sources: Iterable[SourceRecord], *, is_whole: bool) -> None:
+        """Look for a device that keeps a topic from *sources* of *entry*; *is_whole* if these are all of them."""
+        table, owner = self._table, ""
         if denied := table.topics.denied:
             for source in sources:
                 if source.key in denied and (owner := self._topic_owner(entry, source)):
                     break
-        if new is not None and not owner:
+        if not is_whole and not owner:
             return
         before, entry.topic_owner = entry.topic_owner, owner
         if owner and owner != before:
             why = f"{entry.id} takes commands on its topic"
-            table.note("conflict", table.entries[owner], why, entry.id)
+            table.record_change("conflict", table.entries[owner], why, entry.id)
 
     def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
         for key, source in sources.items():
@@ -311,7 +313,7 @@ class DeviceMerger:
         entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
         for parent in group.parents:
             self.describe(parent)
-            self._table.note("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
+            self._table.record_change("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
 
     def _merge(self, entry: Entry, group: Regrouped, why: str) -> None:
         table = self._table
@@ -323,13 +325,7 @@ class DeviceMerger:
         heard = frozenset[str]().union(*(one.gateways() - one.silent_gateways() for one in before_merged))
         silent = frozenset[str]().union(*(one.silent_gateways() for one in before_merged)) - heard
         for other in group.gone:
-            table.changes.note_removed(other, f"it is the same device as {entry.id}", entry.id)
-            self._drop(other)
-            entry.report_interval.join(other.report_interval)
-            if other.deadline > entry.deadline:
-                entry.deadline, entry.expires = other.deadline, other.expires
-            if other.freshness == "fresh" or entry.freshness == "stale":
-                entry.freshness = other.freshness
+            self._absorb(entry, other)
         entry.sources, entry.stale_gateways = sources, silent
         table.owners.update(dict.fromkeys(sources, entry))
         before = entry.evidence
@@ -337,9 +333,21 @@ class DeviceMerger:
         self._liveness.schedule(entry)
         evidence = "; ".join(reason for reason in entry.evidence if reason not in before)
         for other in group.gone:
-            table.note("merged", entry, evidence or why, other.id)
+            table.record_change("merged", entry, evidence or why, other.id)
         if new and not group.gone:
-            table.note("merged" if evidence else "changed", entry, evidence or "it announces more capabilities")
+            table.record_change(
+                "merged" if evidence else "changed", entry, evidence or "it announces more capabilities"
+            )
+
+    def _absorb(self, entry: Entry, other: Entry) -> None:
+        """Remove *other*, which is *entry*; the longer silence and the fresher sign of life count."""
+        self._table.changes.add_removal(other, f"it is the same device as {entry.id}", entry.id)
+        self._drop(other)
+        entry.report_interval.join(other.report_interval)
+        if other.deadline > entry.deadline:
+            entry.deadline, entry.expires = other.deadline, other.expires
+        if other.freshness == "fresh" or entry.freshness == "stale":
+            entry.freshness = other.freshness
 
     def _evidence(self, entry: Entry) -> Iterator[str]:
         sources = self._table.sources
@@ -369,7 +377,7 @@ class DeviceMerger:
             entry.invalidate_description()
             table.outdated[device_id] = None
             if entry.published_conflicts != entry.parts(table.topics).conflicts:
-                table.note("changed", entry, "its disputes changed")
+                table.record_change("changed", entry, "its disputes changed")
 
     def _topic_owner(self, entry: Entry, source: SourceRecord) -> str:
         """Return the device that keeps a topic from *source*; empty if none does."""

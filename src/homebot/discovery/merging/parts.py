@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from operator import attrgetter
@@ -135,16 +135,15 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
             found = numbered[group] = _Merged(part, len(numbered), source.label)
         place = (*source.key, part.id)
         found.places.append((source.number, place))
+        places[place] = found.number
         if source.is_claimed:
             claimed.setdefault(found.number, source)
-            places[place] = found.number
             continue
         described.add(found.number)
         if conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
             found.ways.append((place, _origin(source), part))
-        places[place] = found.number
     if left_out:
         conflicts.append(_left_out(left_out))
     only_claimed = claimed.keys() - described
@@ -155,9 +154,14 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
         tuple(conflicts),
         places,
         frozenset(only_claimed) if any(not source.is_claimed for source in sources) else frozenset(),
-        has_own_ids=not claimed
-        and len(places) == sum(len(source.sighting.parts) for source in sources)
-        and all(parts[number].id == place[-1] for place, number in places.items()),
+        has_own_ids=not claimed and _has_own_ids(sources, parts, places),
+    )
+
+
+def _has_own_ids(sources: Sequence[SourceRecord], parts: Sequence[DevicePart], places: Mapping[PartPlace, int]) -> bool:
+    """Return whether all parts of *sources* are among *parts* by their own ids."""
+    return len(places) == sum(len(source.sighting.parts) for source in sources) and all(
+        parts[number].id == place[-1] for place, number in places.items()
     )
 
 

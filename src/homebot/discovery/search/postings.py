@@ -168,29 +168,19 @@ class Postings:
 
     def _simple(self, query: _Simple) -> Found:
         match query:
-            case IsDisputed():
-                return self._devices(_DISPUTED)
             case IsUnapproved():
                 return self._devices(_UNAPPROVED) if self.needs_approval else _NONE
-            case CanDo(name, settable):
-                return self._devices(("set" if settable else "can", name))
-            case AreaIs(area):
-                if area:
-                    return self._devices(("area", area))
+            case AreaIs(""):
                 return {device_id for device_id, posted in self._posted.items() if not posted.facets.areas}
             case NameIs(name):
                 named = self._devices(("fact name", name))
                 return named | {device_id for device_id in self._posted if fold(device_id) == name}
             case InArea(area):
                 return self._begins("area", area)
-            case FreshnessIs(freshness):
-                return self._devices(("freshness", freshness))
-            case ReachableIs(state):
-                return self._devices(("reachable", state))
-            case GatewayIs(gateway):
-                return self._devices(("gateway", gateway))
             case FactIs(name, value):
                 return self._by_fact(name, value)
+            case _:
+                return self._devices(_key_of(query))
 
     def _by_fact(self, name: str, value: str) -> Found:
         if name == "id":
@@ -350,3 +340,19 @@ def _shortened(word: str) -> set[str]:
     if not may_be_typo(word):
         return set()
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}
+
+
+def _key_of(query: AreaIs | CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> _Key:
+    match query:
+        case IsDisputed():
+            return _DISPUTED
+        case CanDo(name, settable):
+            return ("set" if settable else "can", name)
+        case AreaIs(area):
+            return ("area", area)
+        case FreshnessIs(freshness):
+            return ("freshness", freshness)
+        case ReachableIs(state):
+            return ("reachable", state)
+        case GatewayIs(gateway):
+            return ("gateway", gateway)

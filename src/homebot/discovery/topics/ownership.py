@@ -139,6 +139,16 @@ class TopicOwnership:
             node = self._at(use, prefix)
             node.owners = with_use(node.owners, use)
             touched.update(dict.fromkeys(used_below(node)))
+        self._enter_commands(use, touched)
+        for topic in use.reads[:MAX_TOPICS]:
+            if "+" in topic or "#" in topic or (use.owns and use.has(topic)):
+                continue
+            node = self._at(use, topic)
+            node.speakers = use if node.speakers is None else with_use(node.speakers, use)
+            if node.users:
+                touched[node] = None
+
+    def _enter_commands(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
         if len(use.writes) > MAX_TOPICS:
             self._over_limit.add(use.key)
         for topic in use.writes[:MAX_TOPICS]:
@@ -152,13 +162,6 @@ class TopicOwnership:
             touched[node] = None
             if node.children and use.rank(topic):
                 touched.update(dict.fromkeys(used_below(node, MAX_BELOW)))
-        for topic in use.reads[:MAX_TOPICS]:
-            if "+" in topic or "#" in topic or (use.owns and use.has(topic)):
-                continue
-            node = self._at(use, topic)
-            node.speakers = use if node.speakers is None else with_use(node.speakers, use)
-            if node.users:
-                touched[node] = None
 
     def _leave(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
         del self._uses[use.key]

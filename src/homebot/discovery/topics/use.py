@@ -10,6 +10,7 @@ import re
 from functools import lru_cache
 from typing import NamedTuple
 
+from homebot.devices import Sighting
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
@@ -193,11 +194,6 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     if len(reads) > 1:
         reads = tuple(dict.fromkeys(reads))
     commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
-    bridge = ""
-    for fact in sighting.metadata:
-        if fact.key == "via_device":
-            bridge = fact.value
-            break
     return TopicUse(
         source.key,
         device,
@@ -206,8 +202,15 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         reads,
         sighting.owns,
         sighting.identifiers if sighting.owns else (),
-        bridge,
+        _bridge_of(sighting),
         not sighting.identifiers,
         sighting.native,
         commands,
     )
+
+
+def _bridge_of(sighting: Sighting) -> str:
+    for fact in sighting.metadata:
+        if fact.key == "via_device":
+            return fact.value
+    return ""
