@@ -33,6 +33,7 @@ from homebot.devices.device import ChangedSettings
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import DEVICE_SETTINGS
 from homebot.devices.services import IndexRow
+from homebot.discovery.burst import Burst
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
@@ -75,10 +76,6 @@ messages, and a broker sends those of all devices mixed."""
 _QUIET_TURNS = 10
 """Turns of the loop without an announcement after which a burst of them is over: a gateway that reads one announces
 something in every third."""
-
-_LONGEST_BURST = 10.0
-"""Seconds for which changes wait for the end of a burst, so that each device is described once in it: a house of 4,000
-devices announces itself in about as many."""
 
 _MANY_STATES = 1000
 """States that wait behind the changes of a burst at most."""
@@ -160,7 +157,8 @@ class Directory:
         self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
         self._settings_changed = anyio.Event()
         self._growing = anyio.Event()
-        self._announced = 0
+        self._burst = Burst(clock, lambda: self.index.announced, _quiet_turns)
+        self._growth = Burst(clock, lambda: self.index.announced, partial(anyio.sleep, _GROWTH_PAUSE))
         self._is_idle = True
         self._limit = LogLimit(clock)
         self._change_limit = LogLimit(clock, burst=BURST)
@@ -290,17 +288,8 @@ class Directory:
                 self._is_idle = True
                 is_busy = True
                 while is_busy and self.index.is_behind:
-                    await self._wait_for_burst()
+                    await self._burst.wait(lambda: self.index.waiting_states >= _MANY_STATES)
                     is_busy = await self._publish_waiting()
-
-    async def _wait_for_burst(self) -> None:
-        """Wait while announcements keep coming: what they change is published, and described, together."""
-        index, monotonic = self.index, self._clock.monotonic
-        until = monotonic() + _LONGEST_BURST
-        while self._announced != index.announced and monotonic() < until and index.waiting_states < _MANY_STATES:
-            self._announced = index.announced
-            for _ in range(_QUIET_TURNS):
-                await anyio.lowlevel.checkpoint()
 
     async def _publish_waiting(self) -> bool:
         """Publish the changes that wait now, or sort a few devices in; return whether more may be left."""
@@ -336,11 +325,7 @@ class Directory:
         """Publish devices that were announced further once no more announcements come: each of them once."""
         while True:
             await self._growing.wait()
-            with anyio.move_on_after(_LONGEST_BURST):
-                announced = 0
-                while announced != self.index.announced:
-                    announced = self.index.announced
-                    await anyio.sleep(_GROWTH_PAUSE)
+            await self._growth.wait()
             self._growing = anyio.Event()
             self.index.end_growth()
             self._publish_or_wake()
@@ -398,6 +383,11 @@ class Directory:
             self._node.log.warning(
                 REJECTED, message=f"{sighting.key} was not added: the index is full", rejected=self._rejected
             )
+
+
+async def _quiet_turns() -> None:
+    for _ in range(_QUIET_TURNS):
+        await anyio.lowlevel.checkpoint()
 
 
 def _heard_at(message: Sighting | Report, now: float) -> float:
