@@ -6,15 +6,15 @@ Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_h
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
-from homebot.conventions.command_values import require_bool
+from homebot.conventions.command_values import require_bool, require_number
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
-from homebot.conventions.payload import NO_READINGS, Readings, shown
+from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -30,11 +30,14 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     modes = _modes(config)
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
-    _add_temperatures(entity, config, modes)
+    target_mode = _TargetMode(is_reported=config.has("mode_state_topic") and not config.flag("optimistic"))
+    _add_temperatures(entity, config, modes, target_mode)
     _add_humidity(entity, config)
     mode = config.command_of("mode")
-    entity.add_choice("thermostat_mode", _source_of(config, "mode_state"), mode, modes)
-    _add_switch(entity, config, mode, modes)
+    entity.add_choice(
+        "thermostat_mode", _source_of(config, "mode_state"), mode, modes, on_command=target_mode.on_command
+    )
+    _add_switch(entity, config, mode, modes, target_mode)
     entity.add_choice("thermostat_action", _source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command_of(name)
@@ -76,7 +79,9 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
     entity.add_number("humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
 
 
-def _add_switch(entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...]) -> None:
+def _add_switch(
+    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: _TargetMode
+) -> None:
     """Add ``on_off``: with a topic of its own, or else by the mode, as in Home Assistant."""
     power = config.command_of("power")
     command = power or mode
@@ -87,7 +92,10 @@ def _add_switch(entity: Entity, config: DiscoveryConfig, mode: CommandTopic | No
         is_on = require_bool("on_off", value)
         if is_on not in texts:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
-        return command.publish(texts[is_on]) if command else ()
+        publications = command.publish(texts[is_on]) if command else ()
+        if power is None:
+            target_mode.on_command(texts[is_on])
+        return publications
 
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
     entity.add_capability("on_off", readable=is_readable, writer=write if command and texts else None)
@@ -187,21 +195,45 @@ def _source_at(config: DiscoveryConfig, topic_key: str, template_key: str) -> Va
     return config.source(topic_key, template_key if config.has(template_key) else "value_template")
 
 
-def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...]) -> None:
+@dataclass(slots=True)
+class _TargetMode:
+    """The mode of a thermostat, on which its targets depend.
+
+    Attributes:
+        is_reported: Whether it reports its mode; otherwise its last command is assumed.
+        mode: Its last mode; None for unknown.
+    """
+
+    is_reported: bool
+    mode: str | None = None
+
+    def on_command(self, mode: str) -> None:
+        """Record the mode of a command."""
+        if not self.is_reported:
+            self.mode = mode
+
+    @property
+    def is_pair(self) -> bool:
+        """True if the pair of targets is effective, not the single one."""
+        return self.mode == "heat_cool"
+
+
+def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: _TargetMode) -> None:
     """Add the current temperature and the setpoints.
 
     A single target is a ``heating_setpoint`` if the device heats or has no modes, and a ``cooling_setpoint`` if it
-    cools. Of a pair the lower one heats and the upper one cools; beside a single target of a device with modes, which
-    is effective in all of them but ``heat_cool``, it is left out.
+    cools. Of a pair the lower one heats and the upper one cools. Of both, the pair is effective in the mode
+    ``heat_cool``, and the single one in any other. In an unknown mode neither is commanded. Without modes the pair is
+    effective.
     """
     temperatures = _read_temperatures(config, 7.0, 35.0)
     has_pair = any(_is_there(config, end) for end in _ENDS.values())
-    if has_pair and not (modes and _is_there(config, _SINGLE)):
-        targets = _ENDS
+    by_single = _by_single(modes)
+    if has_pair and modes and _is_there(config, _SINGLE):
+        _add_both(entity, config, modes, _Targets(mode, temperatures, by_single))
     else:
-        targets = dict.fromkeys(_names_of_single(modes), _SINGLE)
-    for name, key in targets.items():
-        temperatures.add_setpoint(entity, name, config, key)
+        for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
+            temperatures.add_setpoint(entity, name, config, key)
     temperatures.add_measured(entity, config)
 
 
@@ -215,7 +247,82 @@ def _is_there(config: DiscoveryConfig, key: str) -> bool:
     return config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic")
 
 
-def _names_of_single(modes: tuple[str, ...]) -> tuple[str, ...]:
+def _by_single(modes: tuple[str, ...]) -> tuple[str, ...]:
     """Return the capabilities of a single target."""
     cools = ("cooling_setpoint",) if _COOLS.intersection(modes) else ()
     return (*cools, "heating_setpoint") if not cools or _HEATS.intersection(modes) else cools
+
+
+def _add_both(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], targets: _Targets) -> None:
+    """Add a single target and a pair."""
+    keys = (_SINGLE, *(end for end in _ENDS.values() if _is_there(config, end)))
+    commands = targets.commands
+    commands.update({key: command for key in keys if (command := config.command_of(key)) is not None})
+    mode_source = _source_of(config, "mode_state")  # read first: the mode selects the target in the same message
+    entity.read_text_from(mode_source, partial(targets.read_mode, frozenset(modes)))
+    readable = {
+        key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys
+    }
+    for name, end in _ENDS.items():
+        ways = [_SINGLE] if name in targets.by_single else []
+        ways += [end] if end in keys else []
+        if not ways:
+            continue
+        is_settable = any(way in commands for way in ways)
+        targets.names.append(name)
+        entity.add_capability(
+            name,
+            readable=any(readable[way] for way in ways),
+            writer=partial(targets.write, name) if is_settable else None,
+            unit="°C",
+            bounds=targets.temperatures.bounds if is_settable else (),
+        )
+    entity.add_commands(*commands.values())
+    entity.remembers()
+
+
+@dataclass(frozen=True, slots=True)
+class _Targets:
+    """A single target and a pair, selected by the mode, with their last values by key."""
+
+    mode: _TargetMode
+    temperatures: _Temperatures
+    by_single: tuple[str, ...]
+    commands: dict[str, CommandTopic] = field(default_factory=dict)
+    names: list[str] = field(default_factory=list)
+    last_values: dict[str, PlainValue] = field(default_factory=dict)
+
+    def read_mode(self, modes: frozenset[str], text: str) -> Readings:
+        """Read the mode, which may make other, earlier reported targets effective."""
+        if text != "None" and text not in modes:
+            return NO_READINGS
+        was_pair = self.mode.is_pair
+        self.mode.mode = None if text == "None" else text
+        if self.mode.is_pair == was_pair:
+            return NO_READINGS
+        return {name: self.last_values.get(self._key(name)) for name in self.names}
+
+    def read(self, key: str, text: str) -> Readings:
+        """Read the target *key*."""
+        found = read_number(key, text, convert=self.temperatures.celsius)
+        if not found:
+            return NO_READINGS
+        self.last_values[key] = found[key]
+        return {name: found[key] for name in self.names if self._key(name) == key}
+
+    def write(self, name: str, value: PlainValue, _transition: float) -> Publications:
+        number = self.temperatures.number(require_number(name, value, *self.temperatures.bounds, "°C"))
+        if self.mode.mode is None:
+            raise RefusedError(
+                f"{name} {number:g}", "its mode is unknown, and with it the setpoint; set its mode first"
+            )
+        command = self.commands.get(self._key(name))
+        if command is None:
+            raise RefusedError(f"{name} in mode {self.mode.mode}", "there is no such setpoint in that mode")
+        return command.publish(number)
+
+    def _key(self, name: str) -> str:
+        """Return the key of the effective target of *name*; empty for none."""
+        if self.mode.is_pair:
+            return _ENDS[name]
+        return _SINGLE if name in self.by_single else ""

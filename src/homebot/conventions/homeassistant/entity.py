@@ -11,7 +11,7 @@ from functools import partial
 from typing import TypeVar
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
-from homebot.conventions.description import AutoExpiry, DescribedPart
+from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
@@ -106,12 +106,23 @@ class Entity(PartBuilder[StateMessage]):
         command: CommandTopic | None,
         options: tuple[str, ...],
         meanings: Mapping[str, str | None] = _UNKNOWN,
+        on_command: Callable[[str], None] = lambda _option: None,
     ) -> None:
-        """Add a capability with one of *options*, and *meanings* of further texts; others are neither read nor sent."""
+        """Add a capability with one of *options*, and *meanings* of further texts; others are neither read nor sent.
+
+        Args:
+            on_command: Called with each commanded option.
+        """
         if not options:
             return
+
+        def write(option: str) -> Publications:
+            publications = command.publish(option) if command else ()
+            on_command(option)
+            return publications
+
         read = meaning_reader(name, _not_empty({**{option: option for option in options}, **meanings}))
-        writer = option_writer(name, options, command.publish) if command else None
+        writer = option_writer(name, options, write) if command else None
         self.add_value(name, source, read, command, writer, options=options)
 
     def add_flag(
