@@ -10,8 +10,13 @@ from tests.source_trees import source_trees
 
 pytestmark = pytest.mark.no_cover
 
-MOST = 13
-"""Modules in circles. None is the aim: lower the number with each one that goes."""
+PARTS = {
+    ("homebot.devices.handles.handle_query", "homebot.devices.handles.handle"),
+    ("homebot.graph.graph", "homebot.graph.node"),
+    ("homebot.testing.day", "homebot.testing.day_live"),
+    ("homebot.testing.house", "homebot.testing.event_log"),
+}
+"""Objects and parts that name each other; this import is for type checkers, or in the function that needs it."""
 
 
 def imports(node: ast.AST) -> Iterator[tuple[str, str]]:
@@ -55,9 +60,11 @@ def in_circles(graph: dict[str, set[str]]) -> set[str]:
     return {module for module in graph if module in reached(module)}
 
 
-def test_no_further_module_is_in_a_circle() -> None:
-    found = in_circles(import_graph())
-    assert len(found) <= MOST, sorted(found)
+def test_no_module_is_in_a_circle() -> None:
+    graph = import_graph()
+    for module, part in PARTS:
+        graph[module].discard(part)
+    assert in_circles(graph) == set()
 
 
 def test_a_circle_is_found() -> None:

@@ -14,7 +14,7 @@ from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
-from homebot.discovery.liveness import ReportInterval
+from homebot.discovery.report_interval import ReportInterval
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]

@@ -17,13 +17,14 @@ from homebot.devices import (
 from homebot.devices.value import PlainValue
 from homebot.discovery.description import DeviceDescription, describe_device, with_approvals, with_stated_facts
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
-from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
-from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
+from homebot.discovery.report_interval import ReportInterval
+from homebot.discovery.search.columns import StoredValue
+from homebot.discovery.source_record import SourceKey, SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 

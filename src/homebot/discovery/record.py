@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from homebot.devices import Sighting
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
-from homebot.discovery.liveness import ReportInterval
 from homebot.discovery.merging.part_ids import PartPlace
 from homebot.discovery.merging.trust import MAX_TRUSTED
+from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time

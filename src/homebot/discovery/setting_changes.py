@@ -11,7 +11,8 @@ from homebot.devices.device import ChangedSetting
 from homebot.devices.value import Reading, Value
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
-from homebot.discovery.source_record import SourceRecord, StoredValue
+from homebot.discovery.search.columns import StoredValue
+from homebot.discovery.source_record import SourceRecord
 from homebot.messages import Time
 
 __all__ = ["SettingChanges"]

@@ -7,20 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from operator import itemgetter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from homebot.devices import Sighting
-from homebot.devices.value import PlainValue, Value
+from homebot.discovery.search.columns import StoredValue
 from homebot.messages import Time
-
-if TYPE_CHECKING:
-    from homebot.discovery.search.columns import Column
 
 __all__ = [
     "Reach",
     "SourceKey",
     "SourceRecord",
-    "StoredValue",
     "is_described_anew",
     "preference",
     "record_description",
@@ -31,33 +27,6 @@ SourceKey: TypeAlias = tuple[str, str]
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 """The shared empty mapping: a dict of its own would be 64 bytes of each device, and most announcements need none."""
-
-
-@dataclass(slots=True)
-class StoredValue:
-    """A value that a part reported.
-
-    Attributes:
-        reported: The value.
-        value: The same in plain Python, by which it is found.
-        since: Since when it is that.
-        told_at: When it was last reported.
-        heard_at: The same on the clock that is never set, which decides on the newer one.
-        live: Whether the device reported it, rather than a retained message.
-        column: Where it is searched, which holds ``value`` again; None if it cannot be found.
-        row: Its place there.
-        is_first: Whether no report of another value came before it.
-    """
-
-    reported: Value
-    value: PlainValue
-    since: Time
-    told_at: Time
-    live: bool
-    heard_at: float = -math.inf
-    column: Column | None = None
-    row: int = 0
-    is_first: bool = True
 
 
 @dataclass(slots=True)

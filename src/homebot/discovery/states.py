@@ -15,8 +15,9 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
+from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.setting_changes import SettingChanges
-from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
+from homebot.discovery.source_record import Reach, SourceRecord
 from homebot.messages import Time
 
 __all__ = ["StateRecorder", "has_capability", "is_denied", "store_reachability"]

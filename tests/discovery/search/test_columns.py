@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.query import StateIs, parse_query
 from homebot.devices.value import PlainValue, Value
-from homebot.discovery.search.columns import Column
-from homebot.discovery.source_record import StoredValue
+from homebot.discovery.search.columns import Column, StoredValue
 from homebot.messages import Time
 
 NOW = Time(sec=0, nanosec=0)

@@ -2,17 +2,46 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import compress
 from typing import final
 
 from homebot.devices.query import StateIs
 from homebot.devices.query.matching import compares
-from homebot.devices.value import PlainValue
-from homebot.discovery.source_record import StoredValue
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
 
-__all__ = ["Column"]
+__all__ = ["Column", "StoredValue"]
+
+
+@dataclass(slots=True)
+class StoredValue:
+    """A value that a part reported.
+
+    Attributes:
+        reported: The value.
+        value: The same in plain Python, by which it is found.
+        since: Since when it is that.
+        told_at: When it was last reported.
+        heard_at: The same on the clock that is never set, which decides on the newer one.
+        live: Whether the device reported it, rather than a retained message.
+        column: Where it is searched, which holds ``value`` again; None if it cannot be found.
+        row: Its place there.
+        is_first: Whether no report of another value came before it.
+    """
+
+    reported: Value
+    value: PlainValue
+    since: Time
+    told_at: Time
+    live: bool
+    heard_at: float = -math.inf
+    column: Column | None = None
+    row: int = 0
+    is_first: bool = True
 
 
 @final

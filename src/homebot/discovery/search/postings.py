@@ -30,8 +30,7 @@ from homebot.devices.query import (
 )
 from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
-from homebot.discovery.search.columns import Column
-from homebot.discovery.source_record import StoredValue
+from homebot.discovery.search.columns import Column, StoredValue
 from homebot.support.folding import fold, is_typo, may_be_typo
 
 __all__ = ["Found", "PostedValue", "Postings"]
