@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import (
@@ -82,22 +81,22 @@ class LightFeatures:
     any_effect: bool = False
     is_dimmable: bool = True
 
-    @cached_property
+    @property
     def has_level(self) -> bool:
         """True if its brightness can be set."""
         return self.is_dimmable and not self.modes <= _NO_LEVEL
 
-    @cached_property
+    @property
     def has_white(self) -> bool:
         """True if its colour temperature can be set."""
         return "color_temp" in self.modes
 
-    @cached_property
+    @property
     def has_effect(self) -> bool:
         """True if it has effects."""
         return self.any_effect or bool(self.effects)
 
-    @cached_property
+    @property
     def color_mode(self) -> str:
         """The channels of commanded colours; empty for a lamp without colours."""
         return next((mode for mode in _PREFERRED if mode in self.modes), "")
