@@ -1,4 +1,4 @@
-"""How often a device reports, and how long a silence is usual. Pure."""
+"""Intervals between the reports of a device, and the silence that is usual for it. Pure."""
 
 from __future__ import annotations
 
