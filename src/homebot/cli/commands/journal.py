@@ -61,11 +61,9 @@ def _journal(options: argparse.Namespace) -> int:
             door.subscribe(JOURNAL_ENTRIES)
         since = now - options.since if options.since is not None else 0.0
         found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
-        before: JournalEntry | None = None
+        printer = _EntryPrinter(client, now, as_json=options.json)
         for entry in found.entries:
-            if options.json or not repeats(entry, before):
-                _print(entry, client, now, as_json=options.json)
-            before = entry
+            printer.print(entry)
         if not options.json and not options.follow:
             if not found.entries:
                 is_filtered = since or device or options.command_id
@@ -77,22 +75,35 @@ def _journal(options: argparse.Namespace) -> int:
             if device in {"", entry.device} and options.command_id in {"", entry.command}:
                 client.read_name(entry.device)
                 client.read_name(entry.trigger.device)
-                if options.json or not repeats(entry, before):
-                    _print(entry, client, now, as_json=options.json)
-                before = entry
+                printer.print(entry)
         return 0
 
     return with_client(options, run)
 
 
-def _print(entry: JournalEntry, client: JournalClient, now: float, *, as_json: bool) -> None:
-    if as_json:
-        print(json.dumps(entry_json(entry, client.names)), flush=True)
-        return
-    cause = trigger_text(entry.trigger, client.names)
-    text = entry_text(entry, client.names) + (f", because {cause}" if cause else "")
-    name, command = name_text(entry.device, client.names, entry.part) or _NO_DEVICE, entry.command
-    print(f"{clock_text(entry.at, now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
+class _EntryPrinter:
+    """Prints entries in their order; in words without those that repeat the one before."""
+
+    def __init__(self, client: JournalClient, now: float, *, as_json: bool) -> None:
+        self._client = client
+        self._now = now
+        self._as_json = as_json
+        self._before: JournalEntry | None = None
+
+    def print(self, entry: JournalEntry) -> None:
+        """Print *entry* in one line."""
+        if self._as_json:
+            print(json.dumps(entry_json(entry, self._client.names)), flush=True)
+        elif not repeats(entry, self._before):
+            print(self._text(entry), flush=True)
+        self._before = entry
+
+    def _text(self, entry: JournalEntry) -> str:
+        names = self._client.names
+        cause = trigger_text(entry.trigger, names)
+        text = entry_text(entry, names) + (f", because {cause}" if cause else "")
+        name, command = name_text(entry.device, names, entry.part) or _NO_DEVICE, entry.command
+        return f"{clock_text(entry.at, self._now)}  {name}  {command + '  ' if command else ''}{text}"
 
 
 def _span(text: str) -> float:
