@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import (
@@ -65,7 +65,7 @@ class WhiteRange(NamedTuple):
     bounds: tuple[float, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class LightFeatures:
     """The capabilities of a lamp, and their values.
 
@@ -73,6 +73,10 @@ class LightFeatures:
         modes: Its colour modes, with the names of Home Assistant.
         any_effect: Whether it also accepts unlisted effects.
         is_dimmable: Whether lamps with colours have a brightness.
+        has_level: Whether its brightness can be set.
+        has_white: Whether its colour temperature can be set.
+        has_effect: Whether it has effects.
+        color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
 
     modes: frozenset[str]
@@ -80,26 +84,16 @@ class LightFeatures:
     effects: tuple[str, ...] = ()
     any_effect: bool = False
     is_dimmable: bool = True
+    has_level: bool = field(init=False)
+    has_white: bool = field(init=False)
+    has_effect: bool = field(init=False)
+    color_mode: str = field(init=False)
 
-    @property
-    def has_level(self) -> bool:
-        """True if its brightness can be set."""
-        return self.is_dimmable and not self.modes <= _NO_LEVEL
-
-    @property
-    def has_white(self) -> bool:
-        """True if its colour temperature can be set."""
-        return "color_temp" in self.modes
-
-    @property
-    def has_effect(self) -> bool:
-        """True if it has effects."""
-        return self.any_effect or bool(self.effects)
-
-    @property
-    def color_mode(self) -> str:
-        """The channels of commanded colours; empty for a lamp without colours."""
-        return next((mode for mode in _PREFERRED if mode in self.modes), "")
+    def __post_init__(self) -> None:
+        self.has_level = self.is_dimmable and not self.modes <= _NO_LEVEL
+        self.has_white = "color_temp" in self.modes
+        self.has_effect = self.any_effect or bool(self.effects)
+        self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
