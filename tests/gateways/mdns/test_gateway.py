@@ -229,7 +229,8 @@ async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_
         while facts(asleep := await home.seen())["sleep"] != "asleep":
             pass
         assert (asleep.kind, asleep.confirmed, home.gateway.devices.keys) == ("updated", False, (KEY,))
-        assert not (await home.turn_on()).success
+        refused = await home.turn_on()
+        assert (refused.success, refused.message) == (False, f"{KEY} is asleep; try again once it is awake")
         async with lamp.listening():
             await home.computer.announce("Hall", lamp.port)
             await home.reported("reachable", True)

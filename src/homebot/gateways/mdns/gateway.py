@@ -262,6 +262,8 @@ class MdnsGateway(Gateway):
     async def _perform(self, command: Command) -> None:
         if self._unavailable:
             raise LinkError(f"no device can be reached: {self._unavailable}")
+        if command.key in self._asleep:
+            raise LinkError(f"{command.key[:100]} is asleep; try again once it is awake")
         listed = self._listed.get(command.key)
         if listed is None or listed.runner is None:
             raise LinkError(f"{command.key[:100]} has no driver to send commands with")
