@@ -1,12 +1,9 @@
-"""Modules import each other one way, inside their packages and for type checkers too."""
+"""Modules import each other one way, inside their packages, inside functions and for type checkers too."""
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterator
-
 import pytest
-from tests.source_trees import source_trees
+from tests.import_graph import import_graph
 
 pytestmark = pytest.mark.no_cover
 
@@ -17,32 +14,6 @@ PARTS = {
     ("homebot.testing.house", "homebot.testing.event_log"),
 }
 """Objects and parts that name each other; this import is for type checkers, or in the function that needs it."""
-
-
-def imports(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield what a module imports at its top, also for type checkers: perhaps a module, else a name of the second."""
-    for child in ast.iter_child_nodes(node):
-        match child:
-            case ast.Import(names=names):
-                yield from ((one.name, "") for one in names)
-            case ast.ImportFrom(module=str(module), names=names):
-                yield from ((f"{module}.{one.name}", module) for one in names)
-            case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
-                pass
-            case _:
-                yield from imports(child)
-
-
-def import_graph() -> dict[str, set[str]]:
-    """Return the modules that each module imports."""
-    trees = {
-        f"homebot/{path}".removesuffix(".py").removesuffix("/__init__").replace("/", "."): tree
-        for path, tree in source_trees().items()
-    }
-    return {
-        module: {name if name in trees else package for name, package in imports(tree)} & trees.keys() - {module}
-        for module, tree in trees.items()
-    }
 
 
 def in_circles(graph: dict[str, set[str]]) -> set[str]:
@@ -61,9 +32,8 @@ def in_circles(graph: dict[str, set[str]]) -> set[str]:
 
 
 def test_no_module_is_in_a_circle() -> None:
-    graph = import_graph()
-    for module, part in PARTS:
-        graph[module].discard(part)
+    parts = {module: {part} for module, part in PARTS}
+    graph = {module: set(imported) - parts.get(module, set()) for module, imported in import_graph().items()}
     assert in_circles(graph) == set()
 
 
