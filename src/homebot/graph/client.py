@@ -22,6 +22,7 @@ from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.handler_run import HandlerRun
 from homebot.graph.service import Service, ServiceSlot
 from homebot.messages.message import Message, ServiceType
+from homebot.support.time_limits import TimeLimits
 
 __all__ = ["Client"]
 
@@ -47,6 +48,7 @@ class Client(Generic[RequestT, ResponseT]):
         self._on_close: Callable[[], None] | None = on_close
         self._closed = False
         self._left_at_work: WeakSet[HandlerRun] = WeakSet()
+        self._limits = TimeLimits()
         self._request_type = service_type.Request
         self._response_type = service_type.Response
 
@@ -148,18 +150,22 @@ class Client(Generic[RequestT, ResponseT]):
             timeout: Seconds.
             is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
         """
-        with anyio.move_on_after(timeout):
-            if is_bound or not run.server.start(run.serve):
-                await run.serve_in_callers_task()
+        if is_bound or not run.server.start(run.serve):
+            with anyio.move_on_after(timeout):
+                await run.serve(is_callers_task=True)
                 return run.outcome.result()
-            try:
-                return await run.wait_for_outcome()
-            finally:
-                if not run.has_ended:
-                    self._left_at_work.add(run)
-        return (
-            ServiceGoneError(self.info.name) if run.server.is_closed else ServiceTimeoutError(self.info.name, timeout)
-        )
+            return self._time_error(run, timeout)
+        limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout)))
+        try:
+            return await run.wait_for_outcome()
+        finally:
+            self._limits.discard(limit)
+            if not run.has_ended:
+                self._left_at_work.add(run)
+
+    def _time_error(self, run: HandlerRun, timeout: float) -> ServiceError:
+        name = self.info.name
+        return ServiceGoneError(name) if run.server.is_closed else ServiceTimeoutError(name, timeout)
 
     def _reject(self, request: object) -> NoReturn:
         raise TypeMismatchError(

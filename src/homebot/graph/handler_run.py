@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
-from contextlib import suppress
 from contextvars import ContextVar
 from inspect import iscoroutine
-from typing import Any, Protocol, TypeAlias, final
+from typing import Any, Final, Protocol, TypeAlias, final
 
 import anyio
 
@@ -18,6 +17,8 @@ __all__ = ["HandlerRun", "StartHandler", "calling_runs"]
 
 _current: ContextVar[HandlerRun | None] = ContextVar("_current", default=None)
 
+_UNSERVED: Final = object()
+"""Outcome of a handler that was cancelled."""
 
 StartHandler: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], bool]
 """Starts a task of the serving node; returns False if the node does not run."""
@@ -68,49 +69,18 @@ class HandlerRun:
         self._handler = handler
         self._parent = _run_of_current_task()
         self.has_ended = False
+        self._is_answered = False
         self._end_event: anyio.Event | None = None
         server.add_run(self)
 
-    async def serve(self) -> None:
-        """Run the handler in the current task, which belongs to the serving node."""
-        await self._run(is_callers_task=False)
-        if self.task is not None and self.task.cancelling() and not is_cancelled():
-            with suppress(asyncio.CancelledError):  # by the handler, with its last step
-                await asyncio.sleep(0)
-            uncancel()
-
-    async def serve_in_callers_task(self) -> None:
-        """Run the handler in the task of its caller: it is cancelled with it."""
-        await self._run(is_callers_task=True)
-
-    async def wait_for_outcome(self) -> object:
-        """Return the outcome; a cancelled caller leaves the handler at work."""
-        try:
-            return await self.outcome
-        except BaseException:
-            if self.has_ended and not self.outcome.cancelled():  # it ended before the cancelled caller had its turn
-                self.server.drop(self.outcome.result())
-            self.outcome.cancel()
-            raise
-
-    async def wait_for_end(self) -> None:
-        """Wait until the handler has ended."""
-        if not self.has_ended:
-            self._end_event = self._end_event or anyio.Event()
-            await self._end_event.wait()
-
-    @property
-    def parent(self) -> HandlerRun | None:
-        """The handler that waits for this one, or None if the caller is no handler or has left."""
-        return None if self.outcome.done() else self._parent
-
-    async def _run(self, *, is_callers_task: bool) -> None:
+    async def serve(self, *, is_callers_task: bool = False) -> None:
+        """Run the handler in the current task: one of the serving node, or the caller's, with which it is cancelled."""
         self.task = asyncio.current_task()
         token = _current.set(self)
-        outcome: object = ServiceGoneError(self.server.service_name)
+        outcome: object = _UNSERVED
         try:
             with self.scope:
-                if self.server.is_closed or is_cancelled():
+                if self.server.is_closed or self.scope.cancel_called or (is_callers_task and is_cancelled()):
                     self._discard_handler()
                 else:
                     outcome = await self._handler
@@ -124,13 +94,42 @@ class HandlerRun:
             _current.reset(token)
             self._end(outcome)
 
+    async def wait_for_outcome(self) -> object:
+        """Return the outcome; a cancelled caller leaves the handler at work."""
+        try:
+            return await self.outcome
+        except BaseException:
+            if self._is_answered:  # it ended before the cancelled caller had its turn
+                self.server.drop(self.outcome.result())
+            self.outcome.cancel()
+            raise
+
+    def end_call(self, error: ServiceError) -> None:
+        """End the call with *error*, unless it has ended; the handler continues."""
+        if not self.outcome.done():
+            self.outcome.set_result(error)
+
+    async def wait_for_end(self) -> None:
+        """Wait until the handler has ended."""
+        if not self.has_ended:
+            self._end_event = self._end_event or anyio.Event()
+            await self._end_event.wait()
+
+    @property
+    def parent(self) -> HandlerRun | None:
+        """The handler that waits for this one, or None if the caller is no handler or has left."""
+        return None if self.outcome.done() else self._parent
+
     def _end(self, outcome: object) -> None:
+        if outcome is _UNSERVED:
+            outcome = ServiceGoneError(self.server.service_name)
         self.has_ended = True
         if self._end_event is not None:
             self._end_event.set()
         if self.outcome.done():
             self.server.drop(outcome)
         else:
+            self._is_answered = True
             self.outcome.set_result(outcome)
         self.server.remove_run(self)
 

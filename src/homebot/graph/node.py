@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
+from contextlib import AsyncExitStack
 from functools import partial
 from types import TracebackType
 from typing import Literal, Self, TypeVar
@@ -80,6 +81,8 @@ class Node:
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
         self.log = get_logger(node=self.full_name)
         self._tasks: TaskGroup | None = None
+        self._handlers: asyncio.TaskGroup | None = None  # of services, which have scopes of their own
+        self._exits = AsyncExitStack()
         self._scopes: dict[anyio.CancelScope, None] = {}  # in order of start, for reproducible runs
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, GraphEntity] = {}
@@ -303,8 +306,9 @@ class Node:
         self._check_open()
         if self._tasks is not None:
             raise UsageError(f"the node {self.full_name} is already running")
-        self._tasks = anyio.create_task_group()
-        await self._tasks.__aenter__()
+        self._tasks = await self._exits.enter_async_context(anyio.create_task_group())
+        self._handlers = await asyncio.TaskGroup().__aenter__()
+        self._exits.push_async_callback(self._end_handlers, self._handlers)
         waiting, self._waiting = self._waiting, []
         for function in waiting:
             self._tasks.start_soon(self._run, function, name=self.full_name)
@@ -313,12 +317,12 @@ class Node:
     async def __aexit__(
         self, exc_type: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
     ) -> bool | None:
-        tasks, self._tasks = self._tasks, None
+        tasks, self._tasks, self._handlers = self._tasks, None, None
         if tasks is None:
             return None
         tasks.cancel_scope.cancel()
         try:
-            return await tasks.__aexit__(exc_type, exc, traceback)
+            return await self._exits.__aexit__(exc_type, exc, traceback)
         except BaseExceptionGroup as group:
             only = only_cause(group)
             if only is None:
@@ -336,11 +340,18 @@ class Node:
             self._tasks.start_soon(self._run, function, name=self.full_name)
 
     def _start_handler(self, serve: Callable[[], Coroutine[object, object, None]]) -> bool:
-        """Start a task that needs no isolation; return False if the node does not run."""
-        if self._tasks is None:
+        """Start the task of a handler, which isolates itself; return False if the node does not run."""
+        if self._handlers is None:
             return False
-        self._tasks.start_soon(serve, name=self.full_name)
+        self._handlers.create_task(serve(), name=self.full_name)
         return True
+
+    async def _end_handlers(self, handlers: asyncio.TaskGroup) -> None:
+        for entity in tuple(self._entities.values()):
+            if isinstance(entity, Service):
+                entity.cancel_handlers()
+        with anyio.CancelScope(shield=True):  # the group would cancel the handlers without regard to their shields
+            await handlers.__aexit__(None, None, None)
 
     async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         """Run a task of the node in its own scope: closing the node ends its tasks, not the caller's."""

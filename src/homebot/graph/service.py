@@ -181,6 +181,11 @@ class Service(Generic[RequestT, ResponseT]):
         now = asyncio.get_running_loop().time()
         return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
 
+    def cancel_handlers(self) -> None:
+        """Cancel all handlers at work."""
+        for run in tuple(self._runs):
+            run.scope.cancel()
+
     def close(self) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
 
@@ -196,8 +201,7 @@ class Service(Generic[RequestT, ResponseT]):
         for run in tuple(self._runs):
             if run is not own:
                 run.scope.cancel()
-                if not run.outcome.done():
-                    run.outcome.set_result(ServiceGoneError(self.service_name))
+                run.end_call(ServiceGoneError(self.service_name))
         while self.line:
             turn = self.line.popleft()
             if not turn.done():
