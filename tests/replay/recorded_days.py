@@ -71,25 +71,25 @@ def evening_flat() -> World:
 
 
 def recorded(
-    world: World, apps: Sequence[str], length: str, *, seed: int = 1, config: Mapping[str, object] | None = None
+    world: World,
+    apps: Sequence[str],
+    length: str,
+    *,
+    seed: int = 1,
+    start: str = "2026-01-01",
+    config: Mapping[str, object] | None = None,
 ) -> Recording:
-    """A recording of *world* from midnight on."""
-    return recording_of(recorded_lines(world, apps, length, seed=seed, config=config))
-
-
-def recorded_lines(
-    world: World, apps: Sequence[str], length: str, *, seed: int = 1, config: Mapping[str, object] | None = None
-) -> list[str]:
+    """A recording of *world* from *start* on."""
     sink = MemorySink()
     tables = {**(config or {}), "apps": {name: APPS[name] for name in apps}}
 
     async def live() -> None:
-        async with virtual_house_of(world=world, seed=seed, config=tables, record_into=sink) as home:
+        async with virtual_house_of(world=world, seed=seed, start=start, config=tables, record_into=sink) as home:
             await home.run_for(length)
 
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         runner.run(live())
-    return sink.lines
+    return recording_of(sink.lines)
 
 
 @asynccontextmanager

@@ -27,7 +27,10 @@ def hour_after_somebody_left() -> Recording:
     world = flat(("08:00", "hall"), ("08:20", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
 
     async def live() -> None:
-        async with virtual_house_of(world=world, config=CONFIG) as home, Node(home.runtime.graph, "person") as person:
+        async with (
+            virtual_house_of(world=world, config=CONFIG, start="2026-01-01 07:55") as home,
+            Node(home.runtime.graph, "person") as person,
+        ):
             await home.run_until("09:00")
             async with recorded_for_client(person, lines):
                 request = CommandDevicesRequest(
