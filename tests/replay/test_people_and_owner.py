@@ -153,7 +153,8 @@ def test_an_imported_file_is_imported_again_and_no_other_file_is_recorded() -> N
     """A configuration that somebody imports by mistake may hold passwords."""
     rooms = '[places.devices.study_lamp]\nroom = "hall"'
     mistake = '[gateways.mqtt]\npassword = "geheim"'
-    recording = recorded_with(*(("08:10", IMPORT_PLACES, ImportPlacesRequest(text=text)) for text in (mistake, rooms)))
+    imports = (("08:10", mistake), ("08:11", rooms))
+    recording = recorded_with(*((at, IMPORT_PLACES, ImportPlacesRequest(text=text)) for at, text in imports))
     (one,) = (one.message for one in recording.events if isinstance(one.message, OwnerRequest))
     assert json.loads(one.request)["text"] == rooms
     assert [one.area for one in replayed(recording).devices if one.id == "study_lamp"] == ["hall"]
