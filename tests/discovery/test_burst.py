@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
@@ -9,9 +10,25 @@ import anyio
 import pytest
 
 from homebot.clock import LoopClock
-from homebot.discovery.burst import Burst
+from homebot.discovery.publication import Burst
 
 pytestmark = pytest.mark.virtual_time
+
+
+@dataclass
+class Announcements:
+    announced: int
+
+
+class EndlessAnnouncements:
+    """One more announcement each time that they are counted."""
+
+    def __init__(self) -> None:
+        self._numbers = count(1)
+
+    @property
+    def announced(self) -> int:
+        return next(self._numbers)
 
 
 async def seconds(burst: Burst, *, is_urgent: bool = False) -> float:
@@ -21,19 +38,18 @@ async def seconds(burst: Burst, *, is_urgent: bool = False) -> float:
 
 
 async def test_the_wait_in_a_burst_that_goes_on_doubles_up_to_a_minute() -> None:
-    numbers = count(1)
-    burst = Burst(LoopClock(), lambda: next(numbers), partial(anyio.sleep, 0.5))
+    burst = Burst(LoopClock(), EndlessAnnouncements(), partial(anyio.sleep, 0.5))
     assert [await seconds(burst) for _ in range(5)] == [10.0, 20.0, 40.0, 60.0, 60.0]
 
 
 async def test_a_burst_ends_with_a_pause_and_the_next_one_is_waited_for_as_short_as_the_first() -> None:
-    announced = [1]
-    burst = Burst(LoopClock(), lambda: announced[0], partial(anyio.sleep, 0.5))
+    announcements = Announcements(1)
+    burst = Burst(LoopClock(), announcements, partial(anyio.sleep, 0.5))
     assert (await seconds(burst), await seconds(burst)) == (0.5, 0.0)
-    announced[0] = 2
+    announcements.announced = 2
     assert await seconds(burst) == 0.5
 
 
 async def test_urgent_changes_do_not_wait() -> None:
-    burst = Burst(LoopClock(), lambda: 1, partial(anyio.sleep, 0.5))
+    burst = Burst(LoopClock(), Announcements(1), partial(anyio.sleep, 0.5))
     assert await seconds(burst, is_urgent=True) == 0.0

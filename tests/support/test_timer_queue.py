@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,8 +43,9 @@ def test_the_earliest_comes_first_and_of_equal_times_the_one_set_first(steps: li
         assert len(queue) == len(plain)
         assert [queue.time_of(one) for one in "abcd"] == [plain.get(one, (None,))[0] for one in "abcd"]
         times = [entry_at for entry_at, _ in plain.values()]
-        assert queue.is_due_before(at) == any(one < at for one in times)
+        assert queue.earliest <= min(times, default=math.inf)
         assert queue.next() == min(times, default=None)
+        assert queue.earliest == min(times, default=math.inf)
     assert empty(queue) == [(key, number) for key, (_, number) in sorted(plain.items(), key=lambda entry: entry[1])]
 
 

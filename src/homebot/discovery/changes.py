@@ -74,6 +74,10 @@ class ChangeQueue:
         pending: Changes that wait to be taken.
         states: Changes of states that wait to be taken.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
+        recent: The last changes that were taken, for late clients.
+        announced: The number of announcements so far, new or changed.
+        collects_states: Whether changes of states are collected.
+        collects_settings: Whether changed settings are collected.
     """
 
     def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:
@@ -86,6 +90,10 @@ class ChangeQueue:
         self._last: dict[str, _PendingChange] = {}
         self.states: list[NewStates] = []
         self.growing: dict[str, _PendingChange] = {}
+        self.recent = ChangeLog(self.sequence)
+        self.announced = 0
+        self.collects_states = False
+        self.collects_settings = False
 
     def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -143,6 +151,8 @@ class ChangeQueue:
         found: list[DeviceChange] = []
         for one in taken:
             found += self._changes(one)
+        for change in found:
+            self.recent.append(change)
         return tuple(found)
 
     def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Final
 
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
@@ -88,6 +89,9 @@ def describe_device(
         merged=merged,
     )
 
+
+_fact_of = Fact.of_checked
+_PAIR: Final = attrgetter("key", "value")
 
 _RELAYS: Final = frozenset({"plug", "switch"})
 
@@ -240,10 +244,9 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
         if announced == before:
             continue
         before = announced
-        pairs = [(one.key, one.value) for one in sighting.metadata]
-        for name, value in (("name", sighting.name), ("area", sighting.area), *pairs):
-            if value and (name, value, gateway, convention) not in found:
-                found[name, value, gateway, convention] = _fact(source, name, value)
+        for name, value in (("name", sighting.name), ("area", sighting.area), *map(_PAIR, sighting.metadata)):
+            if value and (fact := (name, value, gateway, convention)) not in found:
+                found[fact] = _fact(source, name, value)
         if len(found) >= MAX_FACTS:
             break
     return tuple(found.values())[:MAX_FACTS]
@@ -252,7 +255,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return Fact(
+    return _fact_of(
         name=name,
         value=value,
         gateway=sighting.gateway,

@@ -56,14 +56,10 @@ class DeviceTable:
         outdated: Ids of the devices with outdated postings.
         unsaved: Ids of the devices with an outdated record in the index file.
         counters: Counts of dropped and refused inputs.
-        collects_states: Whether changes of states are collected.
-        collects_settings: Whether changed settings are collected.
     """
 
     __slots__ = (
         "changes",
-        "collects_settings",
-        "collects_states",
         "counters",
         "entries",
         "outdated",
@@ -88,8 +84,6 @@ class DeviceTable:
         self.outdated: dict[str, None] = {}
         self.unsaved = UnsavedDevices(self.entries, self.tombstones)
         self.counters = IndexCounters()
-        self.collects_states = False
-        self.collects_settings = False
 
     def record_change(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Record a change of *entry*, which makes its message and its postings out of date."""

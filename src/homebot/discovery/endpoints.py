@@ -16,6 +16,7 @@ from homebot.messages import Time
 __all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
 
 _KEY = attrgetter("key")
+_endpoint_of, _part_of = Endpoint.of_checked, DevicePart.of_checked  # looked up once, as `of_checked` says
 
 Addresses: TypeAlias = tuple[SourceKey, str, str]
 """The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
@@ -68,7 +69,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            Endpoint(
+            _endpoint_of(
                 gateway=gateway,
                 key=key,
                 address=address,
@@ -105,7 +106,7 @@ def sorted_routes(
     for part in parts:
         routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
         is_same = routes == part.routes
-        found.append(part if is_same else DevicePart(id=part.id, part=part.part, routes=routes))
+        found.append(part if is_same else _part_of(id=part.id, part=part.part, routes=routes))
     return tuple(found)
 
 

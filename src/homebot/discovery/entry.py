@@ -247,9 +247,9 @@ class Entry:
             sources = tuple(self.sources.values())
             self._description = describe_device(sources, topics, self.known_ids, self.owner)
             owner = self.owner
-            if owner is not None and not owner.is_empty and (stated := owner.of(self.id, sources)):
-                self._description = with_stated_facts(self._description, stated, owner.plan)
-            if owner is not None and owner.approvals:
+            if owner is not None and not owner.is_empty:
+                if stated := owner.of(self.id, sources):
+                    self._description = with_stated_facts(self._description, stated, owner.plan)
                 self._description = with_approvals(self._description, tuple(owner.approvals.of(sources)))
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
-from homebot.devices import Device, Sighting, StateChange
+from homebot.devices import Device, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
@@ -50,10 +50,12 @@ class DeviceIndex:
     Attributes:
         counters: Counts of dropped and refused inputs.
         owner: The owner's statements on devices.
-        pop_changes: Returns the changes, at most so many or all, oldest first, and forgets them; several changes
-            of one device are one change.
-        next_deadline: Returns when :meth:`expire` has something to do, in seconds of its clock; None for never.
-        is_due_before: Returns whether it has something to do before a time of that clock.
+        changes: The changes to be published, and the last ones that were.
+        pop_changes: Its :meth:`ChangeQueue.pop`.
+        pop_states: Its :meth:`ChangeQueue.pop_states`; to be called after *pop_changes*.
+        outdated: The ids of devices that are not findable as they are now.
+        deadlines: The times at which :meth:`expire` has something to do, in seconds of its clock.
+        next_deadline: Returns the first of them; None for never.
         settings: Settings that changed and were not taken yet.
         tombstones: Devices that went.
     """
@@ -69,14 +71,17 @@ class DeviceIndex:
         table = DeviceTable(first_sequence, owner or OwnerFacts())
         self.counters = table.counters
         self.tombstones = table.tombstones
+        self.changes = table.changes
         self.pop_changes = table.changes.pop
+        self.pop_states = table.changes.pop_states
+        self.outdated = table.outdated
         self.owner = table.owner
         self._table = table
         self._sources = table.sources
         self._pending = PendingReports()
         self._liveness = Liveness(table, forget_after)
-        self.next_deadline = self._liveness.next_deadline
-        self.is_due_before = self._liveness.is_due_before
+        self.deadlines = self._liveness.deadlines
+        self.next_deadline = self.deadlines.next
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self.settings = SettingChanges(table)
@@ -91,7 +96,7 @@ class DeviceIndex:
             **asdict(self.counters),
             "strays": self._pending.count,
             "identifiers_cut": self._merger.identities.cut,
-            "states_lost": self._table.changes.states_lost,
+            "states_lost": self.changes.states_lost,
         }
 
     @property
@@ -102,12 +107,12 @@ class DeviceIndex:
     @property
     def sequence(self) -> int:
         """Number of the last change that was taken."""
-        return self._table.changes.sequence
+        return self.changes.sequence
 
     def collect(self, *, states: bool, settings: bool = False) -> None:
         """Collect changes of states, and changed settings, from now on, or collect them no more."""
-        self._table.collects_states = states
-        self._table.collects_settings = settings
+        self.changes.collects_states = states
+        self.changes.collects_settings = settings
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
         """Take *sighting* in.
@@ -180,57 +185,7 @@ class DeviceIndex:
     @property
     def is_behind(self) -> bool:
         """True if changes wait to be taken, or devices to be made findable."""
-        table = self._table
-        return bool(table.changes.pending or table.changes.states or table.outdated)
-
-    @property
-    def is_sorted(self) -> bool:
-        """True if all devices are findable as they are now."""
-        return not self._table.outdated
-
-    @property
-    def has_changes(self) -> bool:
-        """True if changes of devices wait to be taken."""
-        return bool(self._table.changes.pending)
-
-    @property
-    def announced(self) -> int:
-        """Number of the announcements that were taken in, new or changed."""
-        return self._intake.announced
-
-    @property
-    def waiting_changes(self) -> int:
-        """Number of the changes of devices that wait to be taken."""
-        return len(self._table.changes.pending)
-
-    @property
-    def waiting_states(self) -> int:
-        """Number of the changes of states that wait to be taken."""
-        return len(self._table.changes.states)
-
-    @property
-    def is_growing(self) -> bool:
-        """True if devices were announced further, which :meth:`end_growth` makes a change."""
-        return bool(self._table.changes.growing)
-
-    def end_growth(self) -> None:
-        """Let the changes of devices that were announced further be taken: no more announcements came lately."""
-        self._table.changes.end_growth()
-
-    @property
-    def has_states(self) -> bool:
-        """True if changes of states wait to be taken."""
-        return bool(self._table.changes.states)
-
-    def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; to be called after :meth:`pop_changes`.
-
-        Those of parts and capabilities that went meanwhile are left out.
-
-        Args:
-            at_most: How many to look at; None for all.
-        """
-        return self._table.changes.pop_states(at_most)
+        return bool(self.changes.pending or self.changes.states or self.outdated)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""

@@ -34,18 +34,15 @@ class Liveness:
 
     Attributes:
         now: Time of the newest input, in seconds of a clock that is never set.
-        next_deadline: Returns when :meth:`pop_silent` has a device, in seconds of that clock; None for never.
-        is_due_before: Returns whether it has one before a time of that clock.
+        deadlines: When :meth:`pop_silent` has which device, in seconds of that clock.
     """
 
     __slots__ = (
-        "_deadlines",
         "_forget_after",
         "_seconds",
         "_stamp",
         "_table",
-        "is_due_before",
-        "next_deadline",
+        "deadlines",
         "now",
     )
 
@@ -55,9 +52,7 @@ class Liveness:
         self._forget_after = forget_after
         self._stamp: Time | None = None
         self._seconds = 0.0
-        self._deadlines: TimerQueue[str, None] = TimerQueue()
-        self.next_deadline = self._deadlines.next
-        self.is_due_before = self._deadlines.is_due_before
+        self.deadlines: TimerQueue[str, None] = TimerQueue()
 
     def mark_seen(self, entry: Entry, source: SourceRecord, stamp: Time, why: str) -> None:
         """Note that *entry* itself spoke now, through *source*: it is fresh.
@@ -87,7 +82,7 @@ class Liveness:
         if entry.is_shared:
             self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
         elif before != "fresh" or entry.deadline < due:  # a later one is seen when the one before has come
-            self._deadlines.set(entry.id, entry.deadline, None)
+            self.deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
         self._table.outdated[entry.id] = None
@@ -120,25 +115,25 @@ class Liveness:
         """
         silence = max(source.lasts for source in entry.sources.values())
         entry.deadline, entry.expires = now + silence, wall + silence
-        self._deadlines.set(entry.id, entry.deadline, None)
+        self.deadlines.set(entry.id, entry.deadline, None)
 
     def schedule(self, entry: Entry) -> None:
         """Watch over the deadline of *entry*."""
         due = self._due(entry)
         if entry.is_shared and entry.freshness != "stale":
             due = min((due, *self._gateway_deadlines(entry).values()))
-        self._deadlines.set(entry.id, due, None)
+        self.deadlines.set(entry.id, due, None)
 
     def discard(self, entry: Entry) -> None:
         """Watch over *entry* no more."""
-        self._deadlines.discard(entry.id)
+        self.deadlines.discard(entry.id)
 
     def pop_silent(self, now: float) -> Entry | None:
         """Return a device that has been silent for too long at *now*; None if there is none.
 
         One that is stale is to be removed, any other to be marked as stale.
         """
-        while (due := self._deadlines.pop(now)) is not None:
+        while (due := self.deadlines.pop(now)) is not None:
             entry = self._table.entries[due[0]]
             if self._due(entry) <= now:
                 return entry

@@ -11,7 +11,6 @@ from homebot.devices import (
     GET_CHANGES,
     GET_INDEX_DATA,
     QUERY_DEVICES,
-    DeviceChange,
     FindDevices,
     Found,
     GetChanges,
@@ -45,7 +44,6 @@ from homebot.devices.services import (
     SplitDeviceRequest,
     SplitDeviceResponse,
 )
-from homebot.discovery.changes import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.discovery.persistence import IndexPersistence
@@ -81,7 +79,6 @@ class DirectoryServices:
         self._index = index
         self._persistence = persistence
         self._publish_some = publish
-        self._changes = ChangeLog(index.sequence)
         self._node = node
 
     def register(self) -> None:
@@ -97,10 +94,6 @@ class DirectoryServices:
         node.create_service(ExportIndex, EXPORT_INDEX, self._export_index)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
         PlacesServices(self._clock, self._index, self._publish_all).register(node, owner)
-
-    def remember(self, change: DeviceChange) -> None:
-        """Keep a change that was published, for later requests."""
-        self._changes.append(change)
 
     async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
         await self._catch_up()
@@ -164,9 +157,10 @@ class DirectoryServices:
 
     def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
         self._publish_all()
+        recent = self._index.changes.recent
         return GetChangesResponse(
-            changes=self._changes.since(request.since),
-            complete=self._changes.forgotten <= request.since <= self._index.sequence,
+            changes=recent.since(request.since),
+            complete=recent.forgotten <= request.since <= self._index.sequence,
             sequence=self._index.sequence,
         )
 

@@ -30,22 +30,22 @@ class SettingChanges:
 
     Args:
         table: The devices.
+
+    Attributes:
+        waiting: Those that wait, by the identity of the stored value.
     """
 
-    __slots__ = ("_table", "_waiting")
+    __slots__ = ("_table", "waiting")
 
     def __init__(self, table: DeviceTable) -> None:
         self._table = table
-        self._waiting: dict[int, _Waiting] = {}
-
-    def __bool__(self) -> bool:
-        return bool(self._waiting)
+        self.waiting: dict[int, _Waiting] = {}
 
     def record(
         self, entry: Entry, source: SourceRecord, new: Iterable[tuple[tuple[str, str], Reading, StoredValue]]
     ) -> None:
         """Record the new live values of *source*, each with its part and capability, and where it is kept."""
-        waiting = self._waiting
+        waiting = self.waiting
         for place, reading, stored in new:
             if place[1] not in SETTABLE or id(stored) in waiting:
                 continue
@@ -56,8 +56,8 @@ class SettingChanges:
 
     def pop(self) -> Iterator[ChangedSetting]:
         """Yield the changes since the last time, as in `ChangedSettings`, and forget them."""
-        table, waiting = self._table, self._waiting
-        self._waiting = {}
+        table, waiting = self._table, self.waiting
+        self.waiting = {}
         for entry, source, first, since, stored in waiting.values():
             if table.entries.get(entry.id) is not entry:
                 continue

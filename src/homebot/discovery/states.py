@@ -153,9 +153,9 @@ class StateRecorder:
         if len(entry.sources) > 1:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
-        if live and table.collects_settings:
+        if live and table.changes.collects_settings:
             self._settings.record(entry, source, new)
-        if not table.collects_states:
+        if not table.changes.collects_states:
             return
         merged = entry.parts(table.topics)
         readings, names = [], [entry.id]
@@ -184,7 +184,7 @@ class StateRecorder:
             return
         stored = StoredValue(reading.value, value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
-        if table.collects_states:
+        if table.changes.collects_states:
             event = _of_part(merged.parts[number].id, reading)
             stream = stream_of((entry.id, event.part, event.capability, table.changes.event_number()))
             table.changes.add_states((entry, merged, (event,), stream, stamp, True))

@@ -23,6 +23,9 @@ class TimerQueue(Generic[Key, Item]):
 
     Setting a later time, as every sign of life does, costs a look-up: the heap keeps the earlier one, and the key goes
     back into it when it turns up too early.
+
+    Attributes:
+        earliest: A time before which nothing is due: the one that :meth:`next` returned, or an earlier one set since.
     """
 
     def __init__(self) -> None:
@@ -30,6 +33,7 @@ class TimerQueue(Generic[Key, Item]):
         self._queued: dict[Key, float] = {}  # the time in the heap that counts for a key
         self._heap: list[_Entry[Key, Item]] = []
         self._number = 0
+        self.earliest = math.inf
 
     def set(self, key: Key, at: float, item: Item) -> None:
         """Schedule *item* for the time *at*, replacing the earlier item of *key*."""
@@ -38,6 +42,8 @@ class TimerQueue(Generic[Key, Item]):
         if at < self._queued.get(key, math.inf):
             self._queued[key] = at
             heapq.heappush(self._heap, entry)
+            if at < self.earliest:
+                self.earliest = at
             if len(self._heap) > 2 * len(self._entries) + _SLACK:
                 self._rebuild()
 
@@ -60,21 +66,15 @@ class TimerQueue(Generic[Key, Item]):
             first = heap[0]
             entry = self._entries.get(first[2])
             if entry is first:
+                self.earliest = first[0]
                 return first[0]
             if entry is None or self._queued.get(first[2]) != first[0]:
                 heapq.heappop(heap)
             else:
                 self._queued[first[2]] = entry[0]
                 heapq.heapreplace(heap, entry)
+        self.earliest = math.inf
         return None
-
-    def is_due_before(self, at: float) -> bool:
-        """Return whether anything is due before *at*; cheaper than :meth:`next` where nothing is."""
-        heap = self._heap
-        if not heap or heap[0][0] >= at:  # the first time in the heap may be outdated, but none is earlier
-            return False
-        earliest = self.next()
-        return earliest is not None and earliest < at
 
     def pop(self, now: float = math.inf) -> tuple[Key, Item] | None:
         """Forget the earliest key and return it with its item; None where nothing is due at *now*."""

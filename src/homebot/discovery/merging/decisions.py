@@ -33,18 +33,14 @@ class MergeDecisions:
 
     Attributes:
         ignored: Identifiers that connect nothing.
+        merged: The identifiers that the owner gave to announcements.
         is_unsaved: Whether something was decided that is not in the index file.
     """
 
     def __init__(self) -> None:
         self.ignored: set[str] = set()
         self.is_unsaved = False
-        self._merged: dict[SourceKey, str] = {}
-
-    def identifiers(self, key: SourceKey) -> tuple[str, ...]:
-        """Return the identifiers that the owner gave to the announcement *key*."""
-        given = self._merged.get(key)
-        return () if given is None else (given,)
+        self.merged: dict[SourceKey, str] = {}
 
     def split(self, identifiers: Iterable[str], keys: Iterable[SourceKey]) -> None:
         """Decide that *identifiers* are no evidence, and that *keys* were not to be merged.
@@ -56,7 +52,7 @@ class MergeDecisions:
         self._check("a split", len(ignored))
         self.ignored = ignored
         for key in keys:
-            self._merged.pop(key, None)
+            self.merged.pop(key, None)
         self.is_unsaved = True
 
     def merge(self, keys: Iterable[SourceKey]) -> None:
@@ -66,23 +62,23 @@ class MergeDecisions:
             RefusedError: There are too many decisions.
         """
         announcements = tuple(keys)
-        self._check("a merge", len(self._merged) + len(announcements))
-        known = {given for key in announcements if (given := self._merged.get(key)) is not None}
+        self._check("a merge", len(self.merged) + len(announcements))
+        known = {given for key in announcements if (given := self.merged.get(key)) is not None}
         name = min(known) if known else f"{OWNER}{'/'.join(min(announcements))}"
-        for key, given in self._merged.items():
+        for key, given in self.merged.items():
             if given in known:
-                self._merged[key] = name
-        self._merged.update(dict.fromkeys(announcements, name))
+                self.merged[key] = name
+        self.merged.update(dict.fromkeys(announcements, name))
         self.is_unsaved = True
 
     def merged_with(self, keys: Iterable[SourceKey]) -> tuple[SourceKey, ...]:
         """Return the announcements that were merged by hand with one of *keys*, those included."""
-        given = {self._merged[key] for key in keys if key in self._merged}
-        return tuple(key for key, name in self._merged.items() if name in given)
+        given = {self.merged[key] for key in keys if key in self.merged}
+        return tuple(key for key, name in self.merged.items() if name in given)
 
     def record(self) -> str:
         """Return them as text, for the index file."""
-        merged = [[*key, name] for key, name in sorted(self._merged.items())]
+        merged = [[*key, name] for key, name in sorted(self.merged.items())]
         return json.dumps({"ignored": sorted(self.ignored), "merged": merged})
 
     def restore(self, record: str) -> None:
@@ -96,7 +92,7 @@ class MergeDecisions:
         except ValidationError as exc:
             raise WireError(f"no decisions: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
         self.ignored = set(read.ignored[:MAX_DECISIONS])
-        self._merged = {(gateway, key): name for gateway, key, name in read.merged[:MAX_DECISIONS]}
+        self.merged = {(gateway, key): name for gateway, key, name in read.merged[:MAX_DECISIONS]}
 
     def _check(self, what: str, count: int) -> None:
         if count > MAX_DECISIONS:

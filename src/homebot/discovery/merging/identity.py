@@ -221,13 +221,13 @@ class IdentityGraph:
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        offers_parts = bool(sighting.parts) if any(one.startswith(HOST) for one in found) else None
-        named = (one for one in found if not (offers_parts and one.startswith(HOST)))
-        is_own = sighting.whole_device or not any(map(_is_specific_word, named))
+        names_host, names_device = _names_in(found)
+        offers_parts = bool(sighting.parts) if names_host else None
+        is_own = sighting.whole_device or not (names_device or (names_host and not offers_parts))
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
-        if given := self._decisions.identifiers(key):
-            found = (*found, *given)
+        if given := self._decisions.merged.get(key):
+            found = (*found, given)
         if self._repeated and (name := self._repeated.get(key)):
             found = (*found, name)
         identity_key = (key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
@@ -301,6 +301,17 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
         return True
     mine, others = one.others, other.others
     return bool(mine) and bool(others) and mine.isdisjoint(others)
+
+
+def _names_in(identifiers: tuple[str, ...]) -> tuple[bool, bool]:
+    """Return whether a host is among *identifiers*, and whether anything else that is specific is."""
+    host = device = False
+    for identifier in identifiers:
+        if identifier.startswith(HOST):
+            host = True
+        elif not identifier.startswith("id:") or identifier[3:].casefold() not in _GENERIC:
+            device = True
+    return host, device
 
 
 def _own_topic(sighting: Sighting) -> str:

@@ -31,12 +31,9 @@ class SightingIntake:
         merger: Which announcements are about which device.
         pending: Where the announcements of devices that were forgotten are kept.
         max_devices: How many devices are taken in.
-
-    Attributes:
-        announced: How many announcements were taken in, new or changed.
     """
 
-    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table", "announced")
+    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table")
 
     def __init__(
         self, table: DeviceTable, liveness: Liveness, merger: DeviceMerger, pending: PendingReports, max_devices: int
@@ -47,12 +44,11 @@ class SightingIntake:
         self._pending = pending
         self._max_devices = max_devices
         self._number = 0
-        self.announced = 0
 
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
         table, merger, now = self._table, self._merger, self._liveness.now
-        if self._is_forgotten(key, sighting):
+        if table.tombstones.by_id and self._is_forgotten(key, sighting):
             return
         if len(table.sources) >= _SOURCES_PER_DEVICE * self._max_devices:
             table.counters.rejected += 1
@@ -75,7 +71,7 @@ class SightingIntake:
             table.counters.rejected += 1
             return
         self._number += 1
-        self.announced += 1
+        table.changes.announced += 1
         table.sources[key] = source
         source.number = self._number
         is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
@@ -93,7 +89,7 @@ class SightingIntake:
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
         """Return whether *sighting* is only retained, of a device that the owner had forgotten, and remember it."""
         table = self._table
-        tombstone = table.tombstones.find(key, ()) if table.tombstones.by_id else None
+        tombstone = table.tombstones.find(key, ())
         if tombstone is None or not tombstone.retained_only or sighting.confirmed:
             return False
         table.counters.retained_only += 1
@@ -106,7 +102,7 @@ class SightingIntake:
         before, source.sighting = source.sighting, sighting
         entry = table.owners[key]
         if is_described_anew(before, sighting):
-            self.announced += 1
+            table.changes.announced += 1
             record_description(source, before)
             if affected := self._merger.identities.put(key, sighting):
                 self._merger.regroup(affected, "its identifiers changed")
