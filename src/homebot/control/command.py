@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
-from operator import attrgetter
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 from homebot.control import durations
@@ -44,8 +43,6 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
 
-_NAME, _READABLE = attrgetter("name"), attrgetter("readable")
-
 POWER: Final = "power_state"
 """Name for the power of a part, by whichever capability it is switched."""
 
@@ -72,6 +69,7 @@ class IssuedCommand:
         is_by_person: Whether a client gave it, or an app answers a press or a scan of the last minute.
         is_momentary: Whether a second sending would act twice: a press.
         place: The ids of the device and of the part.
+        states: The states of the part at the time of the command, by capability.
         effects: The place with each capability, and the value; for a power :data:`POWER` too, with True for on.
         target: The id of the device, with ``#`` and the id of the part if it has one.
         moves: Whether it starts a motor.
@@ -93,12 +91,14 @@ class IssuedCommand:
     is_by_person: bool = field(init=False)
     is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
+    states: dict[str, State] = field(init=False)
     effects: list[tuple[_Place, PlainValue]] = field(init=False)
     target: str = field(init=False)
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
         device, part = self.place = self.device.id, self.part.id
+        self.states = {one.capability: one for one in self.device.states if one.part == part}
         self.is_client = is_client(self.issuer)
         self.is_by_person = self.is_client or _is_by_hand(self.trigger, self.issued_at)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
@@ -114,8 +114,10 @@ class IssuedCommand:
     @property
     def label(self) -> str:
         """The commanded device for people: its id, with the part if several parts take commands."""
-        parts = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
-        return self.device.id if len(parts) < 2 else self.target
+        if len(self.device.parts) < 2:
+            return self.device.id
+        takes = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
+        return self.device.id if len(takes) < 2 else self.target
 
     @property
     def is_always_sent(self) -> bool:
@@ -125,41 +127,20 @@ class IssuedCommand:
     @property
     def opens_further(self) -> bool:
         """True if it opens a part that is open, but by its position not all the way."""
-        if self.settings.get("movement") != "open":
+        if self.settings.get("movement") != "open" or "position" not in self.states:
             return False
-        for one in self.device.states:
-            if one.capability == "position" and one.part == self.place[1]:
-                position = one.value.plain()
-                return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
-        return False
+        position = self.states["position"].value.plain()
+        return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
 
     @property
     def turns_on(self) -> bool:
         """True if the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
-        settings, part = self.settings, self.part.part
-        if "on_off" in settings or settings.keys().isdisjoint(_LIT if part.service_type == "light" else POWERS):
+        settings, power = self.settings, self.states.get("on_off")
+        if power is None or not power.live or power.value.plain() is not False or "on_off" in settings:
             return False
         if settings.get("level") == 0 or settings.get("fan_speed") == 0:
             return False
-        for one in self.device.states:
-            if one.capability == "on_off" and one.part == self.place[1]:
-                return one.live and one.value.plain() is False
-        return False
-
-    @property
-    def last_reported(self) -> dict[str, PlainValue]:
-        """The values that the part had reported last when the command was given, by capability."""
-        return {one.capability: one.value.plain() for one in self.device.states if one.part == self.place[1]}
-
-    @property
-    def expected(self) -> dict[str, PlainValue]:
-        """The lasting values that the part is to report; its position if it reports no movement."""
-        readable = set(map(_NAME, filter(_READABLE, self.part.part.capabilities)))
-        found = {name: value for name, value in self.settings.items() if name in readable and name not in MOMENTARY}
-        movement = self.settings.get("movement")
-        if movement in END_POSITIONS and "position" in readable and found.keys().isdisjoint({"movement", "position"}):
-            found["position"] = END_POSITIONS[movement]
-        return found
+        return not settings.keys().isdisjoint(_LIT if self.part.part.service_type == "light" else POWERS)
 
 
 def _is_always_sent(capability: str, value: PlainValue) -> bool:
@@ -176,21 +157,36 @@ def _is_by_hand(trigger: Trigger, now: float) -> bool:
 
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
-    settings, capabilities = command.settings, command.part.part.capabilities
+    settings, readable, echoed, has_ramp = command.settings, set[str](), set[str](), False
+    for one in command.part.part.capabilities:
+        if one.readable:
+            readable.add(one.name)
+        if one.echoed and one.name in settings:
+            echoed.add(one.name)
+        has_ramp = has_ramp or (one.name == "level" and one.settable)
     return Order(
         command.id,
         settings,
-        command.expected,
+        _expected(settings, readable),
         command.transition,
         moves=command.moves,
         is_momentary=command.is_momentary,
         opens_further=command.opens_further,
         turns_on=command.turns_on,
-        has_ramp=any(one.name == "level" and one.settable for one in capabilities),
-        echoed=frozenset([one.name for one in capabilities if one.echoed and one.name in settings]),
+        has_ramp=has_ramp,
+        echoed=frozenset(echoed),
         issuer=command.issuer,
         label=command.label,
     )
+
+
+def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[str, PlainValue]:
+    """Return the lasting values that the part is to report; its position if it reports no movement."""
+    found = {name: value for name, value in settings.items() if name in readable and name not in MOMENTARY}
+    movement = settings.get("movement")
+    if movement in END_POSITIONS and "position" in readable and found.keys().isdisjoint({"movement", "position"}):
+        found["position"] = END_POSITIONS[movement]
+    return found
 
 
 def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
@@ -243,7 +239,7 @@ class KnownState(NamedTuple):
 
 
 def known_state(
-    command: IssuedCommand, asked: Collection[str], unsure_since: Mapping[str, float], lost_at: float = -inf
+    command: IssuedCommand, asked: Iterable[str], unsure_since: Mapping[str, float], lost_at: float = -inf
 ) -> KnownState:
     """Return the certain values of the commanded part, of the capabilities *asked*.
 
@@ -261,16 +257,13 @@ def known_state(
         return KnownState({}, is_recent=False)
     values: dict[str, PlainValue] = {}
     is_recent = True
-    for state in _states_of(command, asked):
-        if not (state.live or is_online):
+    for capability in asked:
+        state = command.states.get(capability)
+        if state is None or not (state.live or is_online):
             continue
-        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(state.capability)
+        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability)
         is_sure = state.live and unsure_at is None and told_at > lost_at
         is_recent = is_recent and is_sure and abs(command.issued_at - told_at) <= durations.FRESH
         if unsure_at is None or told_at > unsure_at:
-            values[state.capability] = state.value.plain()
+            values[capability] = state.value.plain()
     return KnownState(values, is_recent)
-
-
-def _states_of(command: IssuedCommand, asked: Collection[str]) -> list[State]:
-    return [one for one in command.device.states if one.part == command.part.id and one.capability in asked]

@@ -25,14 +25,14 @@ from homebot.control.leases import Leases
 from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import Rehearsal, rehearsed_result
-from homebot.control.sending import OpenCommand, Sending, Signal
+from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
 from homebot.control.timeline.facts import Commanded, Decided, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, value_text
-from homebot.control.witnesses import Witnesses
+from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
 from homebot.devices.command_results import result_of
@@ -135,7 +135,9 @@ class CommandExecutor:
             problem = str(exc)
         part = None if device is None else commanded_part(device, request.part, request.settings)
         place = (request.device, request.part if part is None else part.id)
-        shown = _without_codes(request, device, part)
+        shown = request.settings
+        if not MAY_BE_CODE.isdisjoint([one.capability for one in shown]):
+            shown = () if device is None or part is None else without_codes(shown, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at)
         if problem:
             result = result_of(NoAnswer(0.0, problem, command_id=name))
@@ -209,32 +211,39 @@ class CommandExecutor:
         if self._learnt.is_awaited:
             await self._learnt.load()
         opened, is_certain = self._begin(command)
+        witnesses: list[Witness] = []
         try:
             if is_certain and _is_so(opened):
                 return self._decided(opened, AlreadySo(command_id=command.id))
             if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
                 return await self._rehearsed(opened, assumed)
-            outcome = await self._send_and_verify(opened)
+            witnesses = await self.witnesses.begin(opened)
+            outcome = await self._sending.run(opened)
+            if witnesses:
+                outcome = await self.witnesses.verify(opened, witnesses, outcome)
             if _is_lost(outcome) and await self._is_gone(command):
                 outcome = Gone(command_id=command.id)
             return self._decided(opened, outcome)
         finally:
+            self.witnesses.end(witnesses)
             del self._open[command.id]
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the present values of the part are certain."""
-        timeline = self.timelines.of(command.device, command.part)
-        older = [one.order.settings for one in timeline.open_commands()]
-        is_at_rest = all(one.keys().isdisjoint(command.settings) for one in older)
-        order = order_of(command)
+        timeline, order = self.timelines.of(command.device, command.part), order_of(command)
+        is_at_rest, is_sure = True, command.place not in self.witnesses.contradicted
+        for older in timeline.open_commands():
+            settings = older.order.settings
+            is_at_rest = is_at_rest and settings.keys().isdisjoint(command.settings)
+            is_sure = is_sure and not _contradicts(settings, command)
         known = KnownState({}, is_recent=False)
-        if command.place not in self.witnesses.contradicted and not any(_contradicts(one, command) for one in older):
-            lost_at = self._feed.last_loss(command.part.routes).wall
-            known = known_state(command, {*order.settings, *order.wanted}, timeline.unsure_since, lost_at)
-        fact = Commanded(self._clock.monotonic(), order, known.values, command.last_reported)
-        progress = timeline.command(fact)
+        if is_sure:
+            asked = dict.fromkeys((*order.settings, *order.wanted))
+            known = known_state(command, asked, timeline.unsure_since, self._feed.last_loss(command.part.routes).wall)
+        last = {capability: state.value.plain() for capability, state in command.states.items()}
+        progress = timeline.command(Commanded(self._clock.monotonic(), order, known.values, last))
         progress.must_answer = self._feed.is_answering(command.part.routes)
-        opened = self._open[command.id] = OpenCommand(command, timeline, progress, Signal(self._limits))
+        opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         return opened, known.is_recent and is_at_rest
 
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> CommandResult:
@@ -244,15 +253,6 @@ class CommandExecutor:
         wanted = tuple(Setting.of(name, value) for name, value in opened.progress.wanted.items())
         self._decided(opened, AlreadySo(command_id=command.id))
         return rehearsed_result(assumed, without_codes(wanted, command.device, command.part))
-
-    async def _send_and_verify(self, opened: OpenCommand) -> Outcome:
-        """Send a command and return its outcome, by the reports of the device and of its witnesses."""
-        witnesses = await self.witnesses.begin(opened)
-        try:
-            outcome = await self._sending.run(opened)
-            return await self.witnesses.verify(opened, witnesses, outcome) if witnesses else outcome
-        finally:
-            self.witnesses.end(witnesses)
 
     async def _is_gone(self, command: IssuedCommand) -> bool:
         """Return whether the device or its part was removed while its answer was awaited."""
@@ -286,7 +286,7 @@ class CommandExecutor:
             return
         if fact.capability in progress.wanted and _is_news(opened, fact):
             self._record_report(place, progress, fact, self._cause_of_answer(place, progress, fact))
-        opened.changed.set()
+        opened.wake()
 
     def _cause_of_answer(self, place: _Place, progress: CommandProgress, fact: Reported) -> str:
         """Return the cause of a change while a command waits for its outcome; empty for no change."""
@@ -320,7 +320,7 @@ class CommandExecutor:
     def _on_end(self, progress: CommandProgress) -> None:
         opened = self._open.get(progress.order.id)
         if opened is not None:
-            opened.changed.set()
+            opened.wake()
 
     def _on_answer(self, command: str, capability: str, problem: str) -> None:
         opened = self._open.get(command)
@@ -358,13 +358,6 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
     outcome = progress.outcome
     has_failed = isinstance(outcome, NoAnswer) or (isinstance(outcome, Contradicted) and not outcome.witness)
     return has_failed and not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
-
-
-def _without_codes(request: CommandRequest, device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
-    """Return the settings without codes, for the journal."""
-    if not any(one.capability in MAY_BE_CODE for one in request.settings):
-        return request.settings
-    return () if device is None or part is None else without_codes(request.settings, device, part)
 
 
 def _settings_text(command: IssuedCommand) -> str:

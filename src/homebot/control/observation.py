@@ -77,7 +77,7 @@ class Measurement(NamedTuple):
 
 def sensed_by(settings: Iterable[str]) -> frozenset[str]:
     """Return the capabilities of sensors that may show a change of *settings*."""
-    return frozenset(sensed for one in settings for sensed in _SENSED_BY.get(one, ()))
+    return frozenset().union(*[_SENSED_BY.get(one, ()) for one in settings])
 
 
 def rises(settings: Mapping[str, PlainValue]) -> bool | None:

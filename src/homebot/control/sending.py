@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from dataclasses import dataclass, field
 from typing import final
 
@@ -23,59 +22,47 @@ from homebot.errors import LinkError, RefusedError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["OpenCommand", "Sending", "Signal"]
-
-
-@final
-class Signal:
-    """Wakes the one task that waits for news of a command; a task that looks before it waits misses nothing.
-
-    A future and a shared timer of the event loop: an event within a time limit would cost several times as much.
-
-    Args:
-        limits: Ends waits that take too long.
-    """
-
-    def __init__(self, limits: TimeLimits) -> None:
-        self._limits = limits
-        self._waiter: asyncio.Future[None] | None = None
-
-    def set(self) -> None:
-        """Wake the task, if it waits."""
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_result(None)
-
-    async def wait(self, seconds: float) -> None:
-        """Wait until it is set, for so many seconds at most."""
-        self._waiter = asyncio.get_running_loop().create_future()
-        limit = self._limits.set(seconds, self.set)
-        try:
-            await self._waiter
-        finally:
-            self._limits.discard(limit)
+__all__ = ["OpenCommand", "Sending"]
 
 
 @dataclass(slots=True, eq=False)
 class OpenCommand:
     """A command without an outcome.
 
+    Its one task waits with a future and a shared timer: an event within a time limit would cost several times as much.
+
     Attributes:
         command: The command.
         timeline: The timeline of its part.
         progress: Its progress.
-        changed: Wakes the task that waits for it.
+        limits: Ends waits that take too long.
         recorded: The last report of each capability in the journal, which does not get the same one again.
     """
 
     command: IssuedCommand
     timeline: PartTimeline
     progress: CommandProgress
-    changed: Signal
+    limits: TimeLimits
     recorded: dict[str, object] = field(default_factory=dict)
+    _waiter: asyncio.Future[None] | None = None
 
     def outcome(self, now: float) -> Outcome:
         """Return the outcome as it is at *now*."""
         return outcome_of(self.progress, now)
+
+    def wake(self) -> None:
+        """Wake the task, if it waits; a task that looks before it waits misses nothing."""
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+
+    async def wait(self, seconds: float) -> None:
+        """Wait for news, for so many seconds at most."""
+        self._waiter = asyncio.get_running_loop().create_future()
+        limit = self.limits.set(seconds, self.wake)
+        try:
+            await self._waiter
+        finally:
+            self.limits.discard(limit)
 
 
 @final
@@ -113,13 +100,21 @@ class Sending:
 
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
-        plan, progress, clock = self._plan(sent), sent.progress, self._clock
+        plan, command, progress, clock = self._plan(sent), sent.command, sent.progress, self._clock
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
-                await sent.changed.wait(step.until - now)
-            elif (problem := await self._attempt(sent, plan)) is not None:
-                return problem
-            plan.lost_at = self._feed.last_loss(sent.command.part.routes).monotonic
+                await sent.wait(step.until - now)
+            else:
+                plan.attempts += 1
+                if plan.attempts == 1 or self._policies.check(command) is None:
+                    problem = await self._send(sent, plan)
+                    if problem is None or (progress.wanted and progress.is_met):
+                        self._journal.record("acknowledged", command)
+                    elif plan.attempts == 1:
+                        return problem
+                plan.asked_at = clock.monotonic()
+                plan.began = plan.asked_at if plan.attempts == 1 else plan.began
+            plan.lost_at = self._feed.last_loss(command.part.routes).monotonic
         return outcome_of(progress, clock.monotonic())
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
@@ -135,34 +130,18 @@ class Sending:
             plan.echo_patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
         return plan
 
-    async def _attempt(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
-        """Send a command, unless a policy refuses its repetition; return the outcome if it was never sent."""
-        command, progress, clock = sent.command, sent.progress, self._clock
-        number, plan.attempts = plan.attempts, plan.attempts + 1
-        problem: Outcome | None = None
-        if number == 0 or self._policies.check(command) is None:
-            self._journal.sent(command, number)
-            sent.timeline.send(progress, clock.monotonic())
-            left = plan.began + plan.lasts - clock.monotonic() if number else plan.lasts
-            kept_for = plan.keeps_for if plan.attempts < plan.tries else 0.0
-            problem = await self._send(command, left, kept_for, repeated=number > 0)
-            if problem is None or (progress.wanted and progress.is_met):
-                self._journal.record("acknowledged", command)
-                problem = None
-        plan.asked_at = clock.monotonic()
-        if plan.began == -math.inf:
-            plan.began = plan.asked_at
-        return problem if number == 0 else None
-
-    async def _send(self, command: IssuedCommand, seconds: float, kept_for: float, *, repeated: bool) -> Outcome | None:
-        """Send the settings in their order within *seconds*; return the outcome if that fails."""
-        began = self._clock.monotonic()
+    async def _send(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
+        """Send the settings in their order; return the outcome if that fails."""
+        command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
+        began = clock.monotonic()
+        self._journal.sent(command, plan.attempts - 1)
+        sent.timeline.send(sent.progress, began)
         self._leases.record_stop(command, began)
         self._policies.record_sent(command)  # before it waits: a check meanwhile needs it
         try:
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # since the check, or the setting before
-                    refused = self._leases.refuse(command, self._clock.monotonic())
+                    refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
                 await self._sender.send(
@@ -172,15 +151,15 @@ class Sending:
                     value,
                     command.transition,
                     command.code,
-                    seconds,
+                    plan.began + plan.lasts - began if is_repeated else plan.lasts,
                     command.id,
-                    kept_for,
-                    repeated=repeated,
+                    plan.keeps_for if plan.attempts < plan.tries else 0.0,
+                    repeated=is_repeated,
                 )
         except LinkError as exc:
-            return NoAnswer(self._clock.monotonic() - began, str(exc), command_id=command.id)
+            return NoAnswer(clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
-        if self._clock.monotonic() - began > durations.SENT_AT_ONCE:
+        if clock.monotonic() - began > durations.SENT_AT_ONCE:
             self._policies.record_sent(command)  # it may not have reached the device before
         return None

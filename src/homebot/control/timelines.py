@@ -162,7 +162,7 @@ class Timelines:
 
     def _forget_oldest(self) -> None:
         for place, entry in self._entries.items():
-            if not entry.listeners and not any(True for _ in entry.timeline.open_commands()):
+            if not entry.listeners and not entry.timeline.open_commands():
                 del self._entries[place]
                 self._limits.discard(entry.timer)
                 if entry.watch is not None:

@@ -108,7 +108,7 @@ class Witnesses:
             return []
         found = await self._sensors_for(command, wanted)
         for witness, part in found:
-            on_report = partial(self._on_report, witness, opened.changed.set)
+            on_report = partial(self._on_report, witness, opened.wake)
             witness.watch = self._feed.watch(part.routes, on_report)
         return [witness for witness, _ in found]
 
@@ -135,7 +135,7 @@ class Witnesses:
                 return self._confirmed(opened, seeing[0], outcome)
             if now >= until or not is_confirmed or not named:
                 break
-            await opened.changed.wait(until - now)
+            await opened.wait(until - now)
         contradicting = _with_answer(Observed.NOTHING, named, opened, reported_at) if is_confirmed else []
         return self._contradict(opened, contradicting[0]) if contradicting else outcome
 

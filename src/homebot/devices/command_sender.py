@@ -50,50 +50,44 @@ class CommandSender:
         A gateway that has not carried it out within *expires_after* seconds gives up. For a device that is away the
         network keeps it for *kept_for* seconds; *repeated* is a command that was sent before.
 
+        The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
+        gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
+        pressed it.
+
         Raises:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             LinkError: No gateway of the part is running and connected; it may work later.
         """
         routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
-        command = Command(
-            key="",
-            part="",
-            capability=capability,
-            value=Value.of(value),
-            transition=transition,
-            code=code,
-            expires_after=expires_after,
-            id=command_id,
-            kept_for=kept_for,
-            repeated=repeated,
-        )
-        await self._send_by_routes(device, routes, command)
-
-    async def _send_by_routes(self, device: Device, routes: Sequence[Route], command: Command) -> None:
-        """Send *command* by the first route that accepts it.
-
-        The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
-        gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
-        pressed it.
-        """
-        target = f"{command.capability} of {device.id}"
         problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
         for route in routes:
-            own = {"key": route.key, "part": route.part, "approved": route.approved}
-            response = await self._send_by(route.gateway, command.model_copy(update=own))
+            command = Command(
+                key=route.key,
+                part=route.part,
+                approved=route.approved,
+                capability=capability,
+                value=Value.of(value),
+                transition=transition,
+                code=code,
+                expires_after=expires_after,
+                id=command_id,
+                kept_for=kept_for,
+                repeated=repeated,
+            )
+            response = await self._send_by(route.gateway, command)
             if response.success:
                 return
             if response.problem == "unreachable":
                 is_away, problem = True, response.message or problem
-                if command.capability in MOMENTARY and not response.unable:
+                if capability in MOMENTARY and not response.unable:
                     break
             elif response.unable:
                 unable = unable or response.message
             else:
-                raise RefusedError(target, response.message)
+                raise RefusedError(f"{capability} of {device.id}", response.message)
         if unable and not is_away:
-            raise RefusedError(target, unable)
-        raise LinkError(f"{command.capability} was not sent to {device.id}: {problem}")
+            raise RefusedError(f"{capability} of {device.id}", unable)
+        raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
 
     async def _send_by(self, gateway: str, command: Command) -> SendCommandResponse:
         """Send *command* to *gateway*; one that is not running is unreachable and was unable to send anything."""

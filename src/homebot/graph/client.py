@@ -157,7 +157,10 @@ class Client(Generic[RequestT, ResponseT]):
             return self._time_error(run, timeout)
         limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout)))
         try:
-            return await run.wait_for_outcome()
+            return await run.outcome
+        except BaseException:
+            run.abandon()
+            raise
         finally:
             self._limits.discard(limit)
             if not run.has_ended:

@@ -94,15 +94,11 @@ class HandlerRun:
             _current.reset(token)
             self._end(outcome)
 
-    async def wait_for_outcome(self) -> object:
-        """Return the outcome; a cancelled caller leaves the handler at work."""
-        try:
-            return await self.outcome
-        except BaseException:
-            if self._is_answered:  # it ended before the cancelled caller had its turn
-                self.server.drop(self.outcome.result())
-            self.outcome.cancel()
-            raise
+    def abandon(self) -> None:
+        """Drop the outcome: the caller was cancelled; the handler continues."""
+        if self._is_answered:  # it ended before the cancelled caller had its turn
+            self.server.drop(self.outcome.result())
+        self.outcome.cancel()
 
     def end_call(self, error: ServiceError) -> None:
         """End the call with *error*, unless it has ended; the handler continues."""

@@ -65,8 +65,9 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
         return _SEND
     if progress.is_over:
         return _DONE
-    has_given_up = weakly_met_at(progress) + plan.echo_patience <= now
-    until = _answer_until(progress, plan)
+    echo_until = weakly_met_at(progress) + plan.echo_patience
+    has_given_up = echo_until <= now
+    until = _answer_until(progress, plan, echo_until)
     if now < until and not has_given_up:
         return Step("wait", until)
     is_on_its_way = progress.moved_at is not None and not progress.has_faded  # a stuck fade is sent again
@@ -124,11 +125,11 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
     return AlreadySo(command_id=name)
 
 
-def _answer_until(progress: CommandProgress, plan: SendingPlan) -> float:
+def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: float) -> float:
     """Return how long the answer to the last sending may take; longer while the device is on its way."""
     until = min(plan.asked_at + plan.interval, plan.began + plan.lasts)
     if progress.moved_at is None:
-        return min(until, weakly_met_at(progress) + plan.echo_patience)
+        return min(until, echo_until)
     ends_at = progress.moved_at + (durations.FADE_SILENCE if progress.has_faded else durations.MOTOR_SILENCE)
     if progress.has_stopped:
         ends_at = progress.stopped_at + durations.STOPPED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Final, final
 
 from homebot.control import durations
@@ -185,9 +185,9 @@ class PartTimeline:
                 return one.order.settings[capability], one.sent_at
         return None
 
-    def open_commands(self) -> Iterator[CommandProgress]:
-        """Yield the commands without an outcome, oldest first; no raw texts."""
-        return (one for one in self._active if one.is_open)
+    def open_commands(self) -> list[CommandProgress]:
+        """Return the commands without an outcome, oldest first; no raw texts."""
+        return [one for one in self._active if one.is_open]
 
     def _learn(self, progress: CommandProgress) -> None:
         """Learn from the end of a confirmed value, or from a late answer."""

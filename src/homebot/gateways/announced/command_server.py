@@ -27,6 +27,7 @@ COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
 
 _OUT_DEPTH = 1000
+_CARRIED_OUT = SendCommandResponse(success=True, message="", problem="", unable=False)
 
 Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 """The port: carries out a command of which it returns when the network has it.
@@ -126,7 +127,7 @@ class CommandServer:
                 raise
             return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
         self._counters.commands += 1
-        return SendCommandResponse(success=True, message="", problem="", unable=False)
+        return _CARRIED_OUT
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
         """Answer the service: deliver all further messages on an address."""
