@@ -14,6 +14,9 @@ from homebot.apps.base import App
 from homebot.devices import Device
 from homebot.devices.devices import MessageHandler
 from homebot.devices.handles import FollowHandles, Handle, HandleChange
+from homebot.devices.health import GetHealth
+from homebot.devices.misspelt_names import ConfiguredNames
+from homebot.devices.outcomes import Superseded
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
@@ -54,9 +57,6 @@ class RoomApp(App):
         self._scopes: dict[str, anyio.CancelScope] = {}
         self._log_limit = LogLimit(node.graph.clock)
         if named := [("rooms", room) for room in rooms]:
-            from homebot.devices.health import GetHealth  # noqa: PLC0415 - as above
-            from homebot.devices.misspelt_names import ConfiguredNames  # noqa: PLC0415 - few apps name rooms
-
             names = ConfiguredNames(node, rooms=named)
             node.create_service(GetHealth, "~/health", names.health)
             self._watchers.append(names.run)
@@ -125,7 +125,6 @@ class RoomApp(App):
         else:
             if outcome.succeeded:
                 return True
-            from homebot.devices.outcomes import Superseded  # noqa: PLC0415 - it came with the command
 
             if isinstance(outcome, Superseded):  # a newer wish replaces it
                 return False

@@ -16,8 +16,13 @@ from anyio.abc import TaskStatus
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.house_watch import HouseWatch
+from homebot.devices import lease_messages as leases
 from homebot.devices import names
+from homebot.devices.access_messages import AccessRefused, ClientLeft
+from homebot.devices.approval_messages import GetUnapproved, TrustDevice
+from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
@@ -27,7 +32,6 @@ if TYPE_CHECKING:
     from homebot.control.rehearsal import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.control.timeline.cause import Attribution
-    from homebot.devices.access_messages import AccessRefused, ClientLeft
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
@@ -116,16 +120,6 @@ class Control:
 
     def register(self) -> None:
         """Create the services and subscriptions."""
-        from homebot.devices import lease_messages as leases  # noqa: PLC0415 - loaded after the node has started
-        from homebot.devices.access_messages import AccessRefused, ClientLeft  # noqa: PLC0415 - likewise
-        from homebot.devices.approval_messages import GetUnapproved, TrustDevice  # noqa: PLC0415 - likewise
-        from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText  # noqa: PLC0415 - likewise
-        from homebot.devices.journal_messages import (  # noqa: PLC0415 - likewise
-            ExplainDevice,
-            ExplainMissingState,
-            ReadJournal,
-        )
-
         create, qos = self._node.create_service, QoSProfile(depth=_REFUSALS)
         create(PerformCommand, names.PERFORM_COMMAND, self.perform, concurrent=True)
         create(SendText, names.SEND_TEXT, lambda request: self._layer.texts.send(request), concurrent=True)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from datetime import tzinfo
 from functools import lru_cache
 from typing import Final, final
+from zoneinfo import ZoneInfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal.journal import CommandJournal
@@ -179,6 +180,5 @@ class _NeededDevices:
 def _zone(name: str) -> tzinfo | None:
     if not name:
         return None
-    from zoneinfo import ZoneInfo  # noqa: PLC0415 - only where the configuration has one
 
     return ZoneInfo(name)

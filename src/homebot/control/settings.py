@@ -9,6 +9,7 @@ from pydantic import Field
 from homebot.control.policies import PolicySettings
 from homebot.control.policies.settings import QueryText
 from homebot.devices.query import Query
+from homebot.devices.query.parse import parse_query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
@@ -46,6 +47,5 @@ class ControlSettings(PolicySettings):
         """The named sensors, folded, each with its query."""
         if not self.witnesses:
             return ()
-        from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only where the configuration has one
 
         return tuple((parse_query(query), fold(name)) for query, name in self.witnesses.items())

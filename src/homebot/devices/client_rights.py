@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
+from homebot.devices.always_ask import always_asks, is_declared
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
@@ -94,8 +96,6 @@ class ClientRights(NamedTuple):
         """Return whether *part* of *device* may be commanded."""
         if self.acts_on_all:
             return True
-        from homebot.devices.always_ask import always_asks, is_declared  # noqa: PLC0415 - needed with the first command
-        from homebot.devices.query.matching import PartFacets, fits  # noqa: PLC0415 - likewise
 
         asks = always_asks(device, part)
         if not asks and self.acts_on_harmless:

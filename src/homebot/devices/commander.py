@@ -21,9 +21,11 @@ from homebot.devices.command_results import outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.hold import hold_part
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
+from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
@@ -31,7 +33,6 @@ from homebot.graph import Client, Node
 if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
     from homebot.devices.hold import Hold
-    from homebot.devices.text_sender import TextSender
 
 __all__ = ["Commander"]
 
@@ -139,8 +140,6 @@ class Commander:
 
     def hold(self, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AbstractAsyncContextManager[Hold]:
         """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
-        from homebot.devices.hold import hold_part  # noqa: PLC0415 - few apps hold anything
-
         return hold_part(self._node, view, part_id, word, by, ttl)
 
     @cached_property
@@ -149,8 +148,6 @@ class Commander:
 
     @cached_property
     def _text_sender(self) -> TextSender:
-        from homebot.devices.text_sender import TextSender  # noqa: PLC0415 - for a graph without a control layer
-
         return TextSender(self._node)
 
     async def _send(

@@ -9,6 +9,7 @@ from homebot.devices.names import OWNER_REQUESTS
 from homebot.devices.places_messages import OwnerRequest
 from homebot.graph import Node
 from homebot.messages import Time
+from homebot.messages.json import message_to_text
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["OwnerRequests"]
@@ -48,7 +49,5 @@ class OwnerRequests:
     def publish(self, name: str, request: Message) -> None:
         """Publish a request to the service *name*."""
         if self._publisher.subscription_count:
-            from homebot.messages.json import message_to_text  # noqa: PLC0415 - only recorders subscribe
-
             at = Time.from_seconds(self._node.graph.clock.now())
             self._publisher.publish(OwnerRequest(at=at, service=name, request=message_to_text(request)))

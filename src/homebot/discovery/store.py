@@ -8,6 +8,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import final
 
+from platformdirs import user_data_path
+
 from homebot.discovery.record import Records
 from homebot.errors import LinkError
 from homebot.names import escape_token
@@ -45,7 +47,6 @@ def index_path(home: str, network: str) -> Path:
 def _data_directory() -> Path:
     if given := os.environ.get("HOMEBOT_DATA"):
         return Path(given)
-    from platformdirs import user_data_path  # noqa: PLC0415 - a start that keeps no index goes without
 
     return user_data_path("homebot", appauthor=False)
 

@@ -14,11 +14,12 @@ from homebot.apps import App
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.config import Config, FilePath, Table, parse_settings, read_secret
+from homebot.devices.client_rights import read_scope
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
-from homebot.places import NO_PLACES, HousePlan, Places
+from homebot.places import NO_PLACES, HousePlan, Places, read_places
 from homebot.plugins import load_plugin
 from homebot.support.addresses import is_loopback
 
@@ -199,7 +200,6 @@ def _scope(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
     """Return the grants of the table *key*, or None without any."""
     if (act := table.get(ACT)) is None:
         return None
-    from homebot.devices.client_rights import read_scope  # noqa: PLC0415 - few tables have it
 
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
     if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
@@ -296,7 +296,6 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
 def _places(config: Config) -> Places:
     if not config.places:
         return NO_PLACES
-    from homebot.places import read_places  # noqa: PLC0415 - only with the table
 
     return read_places(config.places, config.home.name, config.source, "configuration")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 
+from homebot.bridges.rosbridge import binary_frames
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
@@ -100,7 +101,6 @@ class Feed:
         asked = {op.compression for op in self.requests.values()}
         if asked.isdisjoint(_BINARY):
             return publish_frame(self._topic, message, lost)
-        from homebot.bridges.rosbridge import binary_frames  # noqa: PLC0415 - loaded with the first such request
 
         if "cbor-raw" in asked:
             now = Time.from_seconds(self._node.graph.clock.now())

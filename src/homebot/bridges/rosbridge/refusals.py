@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bridges.client_error_log import ClientErrorLog, short_text
+from homebot.devices.access_messages import AccessRefused
 from homebot.devices.names import ACCESS_REFUSALS
 from homebot.graph import Node, Publisher, QoSProfile
 from homebot.messages import Time
@@ -14,7 +15,6 @@ from homebot.messages import Time
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
     from homebot.bridges.rosbridge.protocol import Operation
-    from homebot.devices.access_messages import AccessRefused
 
 __all__ = ["Refusals", "operation_text"]
 
@@ -65,7 +65,6 @@ class Refusals:
         )
         if held_back is None:
             return
-        from homebot.devices.access_messages import AccessRefused  # noqa: PLC0415 - loaded with the first refusal
 
         if self._publisher is None:
             self._publisher = self._node.create_publisher(AccessRefused, ACCESS_REFUSALS, _QOS)

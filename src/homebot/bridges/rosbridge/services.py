@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 from homebot.bridges.rosbridge.access import ClientAccess
@@ -16,6 +17,7 @@ from homebot.bridges.rosbridge.types import message_from_client
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
+from homebot.devices.query.parse import parse_query
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
     HomebotError,
@@ -45,8 +47,6 @@ def parse_queries(
     for field in fields_of(request_type):
         text = values.get(field.name)
         if field.message is QueryTerm and isinstance(text, str):
-            from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - loaded with the first text
-
             try:
                 parsed[field.name] = query_terms(parse_query(text))
             except UsageError as exc:
@@ -148,7 +148,6 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
 
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
     hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"

@@ -14,6 +14,7 @@ from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
+from homebot.devices.access_messages import ClientLeft
 from homebot.devices.names import CLIENTS_LEFT
 from homebot.graph import EntityKind, Graph, Node
 
@@ -108,8 +109,6 @@ class SharedState:
     def publish_left(self, issuer: str) -> None:
         """Report that the last connection of the client *issuer* ended."""
         if self.node.graph.get_endpoints(kind=EntityKind.SUBSCRIPTION, name=CLIENTS_LEFT):
-            from homebot.devices.access_messages import ClientLeft  # noqa: PLC0415 - loaded with the first client
-
             publisher = self.node.create_publisher(ClientLeft, CLIENTS_LEFT)
             publisher.publish(ClientLeft(issuer=issuer))
             publisher.close()

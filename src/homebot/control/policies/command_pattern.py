@@ -16,6 +16,7 @@ from homebot.control.policies.facts import Facts
 from homebot.control.values import END_POSITIONS
 from homebot.control.values import fits as is_reached
 from homebot.devices.query import PartFacets, Query, fits, type_is
+from homebot.devices.query.exact import parse_exact_query
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
@@ -79,8 +80,6 @@ def read_pattern(text: str) -> CommandPattern:
 
 
 def _query(pattern: str, text: str) -> Query:
-    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - only where the configuration has one
-
     try:
         return parse_exact_query(text)
     except UsageError as exc:

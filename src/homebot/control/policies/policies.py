@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
+from homebot.control.policies.home_policy import home_policies
 from homebot.control.policies.house import OCCUPANCY
 from homebot.control.policies.interlock import InterlockRule, check_interlock
 from homebot.control.policies.presence_guard import CONTACT, check_presence
@@ -58,7 +59,6 @@ class Policies:
 def _installed(settings: PolicySettings) -> tuple[NamedPolicy, ...]:
     if not settings.policies:
         return ()
-    from homebot.control.policies.home_policy import home_policies  # noqa: PLC0415 - few homes have any
 
     return tuple(home_policies(settings.policies))
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from datetime import time
 from typing import Annotated, Literal, TypeAlias
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator
 
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
+from homebot.control.policies.home_policy import check_tables
 from homebot.devices.query import Query
+from homebot.devices.query.exact import parse_exact_query
+from homebot.devices.query.parse import parse_query
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.units import Seconds
@@ -100,8 +104,6 @@ class QuietHours(BaseModel):
 
 def _query_text(text: str) -> str:
     """Return *text* if it is a query."""
-    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - only where the configuration has one
-
     if not text.strip():
         raise ValueError("must be a query such as 'open contact sensor'")
     try:
@@ -133,8 +135,6 @@ class Interlock(BaseModel):
     @property
     def query(self) -> Query:
         """The condition as a query."""
-        from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - as above
-
         return parse_query(self.condition)
 
 
@@ -153,8 +153,6 @@ class RateLimitSettings(BaseModel):
 
 def _zone(name: str) -> str:
     """Return *name* if it is a time zone, or empty for that of the computer."""
-    from zoneinfo import ZoneInfo, ZoneInfoNotFoundError  # noqa: PLC0415 - only where the configuration has one
-
     if name:
         try:
             ZoneInfo(name)
@@ -186,7 +184,6 @@ def _installed(tables: dict[str, dict[str, object]]) -> dict[str, dict[str, obje
     """Return *tables* if installed policies accept them."""
     if not tables:
         return tables
-    from homebot.control.policies.home_policy import check_tables  # noqa: PLC0415 - few homes have any
 
     return check_tables(tables)
 

@@ -7,6 +7,7 @@ from datetime import datetime
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
+from homebot.conventions.jinja.syntax import parse
 from homebot.conventions.jinja.values import MAX_SOURCE, UNDEFINED, TemplateError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
 from homebot.errors import WireError
@@ -60,7 +61,6 @@ class Template:
         if len(source) > MAX_SOURCE:
             self.problem = f"is longer than {MAX_SOURCE} characters"
             return
-        from homebot.conventions.jinja.syntax import parse  # noqa: PLC0415 - only needed for announced templates
 
         try:
             self._program = parse(source.strip())

@@ -19,6 +19,7 @@ from pydantic import BaseModel
 from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import GatewayState, SubscribeToTopic
+from homebot.devices.gateway_messages import CommandAnswer
 from homebot.errors import ClosedError
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
@@ -181,7 +182,6 @@ class MqttGateway(Gateway):
                 connection.ack(batch)
 
     def _asked_responses(self) -> Responses:
-        from homebot.devices.gateway_messages import CommandAnswer  # noqa: PLC0415 - few homes ask for responses
         from homebot.gateways.mqtt.responses import Responses  # noqa: PLC0415 - likewise
 
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)

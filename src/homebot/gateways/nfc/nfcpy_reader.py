@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import logging
 import time
-from typing import TYPE_CHECKING
+
+import nfc
 
 from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagContent, TagError
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
-
-if TYPE_CHECKING:
-    import nfc
 
 __all__ = ["NfcpyReader"]
 
@@ -34,8 +32,6 @@ class NfcpyReader(TagReader):
 
     def run(self, desk: ReaderDesk) -> None:
         """Read tags until the *desk* is stopped."""
-        import nfc  # noqa: PLC0415 - an extra
-
         _quiet()
         try:
             frontend = nfc.ContactlessFrontend(self._path)
