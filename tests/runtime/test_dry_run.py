@@ -16,10 +16,10 @@ from homebot.config import parse_config
 from homebot.devices import Devices, GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
 from homebot.devices.exposure import ExposedDevice
-from homebot.devices.gateway_messages import SENDS_NOTHING, Command, SendCommand
+from homebot.devices.gateway_messages import Command, SendCommand
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
-from homebot.devices.names import COMMAND_DEVICES, READ_JOURNAL
+from homebot.devices.names import COMMAND_DEVICES, READ_JOURNAL, SENDS_NOTHING
 from homebot.devices.outcomes import Confirmed, Evidence
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import Value

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Protocol, TypeAlias
 from urllib.parse import urlsplit
 
-from homebot.errors import ConfigError, WireError
+from homebot.errors import ConfigError
 
 __all__ = [
     "DEFAULT_CONFIG",
@@ -24,15 +24,12 @@ __all__ = [
     "add_verb",
     "add_verbs",
     "address",
-    "app",
     "broker_url",
     "door_address",
     "door_of_environment",
-    "message",
     "positive",
     "set_client_command",
     "set_command",
-    "type_or_message",
     "unused_option",
     "whole",
 ]
@@ -191,39 +188,6 @@ def _is_host(text: str) -> bool:
         return ip_address(text).version == 6
     except ValueError:
         return False
-
-
-def app(text: str) -> str:
-    """Return the name of an app: a plug-in's, ``module:Class``, or a file of Python."""
-    module, colon, kind = text.partition(":")
-    names = (*module.split("."), kind) if colon else (text,)
-    if all(name.isidentifier() for name in names):
-        return text
-    from homebot.plugins import is_file  # noqa: PLC0415 - few apps are files
-
-    if not is_file(text):
-        raise argparse.ArgumentTypeError(
-            f"an app is a plug-in's name, module:Class, FILE.py or FILE.py:Class, got {text!r}"
-        )
-    return text
-
-
-def message(text: str) -> dict[str, object]:
-    """Return the fields that *text* spells, in JSON or in YAML's flow style."""
-    from homebot.cli.flow import parse_flow  # noqa: PLC0415 - few commands take fields
-
-    try:
-        value = parse_flow(text)
-    except WireError as exc:
-        raise argparse.ArgumentTypeError(str(exc)) from exc
-    if not isinstance(value, dict):
-        raise argparse.ArgumentTypeError(f"give the fields as {{name: value, ...}}, got {text!r}")
-    return dict(value)
-
-
-def type_or_message(text: str) -> str | dict[str, object]:
-    """Return *text* as it is, or the fields that it spells where it begins with a brace."""
-    return message(text) if text.lstrip().startswith("{") else text
 
 
 def positive(text: str) -> float:

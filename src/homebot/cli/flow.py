@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 from typing import TypeAlias, cast
@@ -9,7 +10,7 @@ from typing import TypeAlias, cast
 from homebot.errors import WireError
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["FlowValue", "parse_flow"]
+__all__ = ["FlowValue", "message", "parse_flow", "type_or_message"]
 
 FlowValue: TypeAlias = "bool | int | float | str | list[FlowValue] | dict[str, FlowValue] | None"
 
@@ -34,6 +35,22 @@ def parse_flow(text: str) -> FlowValue:
     except (ValueError, RecursionError):
         return _Flow(text).parse()
     return value
+
+
+def message(text: str) -> dict[str, object]:
+    """Return the fields that *text* spells, in JSON or in YAML's flow style."""
+    try:
+        value = parse_flow(text)
+    except WireError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from exc
+    if not isinstance(value, dict):
+        raise argparse.ArgumentTypeError(f"give the fields as {{name: value, ...}}, got {text!r}")
+    return dict(value)
+
+
+def type_or_message(text: str) -> str | dict[str, object]:
+    """Return *text* as it is, or the fields that it spells where it begins with a brace."""
+    return message(text) if text.lstrip().startswith("{") else text
 
 
 class _Flow:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
 from homebot.cli.json_message import JsonMessage
-from homebot.devices.names import GatewayNames
+from homebot.devices.names import ONLY_OBSERVES, GatewayNames
 from homebot.errors import LinkError, RefusedError
 
 if TYPE_CHECKING:
@@ -57,8 +57,6 @@ class GatewayPublisher:
         if state is None:
             raise LinkError(f"gateway {gateway} is not running")
         if not state.acts:
-            from homebot.devices.gateway_messages import ONLY_OBSERVES  # noqa: PLC0415 - an error may take its time
-
             raise RefusedError(f"publishing through {gateway}", state.reason or ONLY_OBSERVES)
         if state.state != "active":
             raise LinkError(f"gateway {gateway} is unavailable: {state.reason}")

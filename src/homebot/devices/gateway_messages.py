@@ -15,9 +15,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt8
 
 __all__ = [
-    "ONLY_OBSERVES",
     "REACHABLE",
-    "SENDS_NOTHING",
     "Command",
     "CommandAnswer",
     "GatewayState",
@@ -32,10 +30,6 @@ __all__ = [
 
 REACHABLE = "reachable"
 """Capability of a whole device (part ``""``): whether it can be reached, by its convention."""
-
-SENDS_NOTHING = "homebot runs with --dry-run, so nothing is sent"
-
-ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true in the gateway's table"
 
 
 class Sighting(Message):

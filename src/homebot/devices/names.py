@@ -1,4 +1,4 @@
-"""The names under which the layers meet on the graph."""
+"""The names under which the layers meet on the graph, and the reasons for which a gateway sends nothing."""
 
 from __future__ import annotations
 
@@ -68,6 +68,10 @@ GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_to
 """Last parts of the names of those services of gateways that only read: no device notices a call."""
 TEXT_SCHEME = "words:"
 """The beginning of a text address."""
+
+SENDS_NOTHING = "homebot runs with --dry-run, so nothing is sent"
+
+ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true in the gateway's table"
 
 
 class GatewayNames:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from homebot.devices.device import Device, Endpoint
-from homebot.devices.gateway_messages import ONLY_OBSERVES, GatewayState, RawCommand
-from homebot.devices.names import GatewayNames
+from homebot.devices.gateway_messages import GatewayState, RawCommand
+from homebot.devices.names import ONLY_OBSERVES, GatewayNames
 from homebot.devices.text.address import command_address, others_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.errors import InvalidNameError, LinkError, RefusedError

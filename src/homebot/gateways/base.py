@@ -59,7 +59,8 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
-from homebot.devices.gateway_messages import ONLY_OBSERVES, SENDS_NOTHING, Report
+from homebot.devices.gateway_messages import Report
+from homebot.devices.names import ONLY_OBSERVES, SENDS_NOTHING
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 from homebot.log import LogLimit

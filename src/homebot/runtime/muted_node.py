@@ -6,8 +6,7 @@ from typing import Any, TypeVar, final
 
 from pydantic import ValidationError
 
-from homebot.devices.gateway_messages import SENDS_NOTHING
-from homebot.devices.names import GATEWAY_READING
+from homebot.devices.names import GATEWAY_READING, SENDS_NOTHING
 from homebot.errors import RefusedError
 from homebot.graph import Graph, Node, Service, Subscription
 from homebot.graph.mailbox import BoundedQueue

@@ -16,7 +16,6 @@ from homebot.cli.terminal import print_table
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices import Device
@@ -105,8 +104,11 @@ def _all(door: DoorClient, service_type: str, convert: Callable[[Device], T]) ->
         _UnknownTypeError: There cannot be devices of *service_type*.
     """
     devices = all_devices(door, convert, service_type)
-    if service_type and not devices and (problem := _unknown_type(door, service_type)):
-        raise _UnknownTypeError(problem)
+    if service_type and not devices:
+        from homebot.cli.unknown_words import unknown_type  # noqa: PLC0415 - an error may take its time
+
+        if problem := unknown_type(door, service_type):
+            raise _UnknownTypeError(problem)
     return devices
 
 
@@ -121,22 +123,6 @@ def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]
         _command_topic(device),
         life(device) + (", unapproved" if device.id in waiting else ""),
         ago(device.last_seen, now),
-    )
-
-
-def _unknown_type(door: DoorClient, name: str) -> str:
-    """Return why there cannot be devices of the type *name*; empty if there only happen to be none."""
-    # Of an error that is rare the reasons may take their time.
-    from homebot.devices.device_types import DEVICE_TYPES, wanted_types  # noqa: PLC0415
-    from homebot.devices.query import type_is  # noqa: PLC0415
-    from homebot.devices.query.vocabulary import TYPE_WORDS  # noqa: PLC0415
-
-    if wanted_types(name) or name in DEVICE_TYPES or type_is(name).types:
-        return ""
-    devices = all_devices(door, lambda device: (device.service_type, *device.service_types))
-    own = {one for some in devices for one in some if one}
-    return f"{name!r} is not a device type, and no device was announced as one; " + did_you_mean(
-        name, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
     )
 
 

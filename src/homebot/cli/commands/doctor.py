@@ -15,6 +15,7 @@ from homebot.cli.publishing import GATEWAY_STATE, gateway_state
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import age, ago
+from homebot.devices.names import SENDS_NOTHING
 
 if TYPE_CHECKING:
     from homebot.devices import Device, GatewayState
@@ -101,19 +102,10 @@ def print_gateway(name: str, state: GatewayState | None) -> bool:
         print(f"gateway {name} does not report its state")
         return False
     is_active = state.state == "active"
-    acts = " and sends commands" if state.acts and not _is_dry(state.reason) else " and only observes"
+    acts = " and sends commands" if state.acts and state.reason != SENDS_NOTHING else " and only observes"
     reason = f": {printable(state.reason)}" if state.reason else ""
     print(f"gateway {name} is {state.state}{acts if is_active else ''}{reason}")
     return is_active
-
-
-def _is_dry(reason: str) -> bool:
-    """Return whether *reason* is that of a dry run."""
-    if not reason:
-        return False
-    from homebot.devices.gateway_messages import SENDS_NOTHING  # noqa: PLC0415 - pydantic takes longer than all else
-
-    return reason == SENDS_NOTHING
 
 
 def print_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:

@@ -59,7 +59,7 @@ def _find(options: argparse.Namespace) -> int:
             ]
             print(list_text([json_text(one) for one in results]))
         elif not found.results:
-            from homebot.cli.unknown_area import unknown_area  # noqa: PLC0415 - there is time where nothing is found
+            from homebot.cli.unknown_words import unknown_area  # noqa: PLC0415 - there is time where nothing is found
 
             print(unknown_area(door, query) or f"no device matches {query!r}; `homebot devices` lists all")
         else:

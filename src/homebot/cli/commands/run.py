@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import DEFAULT_CONFIG, app, door_address, door_of_environment, positive, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, positive, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
@@ -82,7 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--app",
         metavar="NAME",
-        type=app,
+        type=_app,
         action="append",
         default=[],
         help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
@@ -112,6 +112,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
+
+
+def _app(text: str) -> str:
+    """Return the name of an app: a plug-in's, ``module:Class``, or a file of Python."""
+    module, colon, kind = text.partition(":")
+    names = (*module.split("."), kind) if colon else (text,)
+    if all(name.isidentifier() for name in names):
+        return text
+    if not is_file(text):
+        raise argparse.ArgumentTypeError(
+            f"an app is a plug-in's name, module:Class, FILE.py or FILE.py:Class, got {text!r}"
+        )
+    return text
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,8 +8,9 @@ import sys
 from collections.abc import Mapping
 from typing import cast
 
-from homebot.cli.arguments import add_verb, add_verbs, message, positive, set_client_command, type_or_message
+from homebot.cli.arguments import add_verb, add_verbs, positive, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.flow import message, type_or_message
 from homebot.cli.graph_queries import MessageTypeRecord, entities, is_hidden, not_found, response_schema
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml

@@ -12,9 +12,10 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import Commands, add_verb, add_verbs, message, positive, set_client_command, whole
+from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_client_command, whole
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.flow import message
 from homebot.cli.graph_queries import Schema, entities, is_hidden, message_schema, no_such_topic, not_yet, topic_type
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable

@@ -14,7 +14,7 @@ from typing import Literal
 import anyio
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from homebot.devices.gateway_messages import ONLY_OBSERVES
+from homebot.devices.names import ONLY_OBSERVES
 from homebot.errors import HomebotError
 from homebot.gateways.base import Gateway
 from homebot.log import LogLimit

@@ -8,8 +8,7 @@ import pytest
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.exposure import ExposedDevice
-from homebot.devices.gateway_messages import SENDS_NOTHING
-from homebot.devices.names import text_address
+from homebot.devices.names import SENDS_NOTHING, text_address
 from homebot.devices.value import Value
 from homebot.testing.gateway_contract.steps import (
     KEPT,

@@ -1,0 +1,104 @@
+"""Output fitted to a terminal by rich. No text from outside is read as markup."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import groupby
+from typing import Final, TextIO, final
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.progress import Progress
+from rich.table import Table
+from rich.text import Text
+
+from homebot.cli.table import printable
+from homebot.support.output import CleanText
+
+__all__ = ["RichTerminal"]
+
+_GAP: Final = 2
+_STYLES: Final = (
+    ("unreachable", "red"),
+    ("stale", "yellow"),
+    ("expired", "yellow"),
+    ("unconfirmed", "dim"),
+    ("fresh", "green"),
+)
+"""How a device's availability is shown, by the first of these words that is in it."""
+
+
+@final
+class RichTerminal:
+    """A terminal; see :mod:`homebot.cli.terminal` for its methods."""
+
+    def __init__(self, stream: TextIO) -> None:
+        while isinstance(stream, CleanText):  # the filter would show rich's own escapes as text
+            stream = stream.raw
+        self._console = Console(file=stream, highlight=False, markup=False, emoji=False)
+
+    def print_table(
+        self, head: Sequence[str], rows: Sequence[Sequence[str]], if_room: Sequence[str], in_colour: str
+    ) -> None:
+        """Print *rows* below *head*, without as many of the columns *if_room* as make the rest fit."""
+        shown = [
+            [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
+            for row in rows
+        ]
+        kept = _fitting(head, shown, if_room, self._console.width)
+        table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
+        for place in kept:
+            table.add_column(head[place], overflow="fold")
+        for row in shown:
+            table.add_row(*(row[place] for place in kept))
+        self._console.print(table)
+        left_out = [name for place, name in enumerate(head) if place not in kept]
+        if left_out:
+            hidden = f"columns hidden, as the terminal is too narrow: {', '.join(left_out)}"
+            self._console.print(_text(hidden, "dim"))
+
+    def print_rows(self, rows: Sequence[Sequence[str]], title: str) -> None:
+        """Print *rows*, which may be of different lengths, in columns below the *title*."""
+        if title:
+            self._console.print(_text(title, "bold"))
+        shown = [[_text(cell) for cell in row] for row in rows]
+        first = max((row[0].cell_len for row in shown if len(row) > 1), default=0)
+        for length, some in groupby(shown, len):
+            grid = Table.grid(padding=(0, _GAP, 0, 0))
+            for _ in range(length):
+                grid.add_column(overflow="fold")
+            for row in some:
+                row[0].pad_right(max(0, first - row[0].cell_len))  # so that columns go on below rows of another length
+                grid.add_row(*row)
+            self._console.print(Padding(grid, (0, 0, 0, _GAP), expand=False))
+
+    def print_line(self, text: str, style: str) -> None:
+        """Print *text* in a *style* of rich's."""
+        self._console.print(_text(text, style), soft_wrap=True)
+
+    @contextmanager
+    def progress(self, what: str, total: int) -> Iterator[Callable[[int], None]]:
+        """Show how far a long command is; give the function that updates it."""
+        with Progress(console=self._console, transient=True, auto_refresh=False) as bar:
+            task = bar.add_task(printable(what), total=total)
+            yield lambda done: bar.update(task, completed=done, refresh=True)
+
+
+def _text(cell: str, style: str = "") -> Text:
+    return Text(printable(cell), style)
+
+
+def _style(cell: str) -> str:
+    return next((style for text, style in _STYLES if text in cell), "")
+
+
+def _fitting(head: Sequence[str], rows: Sequence[Sequence[Text]], if_room: Sequence[str], width: int) -> list[int]:
+    """Return the places of the columns that are shown: all but as many of *if_room* as make the rest fit."""
+    kept = list(range(len(head)))
+    widths = [max(len(head[place]), *(row[place].cell_len for row in rows), 0) for place in kept]
+    for name in if_room:
+        if sum(widths[place] + _GAP for place in kept) - _GAP <= width:
+            break
+        kept = [place for place in kept if head[place] != name]
+    return kept
