@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from homebot.apps.light_service import LightService
-from homebot.errors import PluginError
-from homebot.plugins import load_plugin, name_in_file, plugin_names
+from homebot.errors import PluginError, UsageError
+from homebot.plugins import check_extra, load_plugin, name_in_file, plugin_names
 
 
 def test_installed_plugins_are_found_by_name() -> None:
@@ -170,3 +170,15 @@ def test_a_module_that_cannot_be_imported_is_told_with_its_error(
     monkeypatch.setattr("sys.path", [*__import__("sys").path])
     with pytest.raises(PluginError, match=r"'my_broken_app' cannot be imported: ModuleNotFoundError"):
         load_plugin("homebot.apps", "my_broken_app:App")
+
+
+def test_the_libraries_of_an_extra_are_all_installed() -> None:
+    """The standard library is."""
+    check_extra('the gateway "mdns"', "mdns", "json", "socket")
+
+
+def test_a_missing_library_names_the_command_that_installs_it() -> None:
+    """So that nobody has to look it up."""
+    with pytest.raises(UsageError) as caught:
+        check_extra('the gateway "mdns"', "mdns", "json", "no_such_library")
+    assert str(caught.value) == 'the gateway "mdns" needs no_such_library; install it with: pip install "homebot[mdns]"'

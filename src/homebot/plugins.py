@@ -1,4 +1,4 @@
-"""Plug-ins: classes found by entry-point name, or written out as ``module:Class`` or ``FILE.py:Class``."""
+"""Plug-ins: classes found by entry-point name, or written out as ``module:Class`` or ``FILE.py:Class``; extras."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
-from homebot.errors import PluginError
+from homebot.errors import PluginError, UsageError
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean
 
-__all__ = ["has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
+__all__ = ["check_extra", "has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
@@ -94,6 +94,20 @@ def name_in_file(name: str, base: type[object]) -> str:
         has = f"has {', '.join(kinds)}" if kinds else f"has no class of its own that is derived from {base.__name__}"
         raise PluginError(name, f"must be one class, FILE.py or FILE.py:CLASS; the file {has}")
     return f"{name}:{kinds[0]}"
+
+
+def check_extra(what: str, extra: str, *modules: str) -> None:
+    """Check that the libraries of an extra of homebot, such as ``homebot[mdns]``, are installed; none is imported.
+
+    Args:
+        what: The feature, as text: ``the gateway "mdns"``.
+
+    Raises:
+        UsageError: One is missing; names the command that installs it.
+    """
+    missing = [name for name in modules if importlib.util.find_spec(name) is None]
+    if missing:
+        raise UsageError(f'{what} needs {", ".join(missing)}; install it with: pip install "homebot[{extra}]"')
 
 
 def _load_entry_point(group: str, name: str) -> object:

@@ -31,7 +31,8 @@ from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.recording.recording import read_recording
 from homebot.runtime import Runtime
-from homebot.runtime.plan import make_plan, observing
+from homebot.runtime.dry_run import observing
+from homebot.runtime.plan import make_plan
 from homebot.testing import VirtualHouse, virtual_house_of
 
 

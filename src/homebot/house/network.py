@@ -20,6 +20,7 @@ import anyio
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
+from homebot.plugins import check_extra
 
 if TYPE_CHECKING:
     from homebot.house.matter import SimulatedMatterServer
@@ -188,8 +189,6 @@ class HouseNetwork:
         """
         found: dict[str, dict[str, object]] = {}
         for name, family in self._families.items():
-            from homebot.support.extras import check_extra  # noqa: PLC0415 - few houses have such devices
-
             check_extra(f"a simulated device of {name!r}", family.extra, *family.libraries)
             found[family.gateway] = self._settings(family.gateway)
         return found

@@ -20,14 +20,15 @@ from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.places import NO_PLACES, HousePlan, Places, read_places
-from homebot.plugins import load_plugin
+from homebot.plugins import check_extra, load_plugin
 from homebot.support.addresses import is_loopback
+from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "observing", "plan_errors"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
@@ -55,6 +56,8 @@ class TokenTable(BaseModel):
 
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
+
+_DOORS = "control.presence_guard.doors"
 
 OWN_NODES = frozenset({"homebot", "control", "discovery", "rosapi", "rosbridge_websocket", "thing_directory"})
 
@@ -122,12 +125,6 @@ def make_plan(config: Config) -> Plan:
         places=_places(config),
         grants=dict(_grants(config)),
     )
-
-
-def observing(config: Config) -> Config:
-    """Return *config* with gateways that only observe."""
-    gateways = {name: {**table, ACT: False} for name, table in config.gateways.items()}
-    return config.model_copy(update={"gateways": gateways})
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
@@ -223,14 +220,32 @@ def _control(config: Config) -> ControlSettings | None:
 
     settings = parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
     if settings.presence_guard is not None and settings.presence_guard.doors:
-        from homebot.runtime.door_contacts import check_door_contacts  # noqa: PLC0415 - likewise
-
         try:
             places = _places(config)
         except ConfigError:
             return settings  # it is told by itself
-        check_door_contacts(settings.presence_guard.doors, HousePlan(config.home.name, places.rooms), config.source)
+        _check_door_contacts(settings.presence_guard.doors, HousePlan(config.home.name, places.rooms), config.source)
     return settings
+
+
+def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, source: str) -> None:
+    """Check that each room is in *plan*, where that has rooms, and that no door of it is without a contact.
+
+    Raises:
+        ConfigError: One is not; names the key and the reason.
+    """
+    if not plan.rooms:
+        return
+    for name, contacts in doors.items():
+        room = plan.room(name)
+        if room is None:
+            known = [one.name for one in plan.rooms]
+            hint = did_you_mean(name, known, f"rooms are {', '.join(known)}")
+            raise ConfigError(source, f"{_DOORS}.{name}", f"there is no room {name!r}; {hint}")
+        if len(contacts) < len(room.doors):
+            joined = f"{len(room.doors)} doors (to {', '.join(room.doors)})"
+            problem = f"{room.name} has {joined}, and only {len(contacts)} of them a contact; it takes one on each"
+            raise ConfigError(source, f"{_DOORS}.{name}", problem)
 
 
 def _discovery(config: Config) -> DirectorySettings:
@@ -280,7 +295,6 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
         DirectoryBridgeSettings,
         ThingDirectoryTable,
     )
-    from homebot.support.extras import check_extra  # noqa: PLC0415 - likewise
 
     _scope(key, config.thing_directory, config)
     own = _without_act(config.thing_directory)

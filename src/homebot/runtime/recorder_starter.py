@@ -14,7 +14,7 @@ from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from homebot.recording.recorder import RunFacts
+    from homebot.runtime.run_recording import RunRecording
 
 __all__ = ["RecorderStarter"]
 
@@ -30,9 +30,9 @@ class RecorderStarter:
         node: The node of the runtime, which runs the recorder's tasks.
     """
 
-    def __init__(self, node: Node, facts: Callable[[], Awaitable[RunFacts]]) -> None:
+    def __init__(self, node: Node, recording: Callable[[], Awaitable[RunRecording]]) -> None:
         self._node = node
-        self._facts = facts
+        self._recording = recording
         self._is_busy = False
         node.create_service(Trigger, START_RECORDER, self._start)
 
@@ -47,11 +47,9 @@ class RecorderStarter:
         return SuccessResponse(success=ready.is_set(), message="" if ready.is_set() else "the recorder did not start")
 
     async def _record(self, ready: anyio.Event) -> None:
-        from homebot.recording.session import record_for_client  # noqa: PLC0415 - only for recordings
-
         try:
-            facts = await self._facts()
+            recording = await self._recording()
             async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
-                await run_as(node.full_name, partial(record_for_client, node, facts, ready))
+                await run_as(node.full_name, partial(recording.serve_client, node, ready))
         finally:
             self._is_busy = False

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -27,15 +27,13 @@ from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
-from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import PlannedComponent, make_plan, observing
+from homebot.runtime.plan import PlannedComponent, make_plan
 from homebot.runtime.recorder_starter import RecorderStarter
-from homebot.runtime.simulated_house import check_hosts_house, network_of, real_gateways
 from homebot.runtime.supervisor import Supervisor, Work
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
@@ -44,12 +42,12 @@ from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
-    from homebot.control import ControlSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
-    from homebot.recording.recorder import RunFacts
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.run_recording import RunRecording
+    from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
 
@@ -117,31 +115,34 @@ class Runtime:
         known: Sequence[IndexRow] = (),
         detected: Sequence[str] = (),
     ) -> None:
-        self._network = None if house is None else network_of(house)
-        own_gateways = frozenset(config.gateways)
-        if self._network is not None:
-            config = config.model_copy(update={"gateways": {**self._network.gateways(), **config.gateways}})
+        self._house = None if house is None else _house_of_run(house, config)
+        if self._house is not None:
+            config = config.model_copy(update={"gateways": {**self._house.gateways(), **config.gateways}})
+        self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
+        self._rehearsal = rehearsal
         if is_dry_run:
+            from homebot.runtime.dry_run import DryRun, MutedNode, observing  # noqa: PLC0415 - few runs are one
+
             config = observing(config)
+            self._gateway_node = MutedNode
+            self._rehearsal = rehearsal or DryRun()
         self._plan = make_plan(config)
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )
-        if house is not None:
-            check_hosts_house(self._needed, config.source)
-        self._simulated = house
         self._local_rights = LOCAL_RIGHTS
         self._approves_all = trusts_apps
-        if house is not None and not real_gateways(self._plan, own_gateways):
-            self._local_rights = SIMULATED_HOUSE_RIGHTS
-            self._approves_all = True
+        if self._house is not None:
+            self._house.check_host(self._needed, config.source)
+            if not self._house.may_meet_real_devices(self._plan):
+                self._local_rights = SIMULATED_HOUSE_RIGHTS
+                self._approves_all = True
         self._with_door = with_door
         self._trusts_apps = trusts_apps or house is not None
         kept_at = index_file.with_name(INSTALLATION_FILE) if index_file and self._plan.discovery.persist else None
         self._installation = Installation(kept_at, random)
         self._context = GatewayContext.of(self._installation, *services, random=random, is_dry_run=is_dry_run)
         self._is_dry_run = is_dry_run
-        self._rehearsal = rehearsal
         self._known = known
         self._detected = detected
         self._controller: Control | None = None
@@ -200,7 +201,7 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self._plan.home, self.supervisor, self._loop_watch, self._lost_lines)
-        RecorderStarter(main, self._run_facts)
+        RecorderStarter(main, self._recording)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -226,9 +227,9 @@ class Runtime:
             yield "", "door", self._open_door
         if self._plan.thing_directory is not None:
             yield "", "thing_directory", self._serve_things(self._plan.thing_directory)
-        if self._simulated is not None:
+        if self._house is not None:
             homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
-            yield "", "house", self._house(self._simulated, next(filter(None, homes), THESIS_HOME))
+            yield "", "house", self._simulate(self._house, next(filter(None, homes), THESIS_HOME))
 
     def _greeting(self) -> str:
         home = "homebot" if self._plan.home == UNNAMED else self._plan.home
@@ -258,8 +259,8 @@ class Runtime:
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need once, unless it was given."""
         running = dict(self._context.services)
-        if self._network is not None:
-            for given in await stack.enter_async_context(self._network.running(self._context.random)):
+        if self._house is not None:
+            for given in await stack.enter_async_context(self._house.running(self._context.random)):
                 running[type(given)] = given
         for service in self._needed:
             if service.kind not in running:
@@ -271,18 +272,11 @@ class Runtime:
 
     def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            async with self._gateway_node(component.name) as node:
+            async with self._gateway_node(self.graph, component.name) as node:
                 gateway = component.kind(node, component.settings, self._context)
                 await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
         return work
-
-    def _gateway_node(self, name: str) -> Node:
-        if not self._is_dry_run:
-            return Node(self.graph, name, namespace="/gateway")
-        from homebot.runtime.muted_node import MutedNode  # noqa: PLC0415 - for a dry run
-
-        return MutedNode(self.graph, name)
 
     def _app(self, component: PlannedComponent[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
@@ -307,14 +301,6 @@ class Runtime:
             )
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
-    @cached_property
-    def _rehearses(self) -> Rehearsal | None:
-        if self._rehearsal is None and self._is_dry_run:
-            from homebot.control.rehearsal import DryRun  # noqa: PLC0415 - for a dry run
-
-            return DryRun()
-        return self._rehearsal
-
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
             index, is_kept = self._index_file, self._plan.discovery.persist
@@ -326,31 +312,24 @@ class Runtime:
                 trusts_apps=self._trusts_apps,
                 approves_all=self._approves_all,
                 journal_file=journal,
-                rehearsal=self._rehearses,
+                rehearsal=self._rehearsal,
                 detected=self._detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
-    @property
-    def _control_settings(self) -> ControlSettings:
-        from homebot.control import ControlSettings  # noqa: PLC0415 - only for recordings
-
-        settings = self._plan.control or ControlSettings()
-        return settings.model_copy(update={"approvals": False}) if self._approves_all else settings
-
-    async def _run_facts(self) -> RunFacts:
-        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - only for recordings
+    async def _recording(self) -> RunRecording:
+        from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
 
         detected = () if self._controller is None else await self._controller.detected()
-        return run_facts(self._plan, self._control_settings, trusts_apps=self._trusts_apps, detected=detected)
+        return RunRecording.of(
+            self._plan, trusts_apps=self._trusts_apps, approves_all=self._approves_all, detected=detected
+        )
 
     def _record(self, sink: LineSink) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            from homebot.recording.session import record_into  # noqa: PLC0415 - only for recordings
-
-            facts = await self._run_facts()
+            recording = await self._recording()
             async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
-                await run_as(node.full_name, partial(record_into, node, facts, sink, task_status=task_status))
+                await run_as(node.full_name, partial(recording.write_into, sink, node, task_status=task_status))
 
         return work
 
@@ -381,16 +360,14 @@ class Runtime:
 
         return work
 
-    def _house(self, world: World, home: str) -> Work:
-        from homebot.house import SimulatedHouse  # noqa: PLC0415 - only for simulated houses
-
+    def _simulate(self, house: HouseOfRun, home: str) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            host = self.service(SimulatedHouse.Host)
-            if host is None:
-                raise UsageError(SimulatedHouse.WITHOUT_HOST)
-            house = SimulatedHouse.hosted_by(
-                host, home, world, self._clock, random=self._context.random, network=self._network
-            )
-            await house.serve(task_status=task_status)
+            await house.serve(self._context, home, self._clock, task_status=task_status)
 
         return work
+
+
+def _house_of_run(world: World, config: Config) -> HouseOfRun:
+    from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
+
+    return HouseOfRun(world, config.gateways)

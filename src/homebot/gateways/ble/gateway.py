@@ -23,10 +23,9 @@ from homebot.gateways.ble.known_device import KnownDevice, Newcomers, find_dispe
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
-from homebot.plugins import load_plugin
+from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.support.ble_backend import BleBackend
-from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
+from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
-from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.driver_host import DriverHost
-from homebot.support.extras import check_extra
+from homebot.plugins import check_extra
 
 __all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]
 

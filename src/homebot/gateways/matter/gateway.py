@@ -35,8 +35,8 @@ from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
+from homebot.plugins import check_extra
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
-from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
 
 __all__ = ["MatterGateway"]

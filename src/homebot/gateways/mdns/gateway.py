@@ -27,8 +27,8 @@ from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
 from homebot.graph import Node
+from homebot.plugins import check_extra
 from homebot.support.backoff import BackoffCounter
-from homebot.support.extras import check_extra
 from homebot.support.installation import Installation
 from homebot.support.isolation import run_as, ungrouped
 

@@ -40,8 +40,8 @@ from homebot.gateways.nfc.settings import NfcGatewaySettings, TagSettings
 from homebot.gateways.nfc.tag_services import TagServices
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
+from homebot.plugins import check_extra
 from homebot.support.backoff import Backoff, BackoffCounter
-from homebot.support.extras import check_extra
 from homebot.support.isolation import run_as
 from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing, facts_of, identifiers_of

@@ -17,8 +17,8 @@ from homebot.gateways.context import GatewayContext
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
 from homebot.gateways.things.http_credentials import read_logins
 from homebot.graph import Node
+from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, BackoffCounter
-from homebot.support.extras import check_extra
 
 if TYPE_CHECKING:
     from homebot.gateways.thing_directory.session import DirectorySession

@@ -10,7 +10,7 @@ import pytest
 
 from homebot.gateways import Gateway
 from homebot.graph import Graph, Node
-from homebot.runtime.muted_node import MutedNode
+from homebot.runtime.dry_run import MutedNode
 from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 from homebot.testing.held_clock import HeldClock
 from homebot.testing.pytest_loops import loop_of

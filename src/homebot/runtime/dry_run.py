@@ -1,4 +1,4 @@
-"""The node of a gateway in a dry run."""
+"""A dry run: gateways that only observe, on nodes that receive no command."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any, TypeVar, final
 
 from pydantic import ValidationError
 
+from homebot.config import Config
+from homebot.control.rehearsal import DryRun
 from homebot.devices.names import GATEWAY_READING, SENDS_NOTHING
 from homebot.errors import RefusedError
 from homebot.graph import Graph, Node, Service, Subscription
@@ -14,12 +16,19 @@ from homebot.graph.qos import QoSLike
 from homebot.graph.service import Handler
 from homebot.graph.subscription import Callback, Expiring
 from homebot.messages.message import Message, ServiceType
+from homebot.runtime.plan import ACT
 
-__all__ = ["MutedNode"]
+__all__ = ["DryRun", "MutedNode", "observing"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+def observing(config: Config) -> Config:
+    """Return *config* with gateways that only observe."""
+    gateways = {name: {**table, ACT: False} for name, table in config.gateways.items()}
+    return config.model_copy(update={"gateways": gateways})
 
 
 @final

@@ -1,0 +1,69 @@
+"""The recording of a run, with its facts, which a replay needs."""
+
+from __future__ import annotations
+
+import json
+from typing import Self, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.apps import App
+from homebot.control import ControlSettings
+from homebot.graph import Node
+from homebot.places.text import places_text
+from homebot.recording.lines import RecordedApp
+from homebot.recording.recorder import RunFacts
+from homebot.recording.recording_file import LineSink
+from homebot.recording.secrets import public_settings
+from homebot.recording.session import record_for_client, record_into
+from homebot.runtime.plan import ACT, Plan, PlannedComponent
+
+__all__ = ["RunRecording"]
+
+_SCOPE = "act: "
+
+
+@final
+class RunRecording:
+    """The recorders of one run."""
+
+    def __init__(self, facts: RunFacts) -> None:
+        self._facts = facts
+
+    @classmethod
+    def of(cls, plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> Self:
+        """Return the recording of a run of *plan*, with the settings that it has in truth, without secrets."""
+        control = plan.control or ControlSettings()
+        if approves_all:
+            control = control.model_copy(update={"approvals": False})
+        table = json.dumps(public_settings(control))
+        apps = tuple(_recorded(app, plan) for app in plan.apps)
+        return cls(RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected))
+
+    async def write_into(
+        self, sink: LineSink, node: Node, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
+    ) -> None:
+        """Record into *sink*, see :func:`record_into`."""
+        await record_into(node, self._facts, sink, task_status=task_status)
+
+    async def serve_client(self, node: Node, ready: anyio.Event) -> None:
+        """Record for a client, see :func:`record_for_client`."""
+        await record_for_client(node, self._facts, ready)
+
+
+def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
+    settings = public_settings(app.settings)
+    if (scope := plan.grants.get(f"/{app.name}")) is not None:
+        settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
+    kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
+    return RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings))
+
+
+def _places(plan: Plan) -> str:
+    """Return the table ``[places]`` as the text of a places file; empty where there is none."""
+    places = plan.places
+    if not places.rooms and not places.devices:
+        return ""
+    devices = ((names[0], facts, names) for names, facts in places.devices.items())
+    return places_text(plan.home, places.rooms, devices)
