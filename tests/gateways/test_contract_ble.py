@@ -12,7 +12,7 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
-from homebot.gateways.ble import BleBackend, BleGateway, BleGatewaySettings
+from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
@@ -120,6 +120,6 @@ class TestBleGateway(GatewayContract):
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         assert isinstance(lamp, GattLamp)
         own = {"signal": False, "forget_after": FORGET_AFTER, "profiles": {"lamp": PROFILE}, **settings}
-        backend = BleBackend(lamp.radio.scanner, lamp.radio.client)
+        backend = lamp.radio.backend
         context = GatewayContext.of(backend, random=Random(2))  # noqa: S311 - a simulation
         return BleGateway(node, BleGatewaySettings.model_validate(own), context)

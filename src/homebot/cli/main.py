@@ -17,8 +17,7 @@ from io import TextIOWrapper
 from typing import Final
 
 from homebot.cli.arguments import add_global_options, unused_option
-from homebot.cli.completion import SHELLS, PrintCompletion
-from homebot.cli.parser import CommandParser
+from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
 from homebot.errors import HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__

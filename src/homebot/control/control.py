@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 __all__ = ["Control"]
 
 _REFUSALS: Final = 1000
-_WITNESSES: Final = "control.witnesses"
-_DOORS: Final = "control.presence_guard.doors"
 
 
 @final
@@ -154,7 +152,7 @@ class Control:
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         """Carry out a command in words, to one device or to all that fit a query."""
-        return await self._words.serve(request)
+        return await self._layer.words.serve(request)
 
     async def detected(self) -> tuple[str, ...]:
         """Return the motion sensors that have ever detected a person: the presence guard trusts only them."""
@@ -189,22 +187,21 @@ class Control:
     def _names(self) -> ConfiguredNames | None:
         """The rooms and devices that the settings name; None if they name none."""
         settings = self._given_settings
-        return None if settings is None or not settings.names_devices else _configured_names(self._node, settings)
+        return None if settings is None or not settings.names_devices else settings.configured_names(self._node)
 
     @cached_property
     def _layer(self) -> ControlLayer:
         from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
-        from homebot.control.settings import ControlSettings  # noqa: PLC0415 - likewise
 
-        settings = self._given_settings or ControlSettings()
         layer = ControlLayer(
             self._node,
             self._feed,
             self._lookup,
             self._house_watch,
-            settings.model_copy(update={"approvals": False}) if self._approves_all else settings,
+            self._given_settings,
             self._grants,
             trusts_apps=self._trusts_apps,
+            approves_all=self._approves_all,
             detected=self._detected,
             journal_file=self._journal_file,
             store=self._store,
@@ -218,19 +215,3 @@ class Control:
         from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
 
         return CommandService(self._node, self._lookup, self.perform)
-
-
-def _configured_names(node: Node, settings: ControlSettings) -> ConfiguredNames:
-    """Return the check of the sensors, contacts, rooms and queries in *settings*."""
-    from homebot.devices.misspelt_names import ConfiguredNames  # noqa: PLC0415 - few homes have any
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - likewise
-
-    doors = settings.presence_guard.doors if settings.presence_guard is not None else {}
-    contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
-    sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in settings.witnesses.items() if sensor.strip()]
-    return ConfiguredNames(
-        node,
-        rooms=[(_DOORS, room) for room in doors],
-        devices=[*contacts, *sensors],
-        queries=[(_WITNESSES, query, parse_query(query)) for query in settings.witnesses],
-    )

@@ -10,6 +10,7 @@ from typing import Final, final
 import anyio
 
 from homebot.control.approvals import Approvals
+from homebot.control.command_service import CommandService
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.explanations import Explanations
@@ -49,9 +50,10 @@ class ControlLayer:
         feed: The messages of the gateways.
         lookup: Looks devices up.
         house_watch: Its raw commands explain changes.
-        settings: The table ``[control]``.
+        settings: The table ``[control]``; None for its defaults.
         grants: The scope of each node that may not command everything, by its full name.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
+        approves_all: Whether no device needs an approval, regardless of the settings.
         detected: Motion sensors that detected a person in another run.
         journal_file: The file of the journal; None for memory.
         store: The store of the journal, in place of the file.
@@ -64,10 +66,11 @@ class ControlLayer:
         feed: GatewayFeed,
         lookup: DeviceLookup,
         house_watch: HouseWatch,
-        settings: ControlSettings,
+        settings: ControlSettings | None,
         grants: Mapping[str, tuple[str, ...]],
         *,
         trusts_apps: bool,
+        approves_all: bool,
         detected: Iterable[str],
         journal_file: Path | None,
         store: JournalStore | None,
@@ -75,6 +78,9 @@ class ControlLayer:
     ) -> None:
         self._node = node
         self._lookup = lookup
+        settings = settings or ControlSettings()
+        if approves_all:
+            settings = settings.model_copy(update={"approvals": False})
         store = store or _store(node, settings, journal_file)
         self.journal = CommandJournal(node, store, lookup, house_watch.changes.begin_raw, settings.settle)
         self.learnt = LearntPersistence(node, store)
@@ -96,6 +102,7 @@ class ControlLayer:
         self.executor = CommandExecutor(
             node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
         )
+        self.words = CommandService(node, lookup, self.executor.perform)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
         self.approvals = Approvals(lookup, is_needed=settings.approvals)

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
 from homebot.control.policies import PolicySettings
 from homebot.control.policies.settings import QueryText
+from homebot.devices.misspelt_names import ConfiguredNames
 from homebot.devices.query import Query
 from homebot.devices.query.parse import parse_query
+from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
 __all__ = ["ControlSettings"]
+
+_WITNESSES: Final = "control.witnesses"
+_DOORS: Final = "control.presence_guard.doors"
 
 
 class ControlSettings(PolicySettings):
@@ -45,7 +50,16 @@ class ControlSettings(PolicySettings):
     @property
     def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
         """The named sensors, folded, each with its query."""
-        if not self.witnesses:
-            return ()
-
         return tuple((parse_query(query), fold(name)) for query, name in self.witnesses.items())
+
+    def configured_names(self, node: Node) -> ConfiguredNames:
+        """Return the check, by *node*, of the sensors, contacts, rooms and queries in them."""
+        doors = self.presence_guard.doors if self.presence_guard is not None else {}
+        contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
+        sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in self.witnesses.items() if sensor.strip()]
+        return ConfiguredNames(
+            node,
+            rooms=[(_DOORS, room) for room in doors],
+            devices=[*contacts, *sensors],
+            queries=[(_WITNESSES, query, parse_query(query)) for query in self.witnesses],
+        )

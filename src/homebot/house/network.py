@@ -159,12 +159,11 @@ class HouseNetwork:
         async with AsyncExitStack() as stack:
             if "ble" in gateways:
                 from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
-                from homebot.support.ble_backend import BleBackend  # noqa: PLC0415 - few houses have a radio
 
                 radio = VirtualRadio(random or Random())  # noqa: S311 - no secret
                 await stack.enter_async_context(radio.running())
                 self._options["ble"] = {"radio": radio}
-                needed = (BleBackend(radio.scanner, radio.client),)
+                needed = (radio.backend,)
             if "coap" in gateways:
                 self._options["coap"] = {"directory": f"coap://{LOOPBACK}:{self._port('coap')}"}
             if "matter" in gateways:

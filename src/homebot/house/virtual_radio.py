@@ -36,6 +36,7 @@ from bumble.ll import AdvertisingPdu, AdvExtInd, AdvInd
 from bumble.transport.common import AsyncPipeSink
 
 from homebot.house.virtual_bleak import VirtualClient, VirtualScanner
+from homebot.support.ble_backend import BleBackend
 
 if TYPE_CHECKING:
     from bumble.device import Connection
@@ -127,8 +128,7 @@ class VirtualRadio:
         rng: The source of variation of the signals.
 
     Attributes:
-        scanner: The class by which bleak scans with that adapter.
-        client: The class by which it connects.
+        backend: The classes by which bleak scans with that adapter, and connects.
         scanners: The scans that run.
     """
 
@@ -140,8 +140,10 @@ class VirtualRadio:
         self._rssi: dict[str, float] = {}
         self._is_plugged = True
         self.scanners: set[VirtualScanner] = set()
-        self.scanner: type[object] = type("VirtualScanner", (VirtualScanner,), {"radio": self})
-        self.client: type[object] = type("VirtualClient", (VirtualClient,), {"radio": self})
+        self.backend = BleBackend(
+            scanner=type("VirtualScanner", (VirtualScanner,), {"radio": self}),
+            client=type("VirtualClient", (VirtualClient,), {"radio": self}),
+        )
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[VirtualRadio]:

@@ -8,7 +8,12 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
+
+if sys.platform != "win32":
+    import grp
+    import pwd
 
 __all__ = ["readable_by_others", "why_not_private", "why_not_trusted"]
 
@@ -63,9 +68,6 @@ def _is_writable_by_others(found: os.stat_result) -> bool:
 
 
 def _is_private_group(found: os.stat_result) -> bool:
-    import grp  # noqa: PLC0415 - only where there are groups
-    import pwd  # noqa: PLC0415 - as above
-
     if found.st_gid == 0:
         return True
     try:
@@ -76,8 +78,6 @@ def _is_private_group(found: os.stat_result) -> bool:
 
 
 def _user(uid: int) -> str:
-    import pwd  # noqa: PLC0415 - only where there are users
-
     try:
         return f"the user {pwd.getpwuid(uid).pw_name}"
     except KeyError:

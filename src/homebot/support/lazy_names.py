@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
+
 TYPE_CHECKING = False  # the one of typing would import typing
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -20,9 +23,6 @@ def lazy_names(package: str, modules: Mapping[str, str]) -> Callable[[str], obje
     def get(name: str) -> object:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        import sys  # noqa: PLC0415 - as above
-        from importlib import import_module  # noqa: PLC0415 - as above
-
         found: object = getattr(import_module(homes[name]), name)
         setattr(sys.modules[package], name, found)
         return found

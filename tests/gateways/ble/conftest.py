@@ -13,7 +13,7 @@ from tests.patience import PATIENCE
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.value import PlainValue
-from homebot.gateways.ble import BleBackend, BleGateway, BleGatewaySettings
+from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.house.virtual_radio import VirtualRadio
@@ -39,7 +39,7 @@ class RadioHouse:
     @asynccontextmanager
     async def running(self, **settings: object) -> AsyncIterator[BleGateway]:
         """Run the gateway, and watch it."""
-        context = GatewayContext.of(BleBackend(self.radio.scanner, self.radio.client), random=Random(3))  # noqa: S311
+        context = GatewayContext.of(self.radio.backend, random=Random(3))  # noqa: S311
         async with (
             self.radio.running(),
             self.watcher,

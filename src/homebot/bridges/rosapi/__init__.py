@@ -1,5 +1,5 @@
 """``/rosapi``: the services by which programs outside look around on the graph."""
 
-from homebot.bridges.rosapi.rosapi import RosApi
+from homebot.bridges.rosapi.services import RosApi
 
 __all__ = ["RosApi"]

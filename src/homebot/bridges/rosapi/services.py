@@ -6,11 +6,13 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from pydantic import create_model
 
 from homebot.bridges.rosapi import parameters
+from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
 from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
 from homebot.bridges.rosbridge.types import find_message_type, find_service_type, same_type
 from homebot.graph import EndpointInfo, EntityKind, Graph, Node
@@ -19,7 +21,7 @@ from homebot.messages.definition import definition_text
 from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import is_hidden
 
-__all__ = ["SERVICES", "RosApiService"]
+__all__ = ["SERVICES", "RosApi", "RosApiService"]
 
 _Fields: TypeAlias = Mapping[str, Any]
 _Answer: TypeAlias = Mapping[str, object]
@@ -254,3 +256,18 @@ SERVICES: Final = (
     RosApiService("has_param", "HasParam", {"name": str}, {"exists": bool}, parameters.has_parameter),
     RosApiService("get_param_names", "GetParamNames", {}, {"names": _Names}, parameters.list_parameters),
 )
+
+
+class RosApi:
+    """Offers the rosapi services on *node*; they go with it.
+
+    Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints``, which is ours, shows them too.
+
+    Args:
+        node: The node that serves; its name should be ``rosapi``, though the services have that name in any case.
+    """
+
+    def __init__(self, node: Node) -> None:
+        for service in SERVICES:
+            service.serve(node)
+        node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))

@@ -8,11 +8,13 @@ services that only answer; on the others a client could pass for a gateway, the 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
+from homebot.bridges.client_error_log import short_text
 from homebot.bridges.rosbridge.protocol import (
     Advertise,
     AdvertiseService,
@@ -86,6 +88,9 @@ _READING: Final = frozenset(
 )
 _ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
 _LONGEST_ORIGIN: Final = 100
+_LONGEST_NAME: Final = 247
+_WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
+"""A command without a number, so that it holds no code."""
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 
 
@@ -131,6 +136,16 @@ class ClientAccess:
         names = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope)}
         return {**values, **{name: own[name] for name in names}} if names else values
+
+    @staticmethod
+    def command_in(op: Operation) -> tuple[str, str]:
+        """Return the target and content of a command in *op*, if it is in words."""
+        match op:
+            case PublishOperation():
+                return _text(op.msg, "address"), _word(op.msg, "payload")
+            case CallService(args=dict() as args):
+                return _text(args, "device") or _text(args, "target"), _word(args, "command")
+        return "", ""
 
     def check(self, op: Operation, resolve: Callable[[str], str]) -> None:
         """Refuse *op* where the client has no right to it; *resolve* makes full names of names.
@@ -199,3 +214,13 @@ def right_to_call(name: str) -> Right:
 
 def _is_own(name: str) -> bool:
     return name.split("/", 2)[1] in _OWN
+
+
+def _text(values: Mapping[str, object], key: str) -> str:
+    value = values.get(key)
+    return short_text(value, _LONGEST_NAME) if isinstance(value, str) else ""
+
+
+def _word(values: Mapping[str, object], key: str) -> str:
+    text = _text(values, key).strip()
+    return text if _WORD.fullmatch(text) else ""

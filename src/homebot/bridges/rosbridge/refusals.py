@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bridges.client_error_log import ClientErrorLog, short_text
@@ -21,9 +19,6 @@ __all__ = ["Refusals", "operation_text"]
 _QOS: Final = QoSProfile(depth=100)
 _LONGEST_NAME: Final = 247
 _SHOWN: Final = 100
-_WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
-"""A command without a number, so that it holds no code."""
-
 _DEEDS: Final = {
     "advertise": "advertising",
     "unadvertise": "unadvertising",
@@ -68,7 +63,7 @@ class Refusals:
 
         if self._publisher is None:
             self._publisher = self._node.create_publisher(AccessRefused, ACCESS_REFUSALS, _QOS)
-        subject, wanted = _command_in(op)
+        subject, wanted = access.command_in(op)
         self._publisher.publish(
             AccessRefused(
                 issuer=access.issuer,
@@ -88,25 +83,3 @@ class Refusals:
 def operation_text(op: str, name: str) -> str:
     """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
     return f"{_DEEDS.get(op, op)} {short_text(name, _SHOWN)}" if name else op
-
-
-def _command_in(op: Operation) -> tuple[str, str]:
-    """Return the target and content of a command in *op*, if it is in words."""
-    from homebot.bridges.rosbridge.protocol import CallService, PublishOperation  # noqa: PLC0415 - see above
-
-    match op:
-        case PublishOperation():
-            return _text(op.msg, "address"), _word(op.msg, "payload")
-        case CallService(args=dict() as args):
-            return _text(args, "device") or _text(args, "target"), _word(args, "command")
-    return "", ""
-
-
-def _text(values: Mapping[str, object], key: str) -> str:
-    value = values.get(key)
-    return short_text(value, _LONGEST_NAME) if isinstance(value, str) else ""
-
-
-def _word(values: Mapping[str, object], key: str) -> str:
-    text = _text(values, key).strip()
-    return text if _WORD.fullmatch(text) else ""

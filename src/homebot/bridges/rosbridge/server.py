@@ -30,7 +30,7 @@ from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
+from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights, issuer_of_client
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
@@ -228,8 +228,7 @@ class Door:
         if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
-        from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first client
-        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - likewise
+        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - loaded with the first client
 
         async def send(frame: str | bytes) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
@@ -250,17 +249,15 @@ class Door:
             connection.has_arrived()
         name = self._names[connection]
         rights, page = self._rights[name], self._unnamed_page(connection)
-        access = ClientAccess.of_page(page, name, rights) if page else ClientAccess(name, rights)
-        session = ClientSession(
-            self._shared, access, _address_of(connection), send, cut, reads_png=not _is_roslibpy(connection)
-        )
+        address, reads_png = _address_of(connection), not _is_roslibpy(connection)
+        session = ClientSession(self._shared, name, rights, page, address, send, cut, reads_png=reads_png)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))
         finally:
             del self._sessions[connection]
             if not any(self._names[other] == name for other in self._sessions):
-                self._shared.publish_left(access.issuer)
+                self._shared.publish_left(issuer_of_client(name))
 
 
 class _LibraryLog(logging.Handler):

@@ -45,7 +45,7 @@ from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.client_rights import Right
+from homebot.devices.client_rights import ClientRights, Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
 from homebot.support.rate_limit import RateLimit
@@ -63,7 +63,9 @@ class ClientSession:
 
     Args:
         shared: State shared with other clients.
-        access: Identity and rights.
+        name: The name of its token, see :class:`ClientAccess`.
+        rights: The rights of that token.
+        page: The origin of a web page that no token and no configuration vouches for; empty for other clients.
         client: Name of the client in the log.
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
@@ -76,17 +78,19 @@ class ClientSession:
     def __init__(
         self,
         shared: SharedState,
-        access: ClientAccess,
+        name: str,
+        rights: ClientRights,
+        page: str,
         client: str,
         send: Callable[[str | bytes], Awaitable[None]],
         cut: Callable[[], None],
         *,
-        reads_png: bool = True,
+        reads_png: bool,
     ) -> None:
         self.refused = 0
         self._reads_png = reads_png
         self._shared = shared
-        self._access = access
+        self._access = ClientAccess.of_page(page, name, rights) if page else ClientAccess(name, rights)
         self._node = shared.node
         self._settings = shared.settings
         self._turns = shared.turns

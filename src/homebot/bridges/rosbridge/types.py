@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from itertools import chain
 from typing import Any, Final
 
-from homebot import devices
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
@@ -27,36 +26,6 @@ __all__ = [
     "same_type",
     "service_type_of",
 ]
-
-
-_OWN_PACKAGE = "homebot"
-
-
-def _standard_messages(package: str) -> tuple[type[Message], ...]:
-    """Return the types that need not be in use."""
-    from homebot.messages.packages import messages_of  # noqa: PLC0415 - loaded when a type is asked for by name
-
-    if package != _OWN_PACKAGE:
-        return messages_of(package)
-    return (
-        devices.Device,
-        devices.DeviceChange,
-        devices.Endpoint,
-        devices.RawCommand,
-        devices.RawMessage,
-        devices.Sighting,
-    )
-
-
-def _standard_services(package: str) -> tuple[ServiceType[Any, Any], ...]:
-    from homebot.messages.packages import services_of  # noqa: PLC0415 - as above
-
-    if package != _OWN_PACKAGE:
-        return services_of(package)
-    return (devices.FindDevices, devices.GetIndexData, devices.SubscribeToTopic)
-
-
-_LONGEST_TYPE = 100
 
 
 def same_type(first: str, second: str) -> bool:
@@ -110,11 +79,12 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     wanted = _parts(ros_type)
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
-    for known in chain(in_use, _standard_messages(wanted[0]), inside):
+    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - loaded when a type is asked for by name
+
+    for known in chain(in_use, standard_types.messages_of(wanted[0]), inside):
         if _parts(known.ros_type) == wanted:
             return known
-    similar = (one for package in _similar_packages(wanted[0]) for one in _standard_messages(package))
-    raise _unknown("message", ros_type, [one.ros_type for one in similar])
+    raise standard_types.unknown_message(ros_type)
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
@@ -124,37 +94,17 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
         PeerError: It is unknown; the message suggests similar names.
     """
     wanted = _parts(ros_type)
-    for known in chain(graph.get_service_types(), _standard_services(wanted[0])):
+    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - as above
+
+    for known in chain(graph.get_service_types(), standard_types.services_of(wanted[0])):
         if _parts(known.ros_type) == wanted:
             return known
-    from homebot.messages.packages import SERVICE_PACKAGES  # noqa: PLC0415 - as above
-
-    all_services = (one for package in (*SERVICE_PACKAGES, _OWN_PACKAGE) for one in _standard_services(package))
-    raise _unknown("service", ros_type, [known.ros_type for known in all_services])
+    raise standard_types.unknown_service(ros_type)
 
 
 def _parts(ros_type: str) -> tuple[str, str]:
     package, _, rest = ros_type.partition("/")
     return package, rest.removeprefix("msg/").removeprefix("srv/")
-
-
-def _similar_packages(package: str) -> list[str]:
-    """Return the likely packages; they are not all loaded for an unknown type."""
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
-
-    from homebot.messages.packages import MESSAGE_PACKAGES  # noqa: PLC0415 - as above
-
-    return get_close_matches(package[:_LONGEST_TYPE], (*MESSAGE_PACKAGES, _OWN_PACKAGE), n=2, cutoff=0.7)
-
-
-def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
-    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.support.similar
-
-    shown = ros_type[:_LONGEST_TYPE]  # a comparison takes the square of the length
-    names = {_parts(one)[1]: one for one in known}
-    similar = [names[one] for one in get_close_matches(_parts(shown)[1], names, n=3, cutoff=0.7)]
-    hint = f"; similar: {', '.join(similar)}" if similar else ""
-    return PeerError(f"unknown {kind} type {shown!r}{hint}")
 
 
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
