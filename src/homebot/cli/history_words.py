@@ -90,7 +90,7 @@ def result_text(chain: Chain, now: float) -> str:
 def _doubt(chain: Chain) -> str:
     """Return the observation of a witness against the report of the device; empty if none contradicted it."""
     results = [one.results[0] for one in chain if one.kind == "outcome"]
-    return next((printable(one.saw) for one in results if one.outcome == "contradicted" and one.witness), "")
+    return next((printable(one.saw) for one in results if one.saw and one.witness), "")
 
 
 def _wanted(entry: JournalEntry) -> str:

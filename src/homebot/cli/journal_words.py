@@ -80,8 +80,7 @@ def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
     if before is None or (before.kind, entry.kind) != ("judged", "outcome"):
         return False
     result, verdict = entry.results[0], before.verdicts[0]
-    is_same = (entry.command, result.policy) == (before.command, verdict.policy)
-    return is_same and result.outcome == "refused" and not verdict.allowed
+    return (entry.command, result.policy) == (before.command, verdict.policy) and not verdict.allowed
 
 
 def denial_text(entry: JournalEntry) -> str:

@@ -19,7 +19,7 @@ from homebot.devices.command_messages import (
     Setting,
 )
 from homebot.devices.command_results import outcome_of, result_of
-from homebot.devices.outcomes import Refused, worst
+from homebot.devices.outcomes import NoAnswer, Refused, worst
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
@@ -93,7 +93,7 @@ class CommandService:
                     cause=request.cause,
                 )
             )
-            if result.outcome == "no_answer" and (reason := await self._why_unreachable(device)):
+            if isinstance(outcome_of(result), NoAnswer) and (reason := await self._why_unreachable(device)):
                 result = result.model_copy(update={"text": f"{result.text}; {reason}"})
         commanded.append(CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result))
 

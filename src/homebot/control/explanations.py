@@ -8,6 +8,7 @@ from typing import Final, TypeAlias, final
 from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.command_results import outcome_of
 from homebot.devices.journal_messages import (
     ExplainDeviceRequest,
     ExplainDeviceResponse,
@@ -18,6 +19,7 @@ from homebot.devices.journal_messages import (
     ReadJournalRequest,
     ReadJournalResponse,
 )
+from homebot.devices.outcomes import Confirmed, Superseded
 from homebot.devices.part import Capability
 from homebot.devices.setting_check import accepted_values
 from homebot.devices.trigger import Trigger
@@ -46,7 +48,6 @@ _FIRST_REPORTS: Final = 5.0
 _MOST_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
 _REPORTS: Final = frozenset({"reported", "changed"})
-_SUCCESSES: Final = frozenset({"confirmed", "superseded"})
 
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
 FindDevice: TypeAlias = Callable[[str], Awaitable[Device | None]]
@@ -178,11 +179,11 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
     if entry.kind in {"changed", "reverted"}:
         return True
     if entry.kind == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
-        return entry.results[0].outcome == "confirmed"
+        return isinstance(outcome_of(entry.results[0]), Confirmed)
     if entry.kind != "reported":
         return False
-    outcomes = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]
-    is_obeyed = not outcomes or outcomes[0].outcome in _SUCCESSES or bool(outcomes[0].witness)
+    results = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]
+    is_obeyed = not results or isinstance(outcome_of(results[0]), Confirmed | Superseded) or bool(results[0].witness)
     return is_obeyed or bool(entry.cause)
 
 

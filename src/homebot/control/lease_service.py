@@ -132,7 +132,7 @@ class LeaseService:
         if result is None:  # it ended, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
-        if result.outcome in {"refused", "gone"} and key in lease.holders:
+        if outcome_of(result).is_final and key in lease.holders:
             self._release(key)
         return LeaseResponse(held=key in lease.holders, result=result)
 

@@ -3,7 +3,7 @@
 from functools import lru_cache
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from homebot.devices.device import KeyValue
 from homebot.devices.service_answer import ServiceAnswer
@@ -28,8 +28,30 @@ __all__ = [
     "Setting",
 ]
 
-OutcomeKind: TypeAlias = Literal[
-    "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
+
+def _words() -> tuple[str, ...]:
+    from homebot.devices.outcomes import OUTCOMES  # noqa: PLC0415 - a start without a command needs none
+
+    return tuple(OUTCOMES)
+
+
+def _known(word: str) -> str:
+    if word not in (words := _words()):
+        raise ValueError(f"must be one of {', '.join(words)}, got {word[:40]!r}")
+    return word
+
+
+def _add_words(schema: dict[str, object], *more: str) -> None:
+    schema["enum"] = [*more, *_words()]
+
+
+OutcomeKind: TypeAlias = Annotated[str, AfterValidator(_known), Field(json_schema_extra=_add_words)]
+"""The word of an outcome, see :data:`homebot.devices.outcomes.OUTCOMES`."""
+
+_WorstKind: TypeAlias = Annotated[
+    str,
+    AfterValidator(lambda word: word and _known(word)),
+    Field(json_schema_extra=lambda schema: _add_words(schema, "")),
 ]
 
 MOST_SETTINGS = 20
@@ -192,9 +214,7 @@ class CommandDevicesResponse(ServiceAnswer):
         results: Each commanded part, sorted by device.
     """
 
-    outcome: Literal[
-        "", "confirmed", "already_so", "contradicted", "reverted", "no_answer", "superseded", "refused", "gone"
-    ] = ""
+    outcome: _WorstKind = ""
     results: tuple[CommandedPart, ...] = ()
 
 

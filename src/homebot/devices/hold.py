@@ -25,7 +25,7 @@ from homebot.devices.lease_messages import (
     RenewLease,
 )
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
-from homebot.devices.outcomes import NO_CONTROL, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import NO_CONTROL, Gone, NoAnswer, Outcome
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
@@ -149,7 +149,7 @@ class _BlockHolder:
             self._record_failure(exc)
         finally:
             self._is_beginning = False
-        self._may_begin = not isinstance(self.hold.outcome, Refused | Gone)
+        self._may_begin = not self.hold.outcome.is_final
 
     async def renew(self) -> None:
         """Renew until cancelled, also while the first command is on its way; begin anew where the lease was lost."""

@@ -1,13 +1,19 @@
-"""Outcomes of commands: the result of a command, and how well it is known."""
+"""Outcomes of commands: the result of a command, and how well it is known.
+
+A new outcome is a class here and its row in :data:`OUTCOMES`; the wire, the journal, replays and all clients follow.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from enum import IntEnum
-from typing import ClassVar
+from types import MappingProxyType
+from typing import ClassVar, Final
 
 __all__ = [
     "NO_CONTROL",
+    "OUTCOMES",
     "AlreadySo",
     "Confirmed",
     "Contradicted",
@@ -18,6 +24,7 @@ __all__ = [
     "Refused",
     "Reverted",
     "Superseded",
+    "has_succeeded",
     "worst",
 ]
 
@@ -50,11 +57,18 @@ class Outcome:
     """Result of a command; exactly one of the classes below.
 
     Attributes:
-        succeeded: Whether the device is as it was told to be: true of `Confirmed` and `AlreadySo` alone.
+        kind: Its word on the wire and in the journal.
+        wire: The field of `CommandResult` that carries an attribute, where the two have different names.
+        succeeded: Whether the device is as it was told to be; one that is not makes ``homebot do`` exit with 1.
+        is_final: Whether the same command would end so again, for example in the block of a hold.
         command_id: The id of the command, under which the journal has its story.
     """
 
+    kind: ClassVar[str]
+    wire: ClassVar[Mapping[str, str]] = MappingProxyType({})
     succeeded: ClassVar[bool] = False
+    is_final: ClassVar[bool] = False
+    _was_sent: ClassVar[bool] = True
     _words: ClassVar[str]  # of `text`, with fields of the outcome
 
     _: KW_ONLY
@@ -64,6 +78,11 @@ class Outcome:
     def text(self) -> str:
         """The outcome as a clause for people, without the device."""
         return self._words.format(self)
+
+    @property
+    def was_sent(self) -> bool:
+        """Whether the answer of the device, or its silence, decided it, and nothing before."""
+        return self._was_sent
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +95,7 @@ class Confirmed(Outcome):
         witness: The name of the device that saw it; empty if none did.
     """
 
+    kind: ClassVar[str] = "confirmed"
     succeeded: ClassVar[bool] = True
     latency: float
     evidence: Evidence
@@ -93,8 +113,10 @@ class Confirmed(Outcome):
 class AlreadySo(Outcome):
     """The device had reported that it is so, and nothing contradicted it."""
 
+    kind: ClassVar[str] = "already_so"
     _words: ClassVar[str] = "it was so already"
     succeeded: ClassVar[bool] = True
+    _was_sent: ClassVar[bool] = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +128,7 @@ class Contradicted(Outcome):
         witness: The name of the device that saw it; empty if the commanded one itself reports it.
     """
 
+    kind: ClassVar[str] = "contradicted"
     _words: ClassVar[str] = "contradicted: {0.saw}"
     saw: str
     witness: str = ""
@@ -120,6 +143,8 @@ class Reverted(Outcome):
         cause: ``device`` if it does so after each command, ``unknown`` if it may be a person as well.
     """
 
+    kind: ClassVar[str] = "reverted"
+    wire: ClassVar[Mapping[str, str]] = MappingProxyType({"after": "latency", "cause": "reason"})
     after: float
     cause: str = "unknown"
 
@@ -139,8 +164,15 @@ class NoAnswer(Outcome):
         reason: Why it could not be sent, as text; empty if it was sent.
     """
 
+    kind: ClassVar[str] = "no_answer"
+    wire: ClassVar[Mapping[str, str]] = MappingProxyType({"waited": "latency"})
     waited: float
     reason: str = ""
+
+    @property
+    def was_sent(self) -> bool:
+        """As for :class:`Outcome`."""
+        return not self.reason
 
     @property
     def text(self) -> str:
@@ -156,6 +188,7 @@ class Superseded(Outcome):
         by: The id of the newer command.
     """
 
+    kind: ClassVar[str] = "superseded"
     _words: ClassVar[str] = "superseded by command {0.by}"
     by: str
 
@@ -169,6 +202,9 @@ class Refused(Outcome):
         reason: The reason, as text.
     """
 
+    kind: ClassVar[str] = "refused"
+    is_final: ClassVar[bool] = True
+    _was_sent: ClassVar[bool] = False
     _words: ClassVar[str] = "refused ({0.policy}): {0.reason}"
     policy: str
     reason: str
@@ -178,10 +214,13 @@ class Refused(Outcome):
 class Gone(Outcome):
     """The device was removed, or no longer has this part."""
 
+    kind: ClassVar[str] = "gone"
+    is_final: ClassVar[bool] = True
+    _was_sent: ClassVar[bool] = False
     _words: ClassVar[str] = "the device was removed"
 
 
-_BEST_FIRST: tuple[type[Outcome], ...] = (
+_BEST_FIRST: Final[tuple[type[Outcome], ...]] = (
     AlreadySo,
     Confirmed,
     Superseded,
@@ -191,6 +230,14 @@ _BEST_FIRST: tuple[type[Outcome], ...] = (
     Refused,
     Gone,
 )
+
+OUTCOMES: Final[Mapping[str, type[Outcome]]] = MappingProxyType({one.kind: one for one in _BEST_FIRST})
+"""All of them, by their word, the best first."""
+
+
+def has_succeeded(kind: str) -> bool:
+    """Return whether *kind*, the word of an outcome, is a success; False for one of a newer homebot."""
+    return kind in OUTCOMES and OUTCOMES[kind].succeeded
 
 
 def worst(outcomes: tuple[Outcome, ...]) -> Outcome:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import ClassVar, final
 
 from homebot.control.command import IssuedCommand
-from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_messages import Setting
 from homebot.devices.command_results import outcome_of
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.value import Value
@@ -42,14 +42,10 @@ class RecordedOutcomes:
         found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
         if found is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
-        if found.result is None or _was_sent(found.result):
+        if found.result is None:
             return None
-        return outcome_of(found.result.model_copy(update={"command_id": command.id}))
-
-
-def _was_sent(result: CommandResult) -> bool:
-    is_unsent = result.outcome in {"already_so", "refused", "gone"}
-    return not is_unsent and not (result.outcome == "no_answer" and result.reason)
+        outcome = outcome_of(found.result.model_copy(update={"command_id": command.id}))
+        return None if outcome.was_sent else outcome
 
 
 def _recorded(command: IssuedCommand) -> RecordedCommand:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING
 
 import pytest
 from tests.cli.golden.test_golden import check
@@ -27,41 +27,55 @@ if TYPE_CHECKING:
 
 Text = pytest.CaptureFixture[str]
 
-OUTCOMES: dict[str, Outcome] = {
-    "confirmed": Confirmed(0.412, Evidence.REPORTED, command_id="a-1"),
-    "already_so": AlreadySo(command_id="a-2"),
-    "contradicted": Contradicted("on_off: on", command_id="a-3"),
-    "reverted": Reverted(6.0, command_id="a-4"),
-    "no_answer": NoAnswer(9.0, command_id="a-5"),
-    "superseded": Superseded("a-9", command_id="a-6"),
-    "refused": Refused("presence_guard", "somebody is in the hall", command_id="a-7"),
-    "gone": Gone(command_id="a-8"),
-}
+CASES: tuple[tuple[Outcome, str, int], ...] = (
+    (Confirmed(0.412, Evidence.REPORTED, command_id="a-1"), "confirmed after 0.41 s (reported)", 0),
+    (AlreadySo(command_id="a-2"), "it was so already", 0),
+    (Contradicted("on_off: on", command_id="a-3"), "contradicted: on_off: on", 1),
+    (Reverted(6.0, command_id="a-4"), "changed back after 6 s, by a hand or by itself", 1),
+    (NoAnswer(9.0, command_id="a-5"), "no answer within 9 s", 1),
+    (Superseded("a-9", command_id="a-6"), "superseded by command a-9", 1),
+    (
+        Refused("presence_guard", "somebody is in the hall", command_id="a-7"),
+        "refused (presence_guard): somebody is in the hall",
+        1,
+    ),
+    (Gone(command_id="a-8"), "the device was removed", 1),
+)
+"""Each outcome, its words, and the exit code."""
+
+CONFIRMED, ALREADY_SO, REFUSED = CASES[0][0], CASES[1][0], CASES[6][0]
 HELD = Refused("lease", "held open by robot for 8 s more", command_id="a-10")
 WITNESSED = Confirmed(1.5, Evidence.WITNESSED, "Hall lux", command_id="a-11")
 UNSENT = NoAnswer(0.0, "the gateway mqtt has no connection", command_id="a-12")
 
 
-@pytest.mark.parametrize("name", OUTCOMES)
-def test_each_outcome_in_words_and_as_an_exit_code(homebot: Homebot, capsys: Text, name: str) -> None:
+@pytest.mark.parametrize(("outcome", "text", "code"), CASES, ids=[one.kind for one, _, _ in CASES])
+def test_each_outcome_in_words_and_as_an_exit_code(
+    homebot: Homebot, capsys: Text, outcome: Outcome, text: str, code: int
+) -> None:
     """Nothing but a device that is as it was told to be is a success."""
-    code = Service(homebot, answer(OUTCOMES[name])).run("Lamp 0", "off")
-    assert code == (0 if name in {"confirmed", "already_so"} else 1)
-    out, err = capsys.readouterr()
-    assert err == ""
-    check(f"do_{name}", out)
+    assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == code
+    assert capsys.readouterr() == (f"Lamp 0: {text}\n", "")
 
 
 def test_there_is_one_for_each_outcome() -> None:
-    assert set(OUTCOMES) == set(get_args(CommandResult.model_fields["outcome"].annotation))
+    schema = CommandResult.model_json_schema()["properties"]["outcome"]
+    assert sorted(one.kind for one, _, _ in CASES) == sorted(schema["enum"])
+
+
+def test_a_command_to_devices_with_each_outcome_ends_with_the_worst(homebot: Homebot, capsys: Text) -> None:
+    assert Service(homebot, answer(*(one for one, _, _ in CASES))).run("lamp", "off") == 1
+    lines = [f"Lamp {number}: {text}" for number, (_, text, _) in enumerate(CASES)]
+    done = sum(not code for _, _, code in CASES)
+    lines.append(f"{done} of {len(CASES)} succeeded; worst outcome: gone")
+    assert capsys.readouterr().out.splitlines() == lines
 
 
 @pytest.mark.parametrize(
     ("name", "outcomes", "code"),
     [
-        ("do_all", tuple(OUTCOMES.values()), 1),
         ("do_others", (HELD, WITNESSED, UNSENT), 1),
-        ("do_obeyed", (OUTCOMES["already_so"], OUTCOMES["confirmed"], WITNESSED), 0),
+        ("do_obeyed", (ALREADY_SO, CONFIRMED, WITNESSED), 0),
     ],
 )
 def test_several_devices_end_with_the_worst_outcome(
@@ -72,7 +86,7 @@ def test_several_devices_end_with_the_worst_outcome(
 
 
 def test_json_has_the_fields_of_the_answer(homebot: Homebot, capsys: Text) -> None:
-    assert Service(homebot, answer(OUTCOMES["confirmed"], OUTCOMES["refused"])).run("lamp", "off", "--json") == 1
+    assert Service(homebot, answer(CONFIRMED, REFUSED)).run("lamp", "off", "--json") == 1
     check("do_json", capsys.readouterr().out)
 
 

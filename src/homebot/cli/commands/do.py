@@ -14,6 +14,7 @@ from homebot.cli.graph_queries import home_name
 from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.cli.table import printable
 from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.outcomes import has_succeeded
 from homebot.errors import PeerError
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def _print(answer: CommandDevicesResponse, home: str) -> None:
         place = where if count == 1 else ""
         print(f"{printable(one.name)}{place}: {printable(one.result.text, _WIDEST)}")
     if count > 1:
-        done = sum(one.result.outcome in {"confirmed", "already_so"} for one in answer.results)
+        done = sum(has_succeeded(one.result.outcome) for one in answer.results)
         worst = f"; worst outcome: {answer.outcome.replace('_', ' ')}" if done < count else ""
         print(f"{done} of {count}{where} succeeded{worst}")
 

@@ -18,6 +18,7 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import to_seconds
 from homebot.cli.values import state_text
+from homebot.devices.outcomes import has_succeeded
 from homebot.errors import UsageError
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingS
 def _obeyed(chain: Chain) -> bool:
     """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
     results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
-    return bool(results) and results[-1] in {"confirmed", "already_so"}
+    return bool(results) and has_succeeded(results[-1])
 
 
 def _name(device: Device) -> str:

@@ -1,0 +1,74 @@
+"""Each outcome of a command on its way: over the wire, into the journal, and out of it again, for clients."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+from pydantic import ValidationError
+from tests.cli.golden.test_do_outcomes import CASES
+
+from homebot.cli.history_words import result_text
+from homebot.cli.journal_client import chain_json
+from homebot.cli.json_message import JsonMessage
+from homebot.control.journal.journal_file import JournalFile
+from homebot.control.journal.store import JournalNote
+from homebot.devices.command_messages import CommandDevicesResponse, CommandResult
+from homebot.devices.command_results import outcome_of, result_of
+from homebot.devices.journal_messages import ReadJournalRequest
+from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
+
+ALL = tuple(outcome for outcome, _, _ in CASES)
+EACH = pytest.mark.parametrize("outcome", ALL, ids=[one.kind for one in ALL])
+
+
+def test_all_classes_of_outcomes_are_registered_and_tried() -> None:
+    assert {kind.__name__ for kind in Outcome.__subclasses__()} == {kind.__name__ for kind in OUTCOMES.values()}
+    assert {one.kind for one in ALL} == set(OUTCOMES)
+
+
+@EACH
+def test_an_outcome_is_the_same_after_the_wire(outcome: Outcome) -> None:
+    result = result_of(outcome)
+    assert (result.outcome, result.text, result.command_id) == (outcome.kind, outcome.text, outcome.command_id)
+    assert outcome_of(result) == outcome
+    assert outcome_of(CommandResult.model_validate_json(result.model_dump_json())) == outcome
+    assert CommandDevicesResponse(success=outcome.succeeded, outcome=result.outcome).outcome == outcome.kind
+
+
+@EACH
+def test_an_outcome_is_the_same_in_the_journal_and_in_words_to_clients(tmp_path: Path, outcome: Outcome) -> None:
+    note = JournalNote("outcome", 1_800_000_000.0, "lamp", command=outcome.command_id, results=(result_of(outcome),))
+    file = JournalFile(tmp_path / "journal.db")
+    file.open(1_800_000_000.0)
+    file.write([note], (), oldest=0.0, most_bytes=1e9)
+    (entry,) = file.read_entries(ReadJournalRequest()).entries
+    file.close()
+    assert outcome_of(entry.results[0]) == outcome
+    over_the_door = cast("Any", JsonMessage(entry.model_dump(mode="json")))
+    assert result_text([over_the_door], now=1_800_000_001.0) == outcome.text
+    (step,) = cast("Any", chain_json([over_the_door], {}))
+    assert (step["outcome"]["outcome"], step["outcome"]["text"]) == (outcome.kind, outcome.text)
+
+
+@EACH
+def test_an_outcome_without_success_is_worse_than_one_with(outcome: Outcome) -> None:
+    confirmed = Confirmed(1.0, Evidence.REPORTED)
+    assert has_succeeded(outcome.kind) is outcome.succeeded
+    assert worst((confirmed, outcome)).succeeded is outcome.succeeded
+
+
+def test_the_schemas_have_the_words_and_others_are_refused_at_the_border() -> None:
+    schema = CommandDevicesResponse.model_json_schema()["properties"]["outcome"]
+    assert (schema["type"], schema["enum"]) == ("string", ["", *OUTCOMES])
+    for message, fields in (
+        (CommandResult, {"command_id": "c", "text": ""}),
+        (CommandDevicesResponse, {"success": True}),
+    ):
+        with pytest.raises(ValidationError, match=r"must be one of already_so, confirmed.*got 'shadowed'"):
+            message.model_validate(fields | {"outcome": "shadowed"})
+
+
+def test_a_word_of_a_newer_homebot_is_no_success() -> None:
+    assert not has_succeeded("shadowed")
