@@ -1,16 +1,18 @@
-"""Lamps with the colour modes of Home Assistant: their capabilities and their commands, before they are encoded. Pure.
+"""Lamps: their capabilities and their commands, before they are encoded. Pure.
+
+The names of colour modes, and the numbers of brightness and colours, are those of Home Assistant.
 
 Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the service ``light.turn_on``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import (
-    Writer,
     require_bool,
     require_color,
     require_number,
@@ -20,9 +22,14 @@ from homebot.conventions.command_values import (
 from homebot.conventions.description import Publications
 from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation
 from homebot.conventions.part_builder import PartBuilder
+from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
-__all__ = ["LightCommand", "LightFeatures", "Publish", "WhiteRange"]
+__all__ = ["LIGHT_CAPABILITIES", "LightAbility", "LightCommand", "LightFeatures", "Publish", "WhiteRange"]
+
+LIGHT_CAPABILITIES = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
+"""All capabilities of a lamp."""
 
 _MOST_SECONDS = 6_553.0
 """Longest transition in Home Assistant, and in a Zigbee frame."""
@@ -34,20 +41,35 @@ class LightCommand(NamedTuple):
     """One command to a lamp.
 
     Attributes:
-        brightness: 1 to 255; None if unchanged.
-        kelvin: Its white; None if unchanged.
+        level: Percent above 0; None if unchanged.
+        white: Its white in kelvin; None if unchanged.
         mode: The channels of *color*; empty if unchanged.
         effect: Its effect; empty if unchanged.
         transition: Seconds of the change; None for the default of the device.
     """
 
     on: bool
-    brightness: int | None = None
-    kelvin: int | None = None
+    level: float | None = None
+    white: float | None = None
     mode: str = ""
     color: Channels = ()
     effect: str = ""
     transition: float | None = None
+
+    @property
+    def brightness(self) -> int | None:
+        """The level from 1 to 255."""
+        return None if self.level is None else max(1, round(255 * self.level / 100))
+
+    @property
+    def percent(self) -> int | None:
+        """The level from 1 to 100."""
+        return None if self.level is None else max(1, round(self.level))
+
+    @property
+    def kelvin(self) -> int | None:
+        """The white in whole kelvin, as Home Assistant cuts it off."""
+        return None if self.white is None else int(self.white)
 
 
 Publish: TypeAlias = Callable[[LightCommand], Publications]
@@ -65,14 +87,24 @@ class WhiteRange(NamedTuple):
     bounds: tuple[float, ...]
 
 
+class LightAbility(NamedTuple):
+    """A capability of a lamp."""
+
+    name: str
+    bounds: tuple[float, ...] = ()
+    options: tuple[str, ...] = ()
+
+
 @dataclass(slots=True)
 class LightFeatures:
-    """The capabilities of a lamp, and their values.
+    """The capabilities of a lamp, and the checks of their values.
 
     Attributes:
         modes: Its colour modes, with the names of Home Assistant.
         any_effect: Whether it also accepts unlisted effects.
         is_dimmable: Whether lamps with colours have a brightness.
+        only_in_bounds: Whether a white beyond its bounds is refused, rather than left to the device.
+        most_seconds: The longest transition; a longer one is refused.
         has_level: Whether its brightness can be set.
         has_white: Whether its colour temperature can be set.
         has_effect: Whether it has effects.
@@ -84,6 +116,8 @@ class LightFeatures:
     effects: tuple[str, ...] = ()
     any_effect: bool = False
     is_dimmable: bool = True
+    only_in_bounds: bool = False
+    most_seconds: float = _MOST_SECONDS
     has_level: bool = field(init=False)
     has_white: bool = field(init=False)
     has_effect: bool = field(init=False)
@@ -95,31 +129,54 @@ class LightFeatures:
         self.has_effect = self.any_effect or bool(self.effects)
         self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
+    def abilities(self) -> Iterator[LightAbility]:
+        """Yield its capabilities."""
+        yield LightAbility("on_off")
+        if self.has_level:
+            yield LightAbility("level")
+        if self.has_white:
+            yield LightAbility("color_temperature", bounds=self.white.bounds)
+        if self.color_mode:
+            yield LightAbility("color")
+        if self.has_effect:
+            yield LightAbility("effect", options=self.effects)
+
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
-        rows: tuple[tuple[str, bool, Callable[[PlainValue], LightCommand]], ...] = (
-            ("on_off", True, lambda value: LightCommand(on=require_bool("on_off", value))),
-            ("level", self.has_level, _dim),
-            ("color_temperature", self.has_white, self._set_white),
-            ("color", bool(self.color_mode), self._set_color),
-            ("effect", self.has_effect, self._set_effect),
-        )
-        bounds, options = {"color_temperature": self.white.bounds}, {"effect": self.effects}
-        for name, is_present, command_of in rows:
-            if is_present:
-                part.add_capability(
-                    name,
-                    readable=name in readable,
-                    writer=_writer(command_of, publish),
-                    bounds=bounds.get(name, ()),
-                    options=options.get(name, ()),
-                )
+        for name, bounds, options in self.abilities():
+            part.add_capability(
+                name,
+                readable=name in readable,
+                writer=partial(self._write, publish, name),
+                bounds=bounds,
+                options=options,
+            )
+
+    def command(self, capability: str, value: PlainValue, transition: float = 0.0) -> LightCommand:
+        """Return the command that sets *capability*.
+
+        Raises:
+            RefusedError: The lamp lacks the capability, or the value or the transition is out of its bounds.
+        """
+        names = [one.name for one in self.abilities()]
+        if capability not in names:
+            raise RefusedError(shown(capability), f"this part takes {', '.join(names)}")
+        commands: Mapping[str, Callable[[PlainValue], LightCommand]] = {
+            "on_off": _switch,
+            "level": _dim,
+            "color_temperature": self._set_white,
+            "color": self._set_color,
+            "effect": self._set_effect,
+        }
+        command = commands[capability](value)
+        return command._replace(transition=require_transition(transition, self.most_seconds)) if transition else command
+
+    def _write(self, publish: Publish, capability: str, value: PlainValue, transition: float) -> Publications:
+        return publish(self.command(capability, value, transition))
 
     def _set_white(self, value: PlainValue) -> LightCommand:
-        bounds = (*self.white.bounds, *_ANY_KELVIN)
-        return LightCommand(
-            on=True, kelvin=int(require_number("color_temperature", value, min(bounds), max(bounds), "K"))
-        )
+        bounds = self.white.bounds if self.only_in_bounds else (*self.white.bounds, *_ANY_KELVIN)
+        return LightCommand(on=True, white=require_number("color_temperature", value, min(bounds), max(bounds), "K"))
 
     def _set_color(self, value: PlainValue) -> LightCommand:
         color = from_hue_saturation(self.color_mode, *require_color(value), self.white.kelvins)
@@ -131,20 +188,14 @@ class LightFeatures:
         return LightCommand(on=True, effect=str(value))
 
 
+def _switch(value: PlainValue) -> LightCommand:
+    return LightCommand(on=require_bool("on_off", value))
+
+
 def _dim(value: PlainValue) -> LightCommand:
     """Return the command of a brightness in percent; only 0 switches the lamp off."""
     percent = require_number("level", value, 0, 100, "%")
-    return LightCommand(on=True, brightness=max(1, round(255 * percent / 100))) if percent else LightCommand(on=False)
-
-
-def _writer(command_of: Callable[[PlainValue], LightCommand], publish: Publish) -> Writer:
-    def write(value: PlainValue, transition: float) -> Publications:
-        command = command_of(value)
-        if transition:
-            command = command._replace(transition=require_transition(transition, _MOST_SECONDS))
-        return publish(command)
-
-    return write
+    return LightCommand(on=True, level=percent) if percent else LightCommand(on=False)
 
 
 _NO_LEVEL = frozenset({"onoff"})
