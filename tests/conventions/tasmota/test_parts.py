@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
+from homebot.conventions.lamp import LightCommand
 from homebot.conventions.tasmota.config import read_config
-from homebot.conventions.tasmota.light import FadeTarget, LampState, speed_for
+from homebot.conventions.tasmota.light import LampState, speed_for
 from homebot.conventions.tasmota.parts import build_parts, count_shutters
 from homebot.conventions.tasmota.sensors import MOST_SENSORS, read_leaves
 from homebot.devices.value import PlainValue
@@ -137,13 +138,13 @@ def test_the_fade_speed_depends_on_the_state() -> None:
 @pytest.mark.parametrize(
     ("color", "change", "share"),
     [
-        ("FF0000", FadeTarget(color=(0.0, 100.0)), 0.0),
-        ("255,0,0", FadeTarget(color=(120.0, 100.0)), 1.0),
-        ("FF000", FadeTarget(color=(120.0, 100.0)), 0.0),
-        ("GG0000", FadeTarget(level=40), 0.6),
+        ("FF0000", LightCommand(on=True, color=(0.0, 100.0)), 0.0),
+        ("255,0,0", LightCommand(on=True, color=(120.0, 100.0)), 1.0),
+        ("FF000", LightCommand(on=True, color=(120.0, 100.0)), 0.0),
+        ("GG0000", LightCommand(on=True, level=40), 0.6),
     ],
 )
-def test_the_channel_that_changes_most_counts(color: str, change: FadeTarget, share: float) -> None:
+def test_the_channel_that_changes_most_counts(color: str, change: LightCommand, share: float) -> None:
     shown = LampState()
     shown.update(is_on=True, level=100, color=color, mired=None)
     assert shown.distance(change, 3, (153, 500)) == pytest.approx(share)

@@ -10,12 +10,13 @@ as Home Assistant core 2025.4, ``components/tasmota/light.py``.
 from __future__ import annotations
 
 import colorsys
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.description import Publications
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
@@ -24,24 +25,7 @@ from homebot.conventions.tasmota.device_topics import TasmotaTopics
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
-__all__ = ["FadeTarget", "LampState", "add_light", "speed_for"]
-
-
-@dataclass(frozen=True, slots=True)
-class FadeTarget:
-    """The state that a command leads to.
-
-    Attributes:
-        on: Whether the lamp is on afterwards.
-        level: Brightness, 0 to 100; None if unchanged.
-        mired: White; None if unchanged.
-        color: Hue and saturation; None if unchanged.
-    """
-
-    on: bool = True
-    level: int | None = None
-    mired: int | None = None
-    color: tuple[float, float] | None = None
+__all__ = ["LampState", "add_light", "speed_for"]
 
 
 class LampState:
@@ -67,31 +51,34 @@ class LampState:
         if white is not None and white > 0:
             self._mired = white
 
-    def distance(self, target: FadeTarget, kind: int, mireds: tuple[int, int]) -> float:
+    def distance(self, command: LightCommand, kind: int, mireds: tuple[int, int]) -> float:
         """Return the largest change of a channel, as a fraction of the way from dark to full.
 
         Args:
-            target: The state after the command.
             kind: The light type.
             mireds: Coldest and warmest white.
         """
         level = self._level if self._is_on else 0.0
-        target_level = float(target.level) if target.level is not None else self._level if target.on else 0.0
-        changes = [*self._color_changes(target, kind), *self._white_changes(target, kind, mireds)] or [(1.0, 1.0)]
+        target_level = self._level if command.on else 0.0
+        if command.level is not None:
+            target_level = float(_steps(command))
+        changes = [*self._color_changes(command, kind), *self._white_changes(command, kind, mireds)] or [(1.0, 1.0)]
         return max(abs(before * level - after * target_level) / _FULL for before, after in changes)
 
-    def _color_changes(self, target: FadeTarget, kind: int) -> Iterable[tuple[float, float]]:
+    def _color_changes(self, command: LightCommand, kind: int) -> Iterable[tuple[float, float]]:
         """Return the shares of each colour channel before and after."""
         if kind < _COLOR or not self._rgb:
             return ()
-        return zip(self._rgb, self._rgb if target.color is None else _rgb_of(*target.color), strict=True)
+        return zip(self._rgb, _rgb_of(*command.color) if command.color else self._rgb, strict=True)
 
-    def _white_changes(self, target: FadeTarget, kind: int, mireds: tuple[int, int]) -> Iterable[tuple[float, float]]:
+    def _white_changes(
+        self, command: LightCommand, kind: int, mireds: tuple[int, int]
+    ) -> Iterable[tuple[float, float]]:
         """Return the share of warm white before and after."""
         if kind < _WHITES or not self._mired:
             return ()
         coldest, warmest = mireds
-        before, after = self._mired, self._mired if target.mired is None else target.mired
+        before, after = self._mired, self._mired if command.kelvin is None else kelvin_mired(command.kelvin)
         return (((before - coldest) / (warmest - coldest), (after - coldest) / (warmest - coldest)),)
 
 
@@ -132,14 +119,7 @@ def add_light(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
     for topic in topics.states:
         part.read_from(topic, lamp.read)
     part.add_command_topics(topics.topic("Backlog"))
-    part.add_capability("on_off", writer=lamp.switch)
-    if lamp.kind != _ON_OFF:
-        part.add_capability("level", writer=lamp.set_level)
-    if lamp.has_white:
-        part.add_capability("color_temperature", writer=lamp.set_white, bounds=lamp.kelvins)
-    if lamp.has_color:
-        part.add_capability("color", writer=lamp.set_color)
-        part.add_capability("effect", writer=lamp.set_effect, options=_EFFECTS)
+    lamp.features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
     part.add_state_request(*topics.state_requests)
 
 
@@ -181,9 +161,17 @@ class _TasmotaLamp:
         return self.kind >= _COLOR
 
     @property
-    def kelvins(self) -> tuple[float, ...]:
+    def features(self) -> LightFeatures:
         coldest, warmest = self._mireds
-        return mired_bounds(coldest, warmest)
+        bounds = mired_bounds(coldest, warmest)
+        modes = {"onoff"} if self.kind == _ON_OFF else {"brightness"}
+        modes |= {"color_temp"} if self.has_white else set()
+        return LightFeatures(
+            frozenset(modes | ({"hs"} if self.has_color else set())),
+            WhiteRange((int(bounds[0]), int(bounds[1])), bounds),
+            effects=_EFFECTS if self.has_color else (),
+            most_seconds=math.inf,
+        )
 
     @property
     def _mireds(self) -> tuple[int, int]:
@@ -205,43 +193,27 @@ class _TasmotaLamp:
             found["effect"] = _EFFECTS[scheme]
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> Publications:
-        on = require_bool("on_off", value)
-        return self._publish([self._power(on)], transition, FadeTarget(on=on))
+    def publish(self, command: LightCommand) -> Publications:
+        """Encode a command, the fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
+        power = (f"Power{self.index + 1}", self.topics.state_text(command.on))
+        orders: list[tuple[str, str | int]] = [power]
+        if command.level is not None:
+            apart = self.topics.config.option(_POWER_APART_OPTION)
+            orders = [(self.dimmer, _steps(command)), *([power] if apart else [])]
+        if command.kelvin is not None:
+            orders.append(("CT", kelvin_mired(command.kelvin)))
+        if command.color:
+            orders += [(f"HsbColor{place}", round(one)) for place, one in enumerate(command.color, 1)]
+        if command.effect:
+            orders.append(("Scheme", _EFFECTS.index(command.effect)))
+        return self.topics.publish_all([*self._fade(command), *orders])
 
-    def set_level(self, value: PlainValue, transition: float) -> Publications:
-        """Set a brightness that is rounded twice, by way of 0 to 255, as Home Assistant does."""
-        percent = require_number("level", value, 0, 100, "%")
-        if not percent:
-            return self._publish([self._power(on=False)], transition, FadeTarget(on=False))
-        steps = max(1, round(round(255 * percent / 100) / 255 * 100))
-        apart = [self._power(on=True)] if self.topics.config.option(_POWER_APART_OPTION) else []
-        return self._publish([(self.dimmer, steps), *apart], transition, FadeTarget(level=steps))
-
-    def set_white(self, value: PlainValue, transition: float) -> Publications:
-        kelvin = require_number("color_temperature", value, 1_000, 40_000, "K")
-        mired = kelvin_mired(int(kelvin))
-        return self._publish([self._power(on=True), ("CT", mired)], transition, FadeTarget(mired=mired))
-
-    def set_color(self, value: PlainValue, transition: float) -> Publications:
-        hue, saturation = require_color(value)
-        color_commands: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
-        return self._publish([self._power(on=True), *color_commands], transition, FadeTarget(color=(hue, saturation)))
-
-    def set_effect(self, value: PlainValue, transition: float) -> Publications:
-        scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
-        return self._publish([self._power(on=True), ("Scheme", scheme)], transition, FadeTarget())
-
-    def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - the only argument
-        return f"Power{self.index + 1}", self.topics.state_text(on)
-
-    def _publish(self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget) -> Publications:
-        """Send the fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
-        if not transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
-            return self.topics.publish_all(commands)
+    def _fade(self, command: LightCommand) -> list[tuple[str, str | int]]:
+        if not command.transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
+            return []
         is_whole = self.topics.config.option(_FIXED_FADE_OPTION)
-        distance = 1.0 if is_whole else self.last_state.distance(target, self.kind, self._mireds)
-        return self.topics.publish_all([("Fade2", 1), ("Speed2", speed_for(transition, distance)), *commands])
+        distance = 1.0 if is_whole else self.last_state.distance(command, self.kind, self._mireds)
+        return [("Fade2", 1), ("Speed2", speed_for(command.transition, distance))]
 
     def _read_color(self, message: JsonMessage) -> Readings:
         """Read the colour; a lamp with colours and white shows a colour while its white is at 0."""
@@ -256,6 +228,11 @@ class _TasmotaLamp:
         if self.has_white and mired is not None and mired > 0:
             found["color_temperature"] = float(kelvin_mired(mired))
         return found
+
+
+def _steps(command: LightCommand) -> int:
+    """Return a brightness in percent that is rounded twice, by way of 0 to 255, as Home Assistant does."""
+    return max(1, round((command.brightness or 0) / 255 * 100))
 
 
 def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
