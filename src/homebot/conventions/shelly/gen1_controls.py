@@ -6,18 +6,14 @@ Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Dimmer, Duo, Bulb and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import (
-    bool_writer,
-    number_writer,
-    option_writer,
-    require_bool,
-    require_number,
-)
+from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -29,7 +25,7 @@ from homebot.conventions.payload import (
     to_text,
 )
 from homebot.conventions.shelly.gen1_models import Gen1Topics
-from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb, write_rgb
+from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
@@ -174,17 +170,16 @@ _CHANNELS = ("red", "green", "blue")
 
 def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
     """Describe a lamp of the *kind* ``light``, ``color`` or ``white``; an unknown *model* is empty."""
-    lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, _WHITES.get(model))
+    white = _WHITES.get(model)
+    modes = {"brightness"} | ({"rgb"} if kind == "color" else set()) | ({"color_temp"} if white else set())
+    whites = WhiteRange(white or _ANY_WHITE, tuple(map(float, white or _ANY_WHITE)))
+    lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, has_white=white is not None)
     part = BytesPart(f"{kind}:{index}", "light", advertised=kind)
     part.read_from(lamp.topic, meaning_reader("on_off", _SWITCHED))
     part.read_from(f"{lamp.topic}/status", lamp.read)
     part.add_command_topics(f"{lamp.topic}/command", f"{lamp.topic}/set")
-    part.add_capability("on_off", writer=lamp.switch)
-    part.add_capability("level", writer=lamp.set_level)
-    if lamp.white is not None:
-        part.add_capability("color_temperature", writer=lamp.set_white, bounds=tuple(map(float, lamp.white)))
-    if kind == "color":
-        part.add_capability("color", writer=lamp.set_color)
+    features = LightFeatures(frozenset(modes), whites, only_in_bounds=True, most_seconds=math.inf)
+    features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
     return part
 
 
@@ -192,7 +187,7 @@ def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesP
 class _Gen1Lamp:
     topic: str
     kind: str
-    white: tuple[int, int] | None
+    has_white: bool
 
     def read(self, payload: bytes) -> Readings:
         message = to_json(payload)
@@ -201,40 +196,26 @@ class _Gen1Lamp:
         is_color = self.kind == "color" and message.get("mode", "color") == "color"
         found = dict(read_lamp(message, "ison", "gain" if is_color else "brightness"))
         kelvin = to_number(message.get("temp"))
-        if self.white is not None and kelvin is not None:
+        if self.has_white and kelvin is not None:
             found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
             found["color"] = read_rgb([message.get(name) for name in _CHANNELS]) if is_color else None
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> Publications:
-        turn = "on" if require_bool("on_off", value) else "off"
-        if transition or self.kind == "white":
-            return self._set({"turn": turn}, transition)
-        return (Publication(f"{self.topic}/command", turn.encode()),)
-
-    def set_level(self, value: PlainValue, transition: float) -> Publications:
-        level = require_number("level", value, 0, 100, "%")
-        if level == 0:
-            return self.switch(value=False, transition=transition)
-        percent = max(1, round(level))
-        if self.kind != "color":
-            return self._set({"turn": "on", "brightness": percent}, transition)
-        both = {"gain": percent} if self.white is None else {"gain": percent, "brightness": percent}
-        return self._set({"turn": "on", **both}, transition)
-
-    def set_white(self, value: PlainValue, transition: float) -> Publications:
-        warmest, coldest = self.white or _ANY_WHITE
-        kelvin = round(require_number("color_temperature", value, warmest, coldest, "K"))
-        mode = {"mode": "white"} if self.kind == "color" else {}
-        return self._set({"turn": "on", **mode, "temp": kelvin}, transition)
-
-    def set_color(self, value: PlainValue, transition: float) -> Publications:
-        mode = {} if self.white is None else {"mode": "color"}
-        channels = dict(zip(_CHANNELS, write_rgb(value), strict=True))
-        return self._set({"turn": "on", **mode, **channels, "white": 0}, transition)
-
-    def _set(self, fields: Mapping[str, object], transition: float) -> Publications:
-        if transition:
-            fields = {**fields, "transition": min(round(transition * 1000), _LONGEST_TRANSITION)}
+    def publish(self, command: LightCommand) -> Publications:
+        turn = "on" if command.on else "off"
+        fields: dict[str, object] = {"turn": turn}
+        if command.percent is not None:
+            is_color = self.kind == "color"
+            fields |= {"gain": command.percent} if is_color else {}
+            fields |= {"brightness": command.percent} if self.has_white or not is_color else {}
+        if command.white is not None:
+            fields |= ({"mode": "white"} if self.kind == "color" else {}) | {"temp": round(command.white)}
+        if command.color:
+            channels = dict(zip(_CHANNELS, command.color, strict=True))
+            fields |= ({"mode": "color"} if self.has_white else {}) | channels | {"white": 0}
+        if command.transition:
+            fields["transition"] = min(round(command.transition * 1000), _LONGEST_TRANSITION)
+        if len(fields) == 1 and self.kind != "white":
+            return (Publication(f"{self.topic}/command", turn.encode()),)
         return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)

@@ -6,23 +6,18 @@ Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, BluTrv, Light, C
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import (
-    Writer,
-    bool_writer,
-    number_writer,
-    option_writer,
-    require_bool,
-    require_number,
-)
+from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publications
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
-from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb, write_rgb
+from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
@@ -136,33 +131,31 @@ _LEAST_TRANSITION = 0.5
 @dataclass(frozen=True, slots=True)
 class _LightKind:
     namespace: str
-    has_white: bool = False
-    has_color: bool = False
-    modes: tuple[str, str] | None = None
+    modes: frozenset[str]
+    calls_mode: bool = False
 
 
 LIGHTS: Mapping[str, _LightKind] = {
-    "light": _LightKind("Light"),
-    "cct": _LightKind("CCT", has_white=True),
-    "rgb": _LightKind("RGB", has_color=True),
-    "rgbw": _LightKind("RGBW", has_color=True),
-    "rgbcct": _LightKind("RGBCCT", has_white=True, has_color=True, modes=("cct", "rgb")),
+    "light": _LightKind("Light", frozenset({"brightness"})),
+    "cct": _LightKind("CCT", frozenset({"color_temp"})),
+    "rgb": _LightKind("RGB", frozenset({"rgb"})),
+    "rgbw": _LightKind("RGBW", frozenset({"rgb"})),
+    "rgbcct": _LightKind("RGBCCT", frozenset({"color_temp", "rgb"}), calls_mode=True),
 }
 """The components that are lamps."""
 
 
 def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a lamp."""
-    lamp = _Gen2Lamp(component, LIGHTS[component.kind], _white_range(component.config))
+    kind, white = LIGHTS[component.kind], _white_range(component.config)
+    features = LightFeatures(
+        kind.modes, WhiteRange(white, tuple(map(float, white))), only_in_bounds=True, most_seconds=math.inf
+    )
+    lamp = _Gen2Lamp(component, kind, features)
     part = component.part("", "light")
     component.read_status(part, lamp.decode)
     component.add_command_topic(part)
-    part.add_capability("on_off", writer=lamp.switch)
-    part.add_capability("level", writer=lamp.set_level)
-    if lamp.kind.has_white:
-        part.add_capability("color_temperature", writer=lamp.set_white, bounds=tuple(map(float, lamp.white)))
-    if lamp.kind.has_color:
-        part.add_capability("color", writer=lamp.set_color)
+    features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
     return (part,)
 
 
@@ -170,41 +163,29 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
 class _Gen2Lamp:
     component: ShellyComponent
     kind: _LightKind
-    white: tuple[int, int]
+    features: LightFeatures
 
     def decode(self, status: Fields) -> Readings:
         found = dict(read_lamp(status, "output", "brightness"))
         mode = status.get("mode")
-        if self.kind.has_white and (kelvin := to_number(status.get("ct"))) is not None:
+        if self.features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
             found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
         rgb = status.get("rgb")
-        if self.kind.has_color and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
+        if self.features.color_mode and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
             found["color"] = color if mode != "cct" else None
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> Publications:
-        return self._set(transition, on=require_bool("on_off", value))
-
-    def set_level(self, value: PlainValue, transition: float) -> Publications:
-        level = require_number("level", value, 0, 100, "%")
-        if level == 0:
-            return self._set(transition, on=False)
-        return self._set(transition, on=True, brightness=max(1, round(level)))
-
-    def set_white(self, value: PlainValue, transition: float) -> Publications:
-        kelvin = round(require_number("color_temperature", value, *self.white, "K"))
-        mode = {} if self.kind.modes is None else {"mode": self.kind.modes[0]}
-        return self._set(transition, on=True, **mode, ct=kelvin)
-
-    def set_color(self, value: PlainValue, transition: float) -> Publications:
-        rgb = write_rgb(value)
-        mode = {} if self.kind.modes is None else {"mode": self.kind.modes[1]}
-        white = {"white": 0} if self.kind.namespace == "RGBW" else {}
-        return self._set(transition, on=True, **mode, rgb=rgb, **white)
-
-    def _set(self, transition: float, **params: object) -> Publications:
-        if transition:
-            params["transition_duration"] = max(_LEAST_TRANSITION, round(transition, 1))
+    def publish(self, command: LightCommand) -> Publications:
+        params: dict[str, object] = {"on": command.on}
+        if command.percent is not None:
+            params["brightness"] = command.percent
+        if command.white is not None:
+            params |= ({"mode": "cct"} if self.kind.calls_mode else {}) | {"ct": round(command.white)}
+        if command.color:
+            params |= ({"mode": "rgb"} if self.kind.calls_mode else {}) | {"rgb": list(command.color)}
+            params |= {"white": 0} if self.component.kind == "rgbw" else {}
+        if command.transition:
+            params["transition_duration"] = max(_LEAST_TRANSITION, round(command.transition, 1))
         return self.component.call(f"{self.kind.namespace}.Set", **params)
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from homebot.conventions.command_values import require_color
-from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
+from homebot.conventions.light_color import to_hue_saturation
 from homebot.conventions.payload import Readings
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
-__all__ = ["read_lamp", "read_rgb", "write_rgb"]
+__all__ = ["read_lamp", "read_rgb"]
 
 _CHANNELS = 3
 _ANY_WHITE = (2700, 6500)  # without meaning for red, green and blue
@@ -33,13 +32,3 @@ def read_rgb(values: Sequence[object]) -> tuple[float, float] | None:
     if len(values) != _CHANNELS or len(channels) != _CHANNELS:
         return None
     return to_hue_saturation("rgb", channels, _ANY_WHITE)
-
-
-def write_rgb(value: PlainValue) -> list[int]:
-    """Return the three channels of a commanded colour.
-
-    Raises:
-        RefusedError: The value is no colour.
-    """
-    hue, saturation = require_color(value)
-    return [int(channel) for channel in from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)]
