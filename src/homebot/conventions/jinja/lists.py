@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from typing import Final
 
@@ -13,7 +13,7 @@ from homebot.conventions.jinja.patterns import matches, searches
 from homebot.conventions.jinja.texts import join
 from homebot.conventions.jinja.values import MAX_ITEMS, UNDEFINED, TemplateError, Undefined, item, text, whole
 
-__all__ = ["CHECKS", "LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "values_of"]
+__all__ = ["CHECKS", "LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "slice_of", "values_of"]
 
 
 def _order(operator: str) -> Callable[..., object]:
@@ -79,6 +79,16 @@ CHECKS: Final[dict[str, Callable[..., object]]] = {
     "upper": lambda _, value: text(value).isupper(),
 }
 """By name; each takes the run and the value first."""
+
+
+def slice_of(many: object, bounds: Sequence[object]) -> object:
+    """Return a slice of a list or text."""
+    if isinstance(many, Undefined):
+        many.fail()
+    if not isinstance(many, (str, bytes, list, tuple)):
+        raise TypeError(f"a {type(many).__name__} cannot be indexed")
+    start, stop, step = (None if bound is None else whole(bound) for bound in bounds)
+    return many[start:stop:step]
 
 
 def values_of(run: Run, value: object) -> list[object]:

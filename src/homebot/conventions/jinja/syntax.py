@@ -21,7 +21,8 @@ from jinja2 import nodes
 
 from homebot.conventions.jinja.evaluation import Evaluate, Program, Run
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.conventions.jinja.lists import CHECKS, values_of
+from homebot.conventions.jinja.lists import CHECKS, slice_of, values_of
+from homebot.conventions.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
 from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
 from homebot.conventions.jinja.texts import METHODS, method_of
 from homebot.conventions.jinja.values import (
@@ -34,12 +35,10 @@ from homebot.conventions.jinja.values import (
     Undefined,
     item,
     text,
-    whole,
 )
 
 __all__ = ["parse"]
 
-_Assign: TypeAlias = Callable[[Run, object], None]
 _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 
@@ -144,29 +143,13 @@ class _Compiler:
         self._loops -= 1
         otherwise = self.block(node.else_)
 
-        def execute(run: Run) -> None:
-            chosen = _chosen(run, values_of(run, values(run)), target, test, weight)
-            for index, value in enumerate(chosen):
-                run.spend(weight)
-                with run.scope():
-                    run.assign("loop", _position(chosen, index))
-                    target(run, value)
-                    try:
-                        body(run)
-                    except _ContinueLoop:
-                        continue
-                    except _BreakLoop:
-                        break
-            if not chosen:
-                otherwise(run)
-
-        return execute
+        return Loop(values, target, test, body, otherwise, weight).execute
 
     def visit_break(self, node: nodes.Node) -> Evaluate:
-        return self._jump(node, _BreakLoop)
+        return self._jump(node, BreakLoop)
 
     def visit_continue(self, node: nodes.Node) -> Evaluate:
-        return self._jump(node, _ContinueLoop)
+        return self._jump(node, ContinueLoop)
 
     def _jump(self, node: nodes.Node, jump: type[Exception]) -> Evaluate:
         if not self._in_loop:
@@ -201,7 +184,7 @@ class _Compiler:
         self._in_loop = around
         return compiled
 
-    def _target(self, node: nodes.Node) -> _Assign:
+    def _target(self, node: nodes.Node) -> Assign:
         self.weight += 1
         if isinstance(node, nodes.Name):
             name = node.name
@@ -251,7 +234,7 @@ class _Compiler:
             return lambda run: item(value(run), key(run))
         bounds = (node.arg.start, node.arg.stop, node.arg.step)
         compiled = [_constant(None) if one is None else self._compile(one) for one in bounds]
-        return lambda run: run.handle(_part(value(run), [bound(run) for bound in compiled]))
+        return lambda run: run.handle(slice_of(value(run), [bound(run) for bound in compiled]))
 
     def visit_condexpr(self, node: nodes.CondExpr) -> Evaluate:
         no = _constant(UNDEFINED) if node.expr2 is None else self._compile(node.expr2)
@@ -345,14 +328,6 @@ class _Compiler:
         return evaluate
 
 
-class _BreakLoop(Exception):
-    """Ends the innermost loop."""
-
-
-class _ContinueLoop(Exception):
-    """Ends a turn of the innermost loop."""
-
-
 _UNARY: Final[dict[type[nodes.Node], _Function]] = {
     nodes.Not: operator.not_,
     nodes.Neg: operator.neg,
@@ -364,7 +339,7 @@ def _constant(value: object) -> Evaluate:
     return lambda _: value
 
 
-def _attribute_target(name: str, attribute: str) -> _Assign:
+def _attribute_target(name: str, attribute: str) -> Assign:
     def assign(run: Run, value: object) -> None:
         owner = run.lookup(name)
         if not isinstance(owner, Namespace):
@@ -374,52 +349,12 @@ def _attribute_target(name: str, attribute: str) -> _Assign:
     return assign
 
 
-def _tuple_target(targets: Sequence[_Assign]) -> _Assign:
+def _tuple_target(targets: Sequence[Assign]) -> Assign:
     def assign(run: Run, value: object) -> None:
         for target, one in zip(targets, values_of(run, value), strict=True):
             target(run, one)
 
     return assign
-
-
-def _chosen(run: Run, values: list[object], target: _Assign, test: Evaluate | None, weight: int) -> list[object]:
-    """Return the values of a loop that pass its *test*."""
-    if test is None:
-        return values
-    chosen = []
-    for value in values:
-        run.spend(weight)
-        with run.scope():
-            target(run, value)
-            if test(run):
-                chosen.append(value)
-    return chosen
-
-
-def _position(values: list[object], index: int) -> dict[str, object]:
-    """Return the variable ``loop``."""
-    count = len(values)
-    return {
-        "index": index + 1,
-        "index0": index,
-        "revindex": count - index,
-        "revindex0": count - index - 1,
-        "first": index == 0,
-        "last": index == count - 1,
-        "length": count,
-        "previtem": values[index - 1] if index else UNDEFINED,
-        "nextitem": values[index + 1] if index < count - 1 else UNDEFINED,
-    }
-
-
-def _part(many: object, bounds: Sequence[object]) -> object:
-    """Return a slice of a list or text."""
-    if isinstance(many, Undefined):
-        many.fail()
-    if not isinstance(many, (str, bytes, list, tuple)):
-        raise TypeError(f"a {type(many).__name__} cannot be indexed")
-    start, stop, step = (None if bound is None else whole(bound) for bound in bounds)
-    return many[start:stop:step]
 
 
 def _counted(run: Run, value: object) -> object:

@@ -1,0 +1,90 @@
+"""The loop ``for`` of a template. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from homebot.conventions.jinja.evaluation import Evaluate, Run
+from homebot.conventions.jinja.lists import values_of
+from homebot.conventions.jinja.values import UNDEFINED
+
+__all__ = ["Assign", "BreakLoop", "ContinueLoop", "Loop"]
+
+Assign: TypeAlias = Callable[[Run, object], None]
+"""Assigns a value to its target."""
+
+
+class BreakLoop(Exception):
+    """Ends the innermost loop."""
+
+
+class ContinueLoop(Exception):
+    """Ends a turn of the innermost loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A compiled loop.
+
+    Attributes:
+        values: The values to run over.
+        test: Its filter; None for none.
+        otherwise: Its statements for no values.
+        weight: Nodes of one turn.
+    """
+
+    values: Evaluate
+    target: Assign
+    test: Evaluate | None
+    body: Evaluate
+    otherwise: Evaluate
+    weight: int
+
+    def execute(self, run: Run) -> None:
+        """Run the loop."""
+        chosen = self._chosen(run)
+        for index, value in enumerate(chosen):
+            run.spend(self.weight)
+            with run.scope():
+                run.assign("loop", _position(chosen, index))
+                self.target(run, value)
+                try:
+                    self.body(run)
+                except ContinueLoop:
+                    continue
+                except BreakLoop:
+                    break
+        if not chosen:
+            self.otherwise(run)
+
+    def _chosen(self, run: Run) -> list[object]:
+        """Return the values that pass the test."""
+        values = values_of(run, self.values(run))
+        if self.test is None:
+            return values
+        chosen = []
+        for value in values:
+            run.spend(self.weight)
+            with run.scope():
+                self.target(run, value)
+                if self.test(run):
+                    chosen.append(value)
+        return chosen
+
+
+def _position(values: list[object], index: int) -> dict[str, object]:
+    """Return the variable ``loop``."""
+    count = len(values)
+    return {
+        "index": index + 1,
+        "index0": index,
+        "revindex": count - index,
+        "revindex0": count - index - 1,
+        "first": index == 0,
+        "last": index == count - 1,
+        "length": count,
+        "previtem": values[index - 1] if index else UNDEFINED,
+        "nextitem": values[index + 1] if index < count - 1 else UNDEFINED,
+    }
