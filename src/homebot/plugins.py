@@ -7,6 +7,7 @@ import importlib.util
 import re
 import stat
 import sys
+import traceback
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import lru_cache
@@ -22,6 +23,9 @@ from homebot.support.similar import did_you_mean
 __all__ = ["check_extra", "has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
+
+_LOADERS: Final = {Path(__file__), Path(importlib.__file__), Path(importlib.metadata.__file__)}
+"""The files of Python and of homebot that import a plug-in."""
 
 _FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 
@@ -288,4 +292,8 @@ def _look_in(folder: Path) -> None:
 
 
 def _error_text(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"
+    """Return *error* with the line of the plug-in that raised it; a syntax error names its own."""
+    traced = ((Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__))
+    own = [f" ({file.name}, line {line})" for file, line in traced if file not in _LOADERS and file.exists()]
+    line = own[0] if own and not isinstance(error, SyntaxError) else ""
+    return f"{type(error).__name__}: {error}{line}"

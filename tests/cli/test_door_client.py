@@ -42,6 +42,14 @@ def use(port: int, command: Callable[[DoorClient], T]) -> T:
         return command(door)
 
 
+def test_an_unknown_host_is_not_taken_for_a_homebot_that_does_not_run() -> None:
+    with (
+        pytest.raises(LinkError, match=r"on nosuch\.invalid:9090: the host name (is unknown|cannot be looked up)"),
+        open_door("nosuch.invalid", 9090),
+    ):
+        pass
+
+
 async def test_another_kind_of_server_is_named() -> None:
     async def greet(stream: SocketStream) -> None:
         async with stream:

@@ -94,7 +94,7 @@ def test_a_wrong_line_is_named_with_its_number_and_field(text: str, problem: str
 def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
     with pytest.raises(UsageError, match="day is empty"):
         read_recording([], "day")
-    with pytest.raises(UsageError, match="day is no recording: its first line is no header"):
+    with pytest.raises(UsageError, match=r"its first line is no header; `homebot record FILE` makes one$"):
         read_recording(lines((0, RAW)), "day")
     with pytest.raises(UsageError, match="day, line 1: field 'kind': the first line of a recording is its header"):
         read_recording(lines((0, RecordingEnd(reason="recording"))), "day")

@@ -24,6 +24,7 @@ from websockets.uri import parse_uri
 
 from homebot.cli.door_address import door_of
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
+from homebot.support.connect_errors import connect_problem
 
 __all__ = ["DoorClient", "ReceivedMessage", "open_door", "with_client"]
 
@@ -84,6 +85,8 @@ def open_door(host: str, port: int, token: str = "", source: str = "") -> Iterat
         connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
     except OSError as exc:
         by = f", which {source} names" if source else ""
+        if isinstance(exc, socket.gaierror):
+            raise LinkError(f"no homebot is running on {where}{by}: {connect_problem(exc)}") from exc
         raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
     with connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -222,7 +225,9 @@ class DoorClient:
         if isinstance(error, InvalidStatus):
             raise RefusedError(f"the connection to homebot on {self._where}", _reason(error.response)) from error
         if error is not None:
-            raise LinkError(f"the server on {self._where} is not a homebot: {error}") from error
+            raise LinkError(
+                f"the server on {self._where} is not a homebot: {error}; give the address of one with --door"
+            ) from error
 
     def close(self) -> None:
         """Take leave, waiting for the server to do so too, but not for long. Twice is fine."""

@@ -25,7 +25,11 @@ def unknown_area(door: DoorClient, query: str) -> str:
         if not find_devices(door, f"in {quoted(area)}", 1).total:
             areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
             known = {one for some in areas for one in some if one}
-            some = f"areas are {', '.join(sorted(known)[:_SOME])}" if known else "no device was announced with an area"
+            some = (
+                f"areas are {', '.join(sorted(known)[:_SOME])}"
+                if known
+                else "`homebot place DEVICE ROOM` says which room a device is in"
+            )
             return f"no device is in {area!r}; {did_you_mean(area, known, some)}"
     return ""
 

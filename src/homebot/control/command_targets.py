@@ -20,11 +20,15 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.support.folding import fold, words_of
+from homebot.support.similar import did_you_mean
 
 __all__ = ["MOST_DEVICES", "CommandTargets", "NoTargetError", "SpokenSettings", "part_name", "settings_by_part"]
 
 MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
+
+_TYPO: Final = 0.8
+"""How alike a name must be to be suggested."""
 
 SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot have them."""
@@ -66,7 +70,9 @@ class CommandTargets:
         is_one = len(readings.alternatives) == 1
         found = await (self._one_query(request, target) if is_one else self._any_of(request, target, readings))
         if not found:
-            raise NoTargetError(f"no device fits {target!r}; `homebot find` shows what does")
+            names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
+            hint = did_you_mean(target, names, "`homebot devices` lists all", _TYPO)
+            raise NoTargetError(f"no device fits {target!r}; {hint}")
         return found
 
     async def _named(self, target: str) -> list[_Target]:

@@ -34,7 +34,9 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
                 _check_value(target, one, value)
             return
     known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable))
-    raise RefusedError(f"{capability} of {target}", f"it takes {known}" if known else "it takes no commands")
+    raise RefusedError(
+        f"{capability} of {target}", f"it has no such setting; it takes {known}" if known else "it takes no commands"
+    )
 
 
 def accepted_values(part: Part, capability: str) -> str:

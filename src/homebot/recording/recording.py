@@ -165,7 +165,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     for number, text in enumerate(lines, 1):
         where = f"{source}, line {number}"
         if number == 1 and b'"recording"' not in text:
-            raise UsageError(f"{source} is no recording: its first line is no header")
+            raise UsageError(f"{source} is no recording: its first line is no header; `homebot record FILE` makes one")
         try:
             line = read_line(text)
             line = replace(line, message=repetitions.whole(line.message))

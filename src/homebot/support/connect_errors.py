@@ -10,7 +10,7 @@ from typing import Final
 __all__ = ["connect_problem"]
 
 _KNOWN: Final = {
-    errno.ECONNREFUSED: "nothing is listening there (connection refused)",
+    errno.ECONNREFUSED: "nothing is listening there (connection refused): start it, or correct the address",
     errno.ENETUNREACH: "no route to that network",
     errno.EHOSTUNREACH: "no route to that host",
     errno.ETIMEDOUT: "no answer",
@@ -22,7 +22,11 @@ def connect_problem(error: OSError) -> str:
     """Return the reason of *error*, without the address: asyncio puts that into its texts, as a tuple of Python."""
     if isinstance(error, socket.gaierror):
         known = error.errno not in _UNKNOWN_NAME
-        return f"the host name cannot be looked up now ({error.strerror})" if known else "the host name is unknown"
+        return (
+            f"the host name cannot be looked up now ({error.strerror})"
+            if known
+            else "the host name is unknown: correct the address"
+        )
     if error.errno in _KNOWN:
         return _KNOWN[error.errno]
     return os.strerror(error.errno) if error.errno else str(error) or type(error).__name__

@@ -358,7 +358,7 @@ async def test_a_fan_with_a_speed_called_off_is_turned_off_by_that(house: House,
     [
         (
             lambda it: it.turn_on(level=40, kelvin=2700),
-            "color_temperature of a was refused: it takes on_off, level",
+            "color_temperature of a was refused: it has no such setting; it takes on_off, level",
         ),
         (lambda it: it.turn_on(level=0), "0 as level of a was refused: it takes a level above 0 and up to 100 %"),
         (lambda it: it.turn_on(level=float("nan")), "it takes a level above 0 and up to 100 %"),
@@ -370,7 +370,10 @@ async def test_a_fan_with_a_speed_called_off_is_turned_off_by_that(house: House,
             "a transition of -1 s was refused: it must be a finite number of seconds, 0 or more",
         ),
         (lambda it: it.command("effect", "party"), "'party' as effect of a was refused: it takes rainbow, fire"),
-        (lambda it: it.command("nonsense", 1), "nonsense of a was refused: it takes on_off, level, effect"),
+        (
+            lambda it: it.command("nonsense", 1),
+            "nonsense of a was refused: it has no such setting; it takes on_off, level, effect",
+        ),
     ],
 )
 async def test_an_unsupported_command_is_refused_with_the_supported_ones(house: House, act: Act, problem: str) -> None:

@@ -16,7 +16,7 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.services import SubscribeToTopicRequest
-from homebot.errors import UsageError
+from homebot.errors import UnableError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
@@ -112,6 +112,13 @@ async def test_a_device_described_anew_is_sighted_at_once_and_one_that_is_the_sa
         await anyio.sleep(1.1)
         gateway.devices.put(GatewayDevice("hall", "Corridor", LAMP.parts), "still there")
         assert [one.why for one in kept(sightings)] == ["still there"]
+
+
+async def test_a_listed_device_without_a_description_may_be_asleep() -> None:
+    async with house() as (gateway, _):
+        gateway.devices.put(replace(LAMP, parts=()), "it is listed")
+        with pytest.raises(UnableError, match="it may be asleep: wake it, and try again"):
+            gateway.devices.engine.find_part("hall", "")
 
 
 async def test_a_device_too_many_is_refused_and_counted() -> None:

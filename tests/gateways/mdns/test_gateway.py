@@ -238,6 +238,18 @@ async def test_a_device_that_sleeps_stays_listed_and_is_connected_to_when_it_is_
             assert (await home.turn_on()).success
 
 
+async def test_a_command_to_a_device_that_fell_asleep_before_it_was_connected_to_says_so() -> None:
+    async with house(sleeping={"Hall": 3600.0}) as home:
+        await home.computer.announce("Hall", 9)  # nothing listens there
+        await anyio.sleep(0.5)
+        await home.computer.withdraw("Hall")
+        while facts(await home.seen())["sleep"] != "asleep":
+            pass
+        refused = await home.turn_on()
+        assert not refused.success
+        assert "may be asleep: wake it, and try again" in refused.message
+
+
 @pytest.mark.parametrize(
     ("most", "longest", "why"),
     [

@@ -16,7 +16,7 @@ from homebot.mqtt.client.tcp_transport import socket_error
     [
         (
             ConnectionRefusedError(errno.ECONNREFUSED, "Connect call failed ('127.0.0.1', 19511)"),
-            "nothing is listening there (connection refused)",
+            "nothing is listening there (connection refused): start it, or correct the address",
         ),
         (ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"), "the broker reset the connection"),
         (

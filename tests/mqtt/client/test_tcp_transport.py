@@ -184,7 +184,7 @@ async def test_a_burst_is_acknowledged_by_tcp_at_its_begin_and_once_in_a_millise
 async def test_a_port_where_nobody_listens_is_told_in_words(host: str) -> None:
     with pytest.raises(LinkError) as caught:
         await dial_tcp(MqttOptions(host=host, port=reserve_port()), NoUser())
-    assert str(caught.value) == "nothing is listening there (connection refused)"
+    assert str(caught.value) == "nothing is listening there (connection refused): start it, or correct the address"
 
 
 async def test_an_unknown_host_is_a_link_error() -> None:

@@ -37,6 +37,9 @@ _NOT_ANNOUNCED = (
 )
 """A device that the directory remembers, and the network does not, as after a restart of the embedded broker."""
 
+_NOT_DESCRIBED = "it has not said what it can do since this gateway started; it may be asleep: wake it, and try again"
+"""A device that is listed, and was not connected to yet, such as one that sleeps."""
+
 
 class GatewayEngine(Generic[MessageT]):
     """The mechanisms of one gateway, over the *devices* that it keeps.
@@ -117,8 +120,10 @@ class GatewayEngine(Generic[MessageT]):
             why = _NOT_ANNOUNCED
         elif (part := stored.parts.get(part_id)) is not None:
             return part
+        elif not stored.parts:
+            why = _NOT_DESCRIBED
         else:
-            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10]) or "none"
+            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10])
             why = f"it has no part {part_id[:100]!r}; it has {known}"
         refused = RefusedError(f"a command to {key[:100]}", why)
         raise UnableError(str(refused)) from refused

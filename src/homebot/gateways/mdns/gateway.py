@@ -265,8 +265,10 @@ class MdnsGateway(Gateway):
         if command.key in self._asleep:
             raise LinkError(f"{command.key[:100]} is asleep; try again once it is awake")
         listed = self._listed.get(command.key)
-        if listed is None or listed.runner is None:
-            raise LinkError(f"{command.key[:100]} has no driver to send commands with")
+        if listed is None:
+            raise LinkError(f"{command.key[:100]} is not on the network now")
+        if listed.runner is None:
+            raise LinkError(f"{command.key[:100]} has no driver; `homebot doctor` names those that cannot be used")
         await listed.runner.perform(command)
 
 
