@@ -17,7 +17,7 @@ from statistics import median
 from typing import Any, Final, NamedTuple
 
 from homebot.apps.lights_out import LightsOutSettings
-from homebot.control.policies.settings import PresenceGuardSettings
+from homebot.control.policies.presence_guard import PresenceGuardSettings
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedLamp

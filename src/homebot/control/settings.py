@@ -7,7 +7,7 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from homebot.control.policies import PolicySettings
-from homebot.control.policies.settings import QueryText
+from homebot.control.policies.command_pattern import QueryText
 from homebot.devices.misspelt_names import ConfiguredNames
 from homebot.devices.query import Query
 from homebot.devices.query.parse import parse_query

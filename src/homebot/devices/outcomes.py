@@ -81,7 +81,7 @@ class Outcome:
 
     @property
     def was_sent(self) -> bool:
-        """Whether the answer of the device, or its silence, decided it, and nothing before."""
+        """True if the answer of the device, or its silence, decided it, and nothing before."""
         return self._was_sent
 
 

@@ -9,8 +9,7 @@ from tests.control.policies.houses import START, make_device, new_timeline
 
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
-from homebot.control.policies.presence_guard import remaining_person
-from homebot.control.policies.settings import PresenceGuardSettings
+from homebot.control.policies.presence_guard import PresenceGuardSettings, remaining_person
 from homebot.control.policies.turn_counter import TurnCounter
 from homebot.devices import Device
 from homebot.devices.device_view import DeviceView

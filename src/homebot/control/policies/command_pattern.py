@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Final, TypeAlias, final
 
-from pydantic import GetCoreSchemaHandler, PlainSerializer, PlainValidator
+from pydantic import AfterValidator, GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
 from homebot.config import value_errors
@@ -21,7 +21,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["VERBS", "CommandPattern", "Patterns", "known_value", "pattern_of_type", "read_pattern"]
+__all__ = ["VERBS", "CommandPattern", "Patterns", "QueryText", "known_value", "pattern_of_type", "read_pattern"]
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
 """Return whether to set a capability to a value is an action, given the value before, or None if that is unknown."""
@@ -110,6 +110,19 @@ Patterns: TypeAlias = Annotated[
     tuple[CommandPattern, ...], PlainValidator(_validated), PlainSerializer(_texts, return_type=list[str])
 ]
 """Patterns in a table of the configuration: an array of texts."""
+
+
+def _query_text(text: str) -> str:
+    """Return *text* if it is a query."""
+    if not text.strip():
+        raise ValueError("must be a query such as 'open contact sensor'")
+    with value_errors():
+        _query(text, text)
+    return text
+
+
+QueryText: TypeAlias = Annotated[str, AfterValidator(_query_text)]
+"""A query as text."""
 
 _MOST_PATTERNS = 100
 _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable
 from datetime import datetime, tzinfo
 from typing import NamedTuple, TypeAlias
 
+from pydantic import BaseModel, ConfigDict
+
+from homebot.control.command import IssuedCommand
 from homebot.control.policies.house import House
 from homebot.control.policies.turn_counter import TurnCounter
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
+from homebot.devices.query import Query
 from homebot.devices.value import PlainValue
 
-__all__ = ["FactUsed", "Facts", "Verdict"]
+__all__ = ["FactUsed", "Facts", "PolicyTable", "Verdict"]
 
 TimelineOf: TypeAlias = Callable[[Device, DevicePart], PartTimeline]
 """Returns the timeline of a part."""
@@ -81,3 +86,18 @@ class Verdict(NamedTuple):
     allowed: bool
     reason: str = ""
     facts: tuple[FactUsed, ...] = ()
+
+
+class PolicyTable(BaseModel):
+    """A policy of homebot: its table of the configuration, with the check of a command."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @property
+    def needs(self) -> Query | None:
+        """The query for the devices that it reads in ``facts.house``; None for none."""
+        return None
+
+    @abstractmethod
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Return the verdict."""

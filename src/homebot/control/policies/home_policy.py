@@ -67,9 +67,10 @@ class NamedPolicy:
     def __init__(self, name: str, policy: HomePolicy) -> None:
         self.name = name
         self.policy = policy
+        self.needs = policy.needs
         self._has_failed = False
 
-    def check(self, command: IssuedCommand, facts: Facts) -> Verdict:
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Return the verdict of the policy under its name."""
         try:
             verdict = self.policy.judge(command, facts)

@@ -3,56 +3,73 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Final, final
+from functools import cached_property
+from typing import Final, Literal, NamedTuple
+
+from pydantic import Field
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts, FactUsed, Verdict
-from homebot.control.policies.settings import Interlock
+from homebot.control.policies.command_pattern import Patterns, QueryText
+from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
+from homebot.devices.query.parse import parse_query
 
-__all__ = ["InterlockRule", "check_interlock"]
+__all__ = ["Interlock"]
 
 NAME: Final = "interlock"
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class InterlockRule:
-    """An interlock with its parsed condition.
+class _Rule(NamedTuple):
+    """The parsed condition of an interlock.
 
     Attributes:
-        interlock: The interlock.
-        query: The condition.
-        possible: The query for the parts that may match the condition at some time.
-        capabilities: The capabilities with values in the condition.
+        condition: The condition as it is written.
+        query: The condition as a query.
+        possible: The query for the parts that may match it at some time.
+        capabilities: The capabilities with values in it.
     """
 
-    interlock: Interlock
+    condition: str
     query: Query
     possible: Query
     capabilities: frozenset[str]
 
-    @classmethod
-    def of(cls, interlock: Interlock) -> InterlockRule:
-        """Return the rule of *interlock*."""
-        query = interlock.query
-        return cls(interlock, query, without_states(query), frozenset(_capabilities(query)))
 
+class Interlock(PolicyTable):
+    """A table ``[[control.interlocks]]``.
 
-def check_interlock(rule: InterlockRule, command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command while the condition of *rule* holds, or while that is unknown."""
-    interlock = rule.interlock
-    if any(pattern.fits(command, facts) for pattern in interlock.commands):
-        room = command.device.area if interlock.where == "room" else None
-        if not facts.house.is_known or room == "":
-            unknown = "the state of the house" if room != "" else "the room of the device"
-            return Verdict(NAME, allowed=False, reason=f"not while {interlock.condition}: {unknown} is unknown")
-        for device, part in _concerned_parts(rule, room, facts):
-            if (verdict := _check_part(rule, device, part)) is not None:
-                return verdict
-    return Verdict(NAME, allowed=True)
+    Attributes:
+        commands: The refused commands.
+        condition: The query, written as ``while``: the commands are refused while a device matches.
+        where: Whether that device must be in the room of the commanded one, or may be anywhere in the home.
+    """
+
+    commands: Patterns
+    condition: QueryText = Field(alias="while")
+    where: Literal["room", "home"] = "room"
+
+    @cached_property
+    def _rule(self) -> _Rule:
+        query = parse_query(self.condition)
+        return _Rule(self.condition, query, without_states(query), frozenset(_capabilities(query)))
+
+    @property
+    def needs(self) -> Query:
+        """The devices that may match the condition at some time."""
+        return self._rule.possible
+
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Refuse a command while the condition holds, or while that is unknown."""
+        if any(pattern.fits(command, facts) for pattern in self.commands):
+            room = command.device.area if self.where == "room" else None
+            if not facts.house.is_known or room == "":
+                unknown = "the state of the house" if room != "" else "the room of the device"
+                return Verdict(NAME, allowed=False, reason=f"not while {self.condition}: {unknown} is unknown")
+            for device, part in _concerned_parts(self._rule, room, facts):
+                if (verdict := _check_part(self._rule, device, part)) is not None:
+                    return verdict
+        return Verdict(NAME, allowed=True)
 
 
 def without_states(query: Query, *, is_possible: bool = True) -> Query:
@@ -69,7 +86,7 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
     return query
 
 
-def _concerned_parts(rule: InterlockRule, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
+def _concerned_parts(rule: _Rule, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
     for tracked in facts.house.devices(room):
         if not tracked.device.parts:
             continue
@@ -82,8 +99,8 @@ def _concerned_parts(rule: InterlockRule, room: str | None, facts: Facts) -> Ite
                 yield tracked.current(), part
 
 
-def _check_part(rule: InterlockRule, device: Device, part: DevicePart) -> Verdict | None:
-    condition = rule.interlock.condition
+def _check_part(rule: _Rule, device: Device, part: DevicePart) -> Verdict | None:
+    condition = rule.condition
     facets = PartFacets(device)
     facets.part = part
     used = tuple(_facts(device, part.id, rule.capabilities))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, TypeAlias
+from typing import Annotated, Final, Literal, TypeAlias
+
+from pydantic import BeforeValidator, Field
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts, FactUsed, Verdict
+from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
+from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.policies.house import OCCUPANCY
-from homebot.control.policies.settings import PresenceGuardSettings
+from homebot.devices.query import CanDo, Or, Query
+from homebot.support.folding import fold
+from homebot.units import Seconds
 
-__all__ = ["CONTACT", "Presence", "check_presence", "presence_in", "remaining_person"]
+__all__ = ["Presence", "PresenceGuardSettings", "presence_in", "remaining_person"]
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
@@ -19,24 +24,65 @@ CONTACT: Final = "contact"
 """The capability of a door contact; true is open."""
 
 
-def check_presence(settings: PresenceGuardSettings, command: IssuedCommand, facts: Facts) -> Verdict:
-    """Refuse a command of *settings* by an app in a room that is occupied, or may be."""
-    if command.is_by_person or not any(pattern.fits(command, facts) for pattern in settings.commands):
-        return Verdict(NAME, allowed=True)
-    room = command.device.area
-    if not room:
-        reason = "the room of the device is unknown, and so is whether somebody is there"
-        return Verdict(NAME, allowed=False, reason=reason)
-    presence, used = presence_in(room, facts, settings.absent_after)
-    if presence == "absent" and (remaining := remaining_person(room, settings, facts)) is not None:
-        detected = f"{remaining.name} was on {facts.age(remaining.since):.0f} s ago"
-        reason = f"somebody is in {room}: {detected}, and no door has been opened since"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
-    if presence != "present" and (change := _person_at(command, facts, settings.absent_after)) is not None:
-        changed = f"{command.label} changed {facts.now - change.since:.0f} s ago, and no command explains it"
-        reason = f"somebody may be in {room}: {changed}"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(change,))
-    return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
+def _annoying() -> tuple[CommandPattern, ...]:
+    return (
+        *(pattern_of_type("turn off", word) for word in ("light", "plug", "switch")),
+        *(pattern_of_type("close", word) for word in ("window_covering", "closure", "water_valve")),
+    )
+
+
+def _as_tuple(value: object) -> object:
+    """Return an array as a tuple: pydantic rejects a list in a table that may be ``true`` as well."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+_Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
+_Contacts: TypeAlias = Annotated[tuple[_Name, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)]
+
+
+class PresenceGuardSettings(PolicyTable):
+    """The table ``[control.presence_guard]``.
+
+    Attributes:
+        commands: The commands that apps may not give in an occupied room, or one that may be.
+        absent_after: Seconds without motion after which a room is empty: a person who reads does not move.
+        doors: The ids or names of the contacts on all doors of a room, by its name: a person who moved in it after
+            they were closed is there until one opens.
+    """
+
+    commands: Patterns = Field(default_factory=_annoying)
+    absent_after: Seconds = 1200.0
+    doors: Annotated[dict[_Name, _Contacts], Field(max_length=1000)] = Field(default_factory=dict)
+
+    @property
+    def needs(self) -> Query:
+        """The motion sensors, and the door contacts."""
+        return Or((CanDo(OCCUPANCY), CanDo(CONTACT))) if self.doors else CanDo(OCCUPANCY)
+
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Refuse such a command of an app in a room that is occupied, or may be."""
+        if command.is_by_person or not any(pattern.fits(command, facts) for pattern in self.commands):
+            return Verdict(NAME, allowed=True)
+        room = command.device.area
+        if not room:
+            reason = "the room of the device is unknown, and so is whether somebody is there"
+            return Verdict(NAME, allowed=False, reason=reason)
+        presence, used = presence_in(room, facts, self.absent_after)
+        if presence == "absent" and (remaining := remaining_person(room, self, facts)) is not None:
+            detected = f"{remaining.name} was on {facts.age(remaining.since):.0f} s ago"
+            reason = f"somebody is in {room}: {detected}, and no door has been opened since"
+            return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
+        if presence != "present" and (change := _person_at(command, facts, self.absent_after)) is not None:
+            changed = f"{command.label} changed {facts.now - change.since:.0f} s ago, and no command explains it"
+            reason = f"somebody may be in {room}: {changed}"
+            return Verdict(NAME, allowed=False, reason=reason, facts=(change,))
+        return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
+
+    def contacts_of(self, room: str) -> tuple[str, ...]:
+        """Return the contacts on all doors of *room*; none if they are not known."""
+        if not self.doors:
+            return ()
+        return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
 
 
 def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence, tuple[FactUsed, ...]]:

@@ -1,0 +1,64 @@
+"""Quiet hours: times at which apps may not give some commands. Pure."""
+
+from __future__ import annotations
+
+from datetime import time
+from typing import Annotated, Final, TypeAlias
+
+from pydantic import AfterValidator, ValidationInfo, field_validator
+
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.command_pattern import Patterns
+from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
+
+__all__ = ["QuietHours", "is_within"]
+
+NAME: Final = "quiet_hours"
+
+
+def _local(value: time) -> time:
+    """Return *value* if it is a time of day in the home."""
+    if value.tzinfo is not None:
+        raise ValueError("must be a local time such as 22:00; `[control] time_zone` says where")
+    return value
+
+
+_LocalTime: TypeAlias = Annotated[time, AfterValidator(_local)]
+
+
+class QuietHours(PolicyTable):
+    """A table ``[[control.quiet_hours]]``.
+
+    Attributes:
+        start: The local time at which they begin.
+        end: The local time at which they end; before *start* it is on the next day.
+        commands: The commands that apps may not give meanwhile.
+    """
+
+    start: _LocalTime
+    end: _LocalTime
+    commands: Patterns
+
+    @field_validator("end")
+    @classmethod
+    def _is_another_time(cls, end: time, info: ValidationInfo) -> time:
+        if end == info.data.get("start"):
+            raise ValueError(f"is {end:%H:%M} as start is, so that it would never be quiet")
+        return end
+
+    def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
+        """Refuse a command of an app at these hours."""
+        if not command.is_by_person and any(pattern.fits(command, facts) for pattern in self.commands):
+            now = facts.local_time.time()
+            if is_within(now, self.start, self.end):
+                used = FactUsed("local time", f"{now:%H:%M}", facts.now)
+                reason = f"it is {now:%H:%M}, and quiet from {self.start:%H:%M} to {self.end:%H:%M}"
+                return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
+        return Verdict(NAME, allowed=True)
+
+
+def is_within(now: time, start: time, end: time) -> bool:
+    """Return whether *now* is from *start* to before *end*, over midnight if *end* is the earlier one."""
+    if start <= end:
+        return start <= now < end
+    return now >= start or now < end
