@@ -62,7 +62,7 @@ ASKING = [
 
 
 def may(rights: ClientRights, one: Device, number: int = 0) -> bool:
-    return rights.may_command(one, one.parts[number])
+    return rights.may_command(one, one.parts[number], asks=always_asks(one, one.parts[number]))
 
 
 @pytest.mark.parametrize("one", ASKING, ids=lambda one: one.id)

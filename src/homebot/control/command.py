@@ -11,6 +11,7 @@ from homebot.control import durations
 from homebot.control.timeline.facts import Order
 from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_on
 from homebot.devices import Device, DevicePart, State
+from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandResult, Setting
@@ -70,6 +71,7 @@ class IssuedCommand:
         is_momentary: Whether a second sending would act twice: a press.
         place: The ids of the device and of the part.
         states: The states of the part at the time of the command, by capability.
+        why_it_asks: Why the part is of those that always ask; empty if it is not.
         effects: The place with each capability, and the value; for a power :data:`POWER` too, with True for on.
         target: The id of the device, with ``#`` and the id of the part if it has one.
         moves: Whether it starts a motor.
@@ -92,6 +94,7 @@ class IssuedCommand:
     is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
+    why_it_asks: str = field(init=False)
     effects: list[tuple[_Place, PlainValue]] = field(init=False)
     target: str = field(init=False)
     moves: bool = field(init=False)
@@ -99,6 +102,7 @@ class IssuedCommand:
     def __post_init__(self) -> None:
         device, part = self.place = self.device.id, self.part.id
         self.states = {one.capability: one for one in self.device.states if one.part == part}
+        self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
         self.is_by_person = self.is_client or _is_by_hand(self.trigger, self.issued_at)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)

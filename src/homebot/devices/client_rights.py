@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
-from homebot.devices.always_ask import always_asks, is_declared
+from homebot.devices.always_ask import is_declared
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
 from homebot.devices.query.matching import PartFacets, fits
@@ -92,12 +92,11 @@ class ClientRights(NamedTuple):
             case Right.RAW:
                 return self.is_raw
 
-    def may_command(self, device: Device, part: DevicePart) -> bool:
-        """Return whether *part* of *device* may be commanded."""
+    def may_command(self, device: Device, part: DevicePart, *, asks: bool) -> bool:
+        """Return whether *part* of *device*, which always *asks* or does not, may be commanded."""
         if self.acts_on_all:
             return True
 
-        asks = always_asks(device, part)
         if not asks and self.acts_on_harmless:
             return True
         facets = PartFacets(without_taught_room(device))

@@ -10,7 +10,7 @@ from typing import Final
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import VERBS
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
-from homebot.devices.always_ask import APPROVED, CHANGED, always_asks, is_approved, is_arming, is_opener, why_it_asks
+from homebot.devices.always_ask import APPROVED, CHANGED, is_approved, is_arming, is_opener
 from homebot.devices.client_rights import (
     HARMLESS,
     LOCAL_CLIENT,
@@ -44,9 +44,9 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
 
     Without a right that names a dangerous device an issuer may still lock, stop or turn it off.
     """
-    if command.rights.may_command(command.device, command.part):
+    why = command.why_it_asks
+    if command.rights.may_command(command.device, command.part, asks=bool(why)):
         return Verdict(GRANTS, allowed=True)
-    why = why_it_asks(command.device, command.part)
     if not why:
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
@@ -61,9 +61,8 @@ def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse every command to a part that can hurt, unless the owner approved a route that takes it."""
     if not _waits_for_approval(command):
         return Verdict(APPROVAL, allowed=True)
-    device = command.device
+    device, why = command.device, command.why_it_asks
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
-    why = why_it_asks(device, command.part)
     reason = f"{command.label} can hurt ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"
     return Verdict(APPROVAL, allowed=False, reason=reason, facts=(used,))
 
@@ -75,14 +74,13 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
         command: The command.
         needs_approval: Whether dangerous devices need an approval, which the reason then names with the right.
     """
-    device, part = command.device, command.part
+    device, part, asks = command.device, command.part, command.why_it_asks
     try:
         rights = _rights(command.scope)
     except UsageError as exc:
         return str(exc)
-    if rights.may_command(device, part):
+    if rights.may_command(device, part, asks=bool(asks)):
         return ""
-    asks = why_it_asks(device, part)
     if asks and _may_make_safe(command, rights):
         return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
@@ -150,7 +148,7 @@ def _approval_step(command: IssuedCommand) -> str:
 
 def _waits_for_approval(command: IssuedCommand) -> bool:
     routes = command.part.routes
-    if not routes or not always_asks(command.device, command.part):
+    if not routes or not command.why_it_asks:
         return False
     approved = [route for route in routes if route.approved]
     return not (approved and all(any(route.can(one) for route in approved) for one in command.settings))
