@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from operator import attrgetter
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices import DevicePart, Route
 from homebot.devices.device import EVERYTHING
@@ -14,7 +14,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
 from homebot.discovery.merging.matching import SETTING, Candidate, candidates, match
 from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
-from homebot.discovery.source_record import SourceRecord, preference
+from homebot.discovery.source_record import SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = [
@@ -41,15 +41,22 @@ do not decide which parts of others are one."""
 _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
 """The place of a part, the origin of its announcement, and its description."""
 
+_NONE_CLAIMED: Final[frozenset[int]] = frozenset()
+
 _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
 @dataclass(slots=True)
 class _SourcePart:
-    """A part as one origin announces it: in one announcement, or in several that agree on its command topics."""
+    """A part as one origin announces it: in one announcement, or in several that agree on its command topics.
+
+    Parts of different origins with the same *group* are one part.
+    """
 
     part: Part
-    sources: list[SourceRecord]
+    origin: _Origin
+    sources: list[SourceRecord] = field(default_factory=list)
+    group: int = 0
 
 
 _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
@@ -59,14 +66,30 @@ _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 class _Merged:
     """A part in the making; *number* is its index, and *ways* are the undisputed ones, the preferred ones first.
 
-    The order of arrival does not change the part, so the ways decide on it in the order of their origins.
+    The order of arrival does not change the part, so the ways decide on it in the order of their origins. The part is
+    only claimed if no other announcement than one of a *claimant* describes it.
     """
 
     part: Part
     number: int
-    label: str
+    source: SourceRecord
     places: list[tuple[int, PartPlace]] = field(default_factory=list)
     ways: list[_Way] = field(default_factory=list)
+    claimant: SourceRecord | None = None
+    is_described: bool = False
+
+    def add(self, source: SourceRecord, part: Part, origin: _Origin, topics: TopicOwnership) -> str:
+        """Add *part* of *source*; return its conflict over a command topic, empty for none."""
+        place = (*source.key, part.id)
+        self.places.append((source.number, place))
+        if source.is_claimed:
+            self.claimant = self.claimant or source
+            return ""
+        self.is_described = True
+        conflict = topics.conflict(source, part)
+        if not conflict:
+            self.ways.append((place, origin, part))
+        return conflict
 
 
 class MergedParts(NamedTuple):
@@ -83,7 +106,7 @@ class MergedParts(NamedTuple):
     parts: tuple[DevicePart, ...]
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
-    claimed: frozenset[int] = frozenset()
+    claimed: frozenset[int] = _NONE_CLAIMED
     has_own_ids: bool = False
 
     @property
@@ -109,7 +132,7 @@ class MergedParts(NamedTuple):
 
 
 def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
-    """Return the parts that *sources* on one device tell of; those that are *known* keep their ids.
+    """Return the parts of *sources* on one device, in the order of preference; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
     convention they are one only when they have one id and the same topics, or the same commands on the same topics. Two
@@ -118,50 +141,38 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     if len(sources) == 1:
         return _parts_of_one(sources[0], topics, known)
     conflicts: list[str] = []
-    occurrences = _occurrences(sorted(sources, key=preference), conflicts)
-    groups = _groups(announced for _, _, announced in occurrences)
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
-    claimed: dict[int, SourceRecord] = {}
-    described: set[int] = set()
     left_out = 0
-    for source, part, announced in occurrences:
-        group = groups[id(announced)]
-        found = numbered.get(group)
+    for source, part, announced in _occurrences(sources, conflicts):
+        found = numbered.get(announced.group)
         if found is None:
             if len(numbered) >= MAX_PARTS:
                 left_out += 1
                 continue
-            found = numbered[group] = _Merged(part, len(numbered), source.label)
-        place = (*source.key, part.id)
-        found.places.append((source.number, place))
-        places[place] = found.number
-        if source.is_claimed:
-            claimed.setdefault(found.number, source)
-            continue
-        described.add(found.number)
-        if conflict := topics.conflict(source, part):
+            found = numbered[announced.group] = _Merged(part, len(numbered), source)
+        places[(*source.key, part.id)] = found.number
+        if conflict := found.add(source, part, announced.origin, topics):
             conflicts.append(conflict)
-        else:
-            found.ways.append((place, _origin(source), part))
     if left_out:
         conflicts.append(_left_out(left_out))
-    only_claimed = claimed.keys() - described
-    parts = _named(tuple(numbered.values()), known)
-    conflicts += dict.fromkeys(_claim_conflict(claimed[number]) for number in sorted(only_claimed))
+    merged = tuple(numbered.values())
+    claimed = {one.number: one.claimant for one in merged if one.claimant is not None and not one.is_described}
+    conflicts += dict.fromkeys(map(_claim_conflict, claimed.values()))
+    parts = _named(merged, known)
     return MergedParts(
         parts,
         tuple(conflicts),
         places,
-        frozenset(only_claimed) if any(not source.is_claimed for source in sources) else frozenset(),
-        has_own_ids=not claimed and _has_own_ids(sources, parts, places),
+        _NONE_CLAIMED if all(source.is_claimed for source in sources) else frozenset(claimed),
+        has_own_ids=all(one.claimant is None for one in merged) and _has_own_ids(sources, parts, places),
     )
 
 
 def _has_own_ids(sources: Sequence[SourceRecord], parts: Sequence[DevicePart], places: Mapping[PartPlace, int]) -> bool:
     """Return whether all parts of *sources* are among *parts* by their own ids."""
-    return len(places) == sum(len(source.sighting.parts) for source in sources) and all(
-        parts[number].id == place[-1] for place, number in places.items()
+    return len(places) == sum([len(source.sighting.parts) for source in sources]) and (
+        [parts[number].id for number in places.values()] == [name for _, _, name in places]
     )
 
 
@@ -257,59 +268,61 @@ def _left_out(count: int) -> str:
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
     """Return each part of each source, and which part of its origin it is; another's are in *conflicts*."""
     found: list[_Occurrence] = []
+    origins: dict[_Origin, list[_SourcePart]] = {}
     namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
-    repeated: dict[tuple[object, ...] | None, _SourcePart] = {}
+    repeated: dict[tuple[object, ...], _SourcePart] = {}
     for source in sources:
         origin = _origin(source)
         for part in source.sighting.parts:
+            same_name = namesakes.setdefault((origin, part.service_type, part.id), [])
+            older = [one for one in same_name if one.sources[0] is not source] if same_name else same_name
             commands = _commands_of(source, part)
-            others = namesakes.setdefault((origin, part.service_type, part.id), [])
-            older = [one for one in others if one.sources[0] is not source]
-            announced = next((one for one in older if _same_topics(part, one.part)), None)
-            announced = announced or repeated.get((origin, *commands) if commands else None)
-            if announced is None and older and part.id:
-                conflicts.append(f"{source.label} announces {part.id!r}, which is {older[0].sources[0].label}'s")
-                continue
+            announced = _announced_before(part, older) or repeated.get((origin, *commands))
             if announced is None:
-                announced = _SourcePart(part, [])
-                others.append(announced)
+                if older and part.id:
+                    conflicts.append(f"{source.label} announces {part.id!r}, which is {older[0].sources[0].label}'s")
+                    continue
+                announced = _SourcePart(part, origin)
+                same_name.append(announced)
+                origins.setdefault(origin, []).append(announced)
                 if commands:
                     repeated[origin, *commands] = announced
             announced.sources.append(source)
             found.append((source, part, announced))
+    _group(origins)
     return found
 
 
-def _groups(announced: Iterable[_SourcePart]) -> dict[int, int]:
-    """Return which part of the device each is, by a number of no meaning."""
-    origins: dict[_Origin, list[_SourcePart]] = {}
-    seen: set[int] = set()
-    for one in announced:
-        if id(one) not in seen:
-            seen.add(id(one))
-            origins.setdefault(_origin(one.sources[0]), []).append(one)
+def _announced_before(part: Part, older: Iterable[_SourcePart]) -> _SourcePart | None:
+    for one in older:
+        if _same_topics(part, one.part):
+            return one
+    return None
+
+
+def _group(origins: Mapping[_Origin, Sequence[_SourcePart]]) -> None:
+    """Give parts of different origins that are one part of the device the same group; its number has no meaning."""
     groups: list[list[Candidate]] = []
-    found: dict[int, int] = {}
     for origin in sorted(origins):
         parts = origins[origin]
         if len(origins) == 1:
-            return {id(one): number for number, one in enumerate(parts)}
+            for number, one in enumerate(parts):
+                one.group = number
+            return
         identifiers = chain.from_iterable(source.sighting.identifiers for one in parts for source in one.sources)
         described = candidates([one.part for one in parts], dict.fromkeys(identifiers))
         same = match(groups, described)
         for number, (one, candidate) in enumerate(zip(parts, described, strict=True)):
-            group = same.get(number, len(groups))
-            if group == len(groups):
+            one.group = same.get(number, len(groups))
+            if one.group == len(groups):
                 groups.append([])
-            groups[group].append(candidate)
-            found[id(one)] = group
-    return found
+            groups[one.group].append(candidate)
 
 
 def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
     ids: Sequence[str] = [one.part.id for one in merged]
     if known or len(set(ids)) < len(ids):
-        ids = part_ids([Named(one.part.id, one.label, one.places) for one in merged], known)
+        ids = part_ids([Named(one.part.id, one.source.label, one.places) for one in merged], known)
     return tuple(_device_part(part_id, one) for part_id, one in zip(ids, merged, strict=True))
 
 
