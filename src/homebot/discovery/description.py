@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from operator import attrgetter
 from typing import Final
 
@@ -70,20 +71,19 @@ def describe_device(
     merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
     parts = merged.believed
     main = main_part(parts)
-    is_single = len(ordered) == 1
-    believed = ordered if is_single else [source for source in ordered if not source.is_claimed] or ordered
-    area, outer_areas = first.area if first.area or is_single else _area(believed), NO_AREAS
+    believed = [source for source in ordered if not source.is_claimed] or ordered
+    area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     if area and owner is not None:
         area, outer_areas = owner.plan.locate(area)
     return DeviceDescription(
         name=first.name,
-        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in believed)),
+        names=tuple(dict.fromkeys(map(_NAME, believed))),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, parts),
         area=area,
         outer_areas=outer_areas,
-        identifiers=tuple(dict.fromkeys(first.identifiers)) if is_single else _identifiers(ordered),
-        metadata=first.metadata if is_single else _metadata(ordered),
+        identifiers=tuple(dict.fromkeys(chain.from_iterable(map(_IDENTIFIERS, ordered)))),
+        metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
         facts=_facts(ordered),
         addresses=addresses(ordered, main),
         merged=merged,
@@ -91,7 +91,12 @@ def describe_device(
 
 
 _fact_of = Fact.of_checked
+_TYPE: Final = attrgetter("service_type")
+_ADVERTISED: Final = attrgetter("advertised")
 _PAIR: Final = attrgetter("key", "value")
+_NAME: Final = attrgetter("sighting.name")
+_AREA: Final = attrgetter("sighting.area")
+_IDENTIFIERS: Final = attrgetter("sighting.identifiers")
 
 _RELAYS: Final = frozenset({"plug", "switch"})
 
@@ -196,28 +201,13 @@ def _stated_fact(fact: OwnerFact) -> Fact:
     )
 
 
-def _area(sources: Sequence[SourceRecord]) -> str:
-    return next((source.sighting.area for source in sources if source.sighting.area), "")
-
-
-def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
-    found: dict[str, None] = {}
-    for source in sources:
-        found.update(dict.fromkeys(source.sighting.identifiers))
-    return tuple(found)
-
-
 def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
-    if len(parts) == 1:
-        part = parts[0].part
-        found = [part.service_type, part.advertised] if part.advertised else [part.service_type]
-    elif parts:
+    if parts:
         shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
-        found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
+        found = chain(map(_TYPE, shown), filter(None, map(_ADVERTISED, shown)))
     else:
         words = [one.sighting.service_type for one in sources]
-        meant = [wanted_types(one) for one in words]
-        found = [min(types) for types in meant if len(types) == 1] + words
+        found = chain((min(types) for types in map(wanted_types, words) if len(types) == 1), words)
     return tuple(dict.fromkeys(found))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from homebot.devices import Reachability
 from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
@@ -57,25 +57,38 @@ def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
 
 
 def _combined(reports: list[_SourceReach]) -> Reachability:
-    known = [(source, part, one) for source, part, one in reports if one is not None]
-    if not known:
-        return NOT_REPORTED
-    for state, value in (("yes", True), ("no", False), ("unknown", None)):
-        answers = [one for one in known if one[2].value is value]
-        if not answers:
-            continue
-        source, part, reach = max(answers, key=lambda one: one[2].heard_at)
-        label = f"{source.label} ({part})" if part and part not in source.label else source.label
-        if value is False and (later := _reported_later(reports, reach.heard_at)) is not None:
-            why = f"{label} is offline, but {later.label} reported since"
-            return Reachability(state="unknown", since=later.seen_at, why=why)
-        if value is None:
-            why = f"{label} was reported offline, but it sends messages"
-            return Reachability(state="unknown", since=reach.since, why=why)
-        kept = "" if reach.live else ", in a retained message"
-        why = f"{label} is {'online' if value else 'offline'}, according to it or its last will{kept}"
-        return Reachability(state="yes" if state == "yes" else "no", since=reach.since, why=why)
+    """Return the newest answer of the first kind that any of *reports* has: yes, no, unknown."""
+    for value, describe in _ANSWERS:
+        answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
+        if answers:
+            source, part, reach = max(answers, key=lambda one: one[2].heard_at)
+            label = f"{source.label} ({part})" if part and part not in source.label else source.label
+            return describe(label, reach, reports)
     return NOT_REPORTED
+
+
+def _online(label: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
+    return Reachability(state="yes", since=reach.since, why=f"{label} is online, {_according(reach)}")
+
+
+def _offline(label: str, reach: Reach, reports: list[_SourceReach]) -> Reachability:
+    later = _reported_later(reports, reach.heard_at)
+    if later is None:
+        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {_according(reach)}")
+    why = f"{label} is offline, but {later.label} reported since"
+    return Reachability(state="unknown", since=later.seen_at, why=why)
+
+
+def _doubtful(label: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
+    why = f"{label} was reported offline, but it sends messages"
+    return Reachability(state="unknown", since=reach.since, why=why)
+
+
+_ANSWERS: Final = ((True, _online), (False, _offline), (None, _doubtful))
+
+
+def _according(reach: Reach) -> str:
+    return "according to it or its last will" + ("" if reach.live else ", in a retained message")
 
 
 def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:

@@ -24,6 +24,7 @@ __all__ = ["StateRecorder", "has_capability", "is_denied", "store_reachability"]
 
 
 _NAME = attrgetter("name")
+_CAPABILITY = attrgetter("capability")
 
 _NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
 """A part and its capability, the new value, and where it is kept."""
@@ -50,51 +51,57 @@ class StateRecorder:
         self._trust = trust
         self._settings = settings
 
-    def record(  # noqa: C901 - it runs for each message; a call more for each value costs more
-        self, entry: Entry, source: SourceRecord, report: Report
-    ) -> None:
-        """Take in *report*, which came through *source*, an announcement of *entry*."""
-        live, now, stamp = not report.retained, self._liveness.now, report.received_at
-        shows_life = live and report.address != ""
-        before = self._reach(entry) if entry.is_denied else None
-        new: list[_NewValue] = []
-        values = source.values
-        for reading in report.readings:  # each attribute of a message is asked for once: it takes as long as a call
-            place = reading.part, reading.capability
-            stored = values.get(place)
-            if stored is None:
-                if reading.capability == REACHABLE:
-                    before = before or self._reach(entry)
-                    shows_life = shows_life and reading.value.flag
-                    self._record_reachability(entry, source, reading, report)
-                elif (stored := self._record_first(entry, source, reading, report)) is not None:
-                    new.append((place, reading, stored))
-            elif live or not stored.live:  # retained values never overwrite live ones
-                stored.told_at, stored.live, stored.heard_at = stamp, live, now
-                value = reading.value
-                if value is stored.reported:
-                    continue
-                plain, known = value.plain(), stored.value
-                if known != plain or type(known) is not type(plain):
-                    if entry.claimed and live:
-                        self._compare(entry, source, reading)
-                    stored.reported, stored.value, stored.since = value, plain, stamp
-                    stored.is_first = not live and stored.is_first
-                    if stored.column is not None:
-                        stored.column.values[stored.row] = plain
-                    new.append((place, reading, stored))
-        if new:
-            self._publish(entry, source, new, stamp, live=live)
-        if shows_life:
-            self._liveness.mark_seen(entry, source, stamp, "it sent a message")
-        else:
+    def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
+        """Record *report*, which came through *source*, an announcement of *entry*."""
+        states_reach = REACHABLE in map(_CAPABILITY, report.readings)
+        before = self._reach(entry) if states_reach or entry.is_denied else None
+        if new := self._record_values(entry, source, report):
+            self._publish(entry, source, new, report)
+        if report.retained or report.address == "" or (states_reach and _denies_life(report)):
             entry.invalidate_device()
+        else:
+            self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         if before is not None and self._reach(entry) != before:
             self._table.record_change("changed", entry, entry.reachability().why)
 
+    def _record_values(self, entry: Entry, source: SourceRecord, report: Report) -> list[_NewValue]:
+        """Record the readings of *report*; return the new values among them."""
+        live, now, stamp = not report.retained, self._liveness.now, report.received_at
+        new: list[_NewValue] = []
+        values = source.values
+        for reading in report.readings:
+            place = reading.part, reading.capability
+            stored = values.get(place)
+            if stored is None:
+                stored = self._record_first(entry, source, reading, report)
+                if stored is not None:
+                    new.append((place, reading, stored))
+            elif live or not stored.live:  # retained values never overwrite live ones
+                stored.told_at, stored.live, stored.heard_at = stamp, live, now
+                if reading.value is not stored.reported and self._replace(entry, source, reading, stored, stamp):
+                    new.append((place, reading, stored))
+        return new
+
+    def _replace(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue, stamp: Time) -> bool:
+        """Store the value of *reading*; return whether it is another one than before."""
+        value = reading.value
+        plain, known = value.plain(), stored.value
+        if known == plain and type(known) is type(plain):
+            return False
+        if entry.claimed and stored.live:
+            self._compare(entry, source, reading)
+        stored.reported, stored.value, stored.since = value, plain, stamp
+        stored.is_first = stored.is_first and not stored.live
+        if stored.column is not None:
+            stored.column.values[stored.row] = plain
+        return True
+
     def _record_first(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> StoredValue | None:
-        """Record an event, or the first value of a capability, which it returns."""
+        """Record a reachability, an event, or the first value of a capability, which it returns."""
         stamp, live = report.received_at, not report.retained
+        if reading.capability == REACHABLE:
+            self._record_reachability(entry, source, reading, report)
+            return None
         if reading.capability in EVENTS:
             if live:
                 self._record_event(entry, source, reading, stamp)
@@ -147,9 +154,9 @@ class StateRecorder:
         elif part is not None:
             table.postings.put_value(entry.id, part.id, part.part.service_type, place[1], stored)
 
-    def _publish(self, entry: Entry, source: SourceRecord, new: list[_NewValue], stamp: Time, *, live: bool) -> None:
-        """Publish new values out of one report."""
-        table = self._table
+    def _publish(self, entry: Entry, source: SourceRecord, new: list[_NewValue], report: Report) -> None:
+        """Publish the new values of *report*."""
+        table, live = self._table, not report.retained
         if len(entry.sources) > 1:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
@@ -167,7 +174,7 @@ class StateRecorder:
                 readings.append(shown)
                 names += (shown.part, shown.capability)
         if readings:
-            table.changes.add_states((entry, merged, tuple(readings), stream_of(names), stamp, live))
+            table.changes.add_states((entry, merged, tuple(readings), stream_of(names), report.received_at, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
@@ -223,6 +230,11 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
             if reach.value is False:
                 return True
     return False
+
+
+def _denies_life(report: Report) -> bool:
+    """Return whether *report* says that something cannot be reached, as a last will: no device says so."""
+    return any(reading.capability == REACHABLE and not reading.value.flag for reading in report.readings)
 
 
 def _shown(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:

@@ -18,10 +18,11 @@ The order of arrival matters as little as possible: the same announcements in an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TypeAlias, final
+from typing import Final, TypeAlias, final
 
 from homebot.devices import Sighting
 from homebot.devices.identity import HOST
@@ -208,13 +209,11 @@ class IdentityGraph:
         if len(identities) < _PAIR:
             return
         for identifier in dict.fromkeys(one for identity in identities for one in identity.identifiers):
-            if len(self._holders[identifier]) < _PAIR or not self._is_link(identifier):
-                continue
-            holders = sorted(
-                (one for one in self._holders[identifier] if one in identities), key=identities.__getitem__
-            )
-            if len(holders) >= _PAIR:
-                yield identifier, tuple(next(iter(self._sources[identity])) for identity in holders)
+            holders = self._holders[identifier]
+            if len(holders) >= _PAIR and self._is_link(identifier):
+                sharing = sorted(holders.keys() & identities.keys(), key=identities.__getitem__)
+                if len(sharing) >= _PAIR:
+                    yield identifier, tuple(next(iter(self._sources[identity])) for identity in sharing)
 
     def _identity_of(self, key: SourceKey, sighting: Sighting) -> Identity:
         found = sighting.identifiers
@@ -269,33 +268,54 @@ _PAIR = 2
 _HARDWARE = ("mac:", "eui64:")
 
 
-def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
-    if identifier.startswith((OWNER, REPEATED)):
-        return True
-    if len(holders) > MAX_HOLDERS:
-        return False
-    if identifier.startswith("eui64:"):
-        return True
-    if identifier.startswith(HOST):
-        is_one_network = len({one.gateway for one in holders}) == 1
-        return is_one_network and sum(bool(one.offers_parts) for one in holders) < _PAIR
-    if identifier.startswith("mac:"):
-        return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
+_Holders: TypeAlias = dict[Identity, None]
+"""The identities that share an identifier."""
+
+
+def _is_specific(identifier: str, holders: _Holders) -> bool:
+    """Return whether *identifier* connects its *holders*, by the first of the rules for its beginning."""
+    for prefix, most, connects in _RULES:
+        if identifier.startswith(prefix):
+            return len(holders) <= most and connects(identifier, holders)
+    return False
+
+
+def _always(_identifier: str, _holders: _Holders) -> bool:
+    return True
+
+
+def _is_of_one_host(_identifier: str, holders: _Holders) -> bool:
+    is_one_network = len({one.gateway for one in holders}) == 1
+    return is_one_network and sum(bool(one.offers_parts) for one in holders) < _PAIR
+
+
+def _is_of_no_host(_identifier: str, holders: _Holders) -> bool:
+    return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
+
+
+def _is_of_one_hardware(identifier: str, holders: _Holders) -> bool:
     if not _is_specific_word(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
     known = [hardware for identity in holders if (hardware := identity.hardware)]
     return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
 
 
+_RULES: Final[tuple[tuple[str, float, Callable[[str, _Holders], bool]], ...]] = (
+    (OWNER, math.inf, _always),
+    (REPEATED, math.inf, _always),
+    ("eui64:", MAX_HOLDERS, _always),
+    (HOST, MAX_HOLDERS, _is_of_one_host),
+    ("mac:", MAX_HOLDERS, _is_of_no_host),
+    ("", MAX_HOLDERS, _is_of_one_hardware),
+)
+"""Beginning of an identifier, the most identities that it connects, and its evidence that they are of one device."""
+
+
 def _share_a_host(one: Identity, other: Identity) -> bool:
     """Return whether a hardware address that both name is their host's: it speaks of both in the same way."""
     if (one.gateway, one.convention) != (other.gateway, other.convention):
         return False
-    if (
-        one.offers_parts is not None
-        and other.offers_parts is not None
-        and not (one.offers_parts and other.offers_parts)
-    ):
+    if None not in (both := {one.offers_parts, other.offers_parts}) and False in both:
         return False
     if one.key or other.key:
         return True

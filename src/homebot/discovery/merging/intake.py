@@ -64,9 +64,8 @@ class SightingIntake:
         key = source.key  # one object, wherever it is kept
         affected = merger.identities.put(key, sighting)
         sibling = merger.identities.same_identity(key)
-        is_alone = sibling is None and len(affected) == 1
         count = len(table.owners[sibling].sources) + 1 if sibling is not None else len(affected)
-        if count > MAX_SOURCES or (is_alone and len(table.entries) >= self._max_devices):
+        if count > MAX_SOURCES or (count == 1 and len(table.entries) >= self._max_devices):
             merger.identities.discard(key)
             table.counters.rejected += 1
             return
@@ -74,16 +73,15 @@ class SightingIntake:
         table.changes.announced += 1
         table.sources[key] = source
         source.number = self._number
-        is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
-        why = "it was announced" if is_late else sighting.why
-        if is_alone:
+        why = _first_reason(sighting)
+        if count == 1:
             merger.appear({key: source}, why)
         elif sibling is not None:
             merger.join(table.owners[sibling], source, sibling)
         else:
             merger.regroup(affected, why)
         merger.join_repetitions(key)
-        if sighting.confirmed and not is_alone:
+        if sighting.confirmed and count > 1:
             self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
@@ -146,3 +144,8 @@ class SightingIntake:
         self._merger.restore(entry, now, wall)
         for key in entry.sources:
             self._merger.join_repetitions(key)
+
+
+def _first_reason(sighting: Sighting) -> str:
+    is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
+    return "it was announced" if is_late else sighting.why

@@ -15,7 +15,7 @@ from homebot.discovery.merging.identity import REPEATED, IdentityGraph
 from homebot.discovery.merging.part_ids import NO_IDS
 from homebot.discovery.merging.parts import CONFIRM
 from homebot.discovery.merging.regrouping import Regrouped, regroup
-from homebot.discovery.merging.trust import EndpointKey, command_endpoints, endpoint_of, judge
+from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey, command_endpoints, endpoint_of, judge
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
@@ -59,17 +59,14 @@ class DeviceMerger:
             why: The reason to give.
         """
         table = self._table
-        tombstone = self._tombstone(sources) if table.tombstones.by_id else None
+        tombstone = self._pop_tombstone(sources) if table.tombstones.by_id else None
         if tombstone is not None:
-            table.tombstones.pop(tombstone.id)
-        is_back = tombstone is not None and tombstone.id not in table.entries
-        if tombstone is not None and is_back:
-            device_id = tombstone.id
+            device_id, trusted = tombstone.id, frozenset(tombstone.trusted)
         else:
-            device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones.by_id)
+            first = next(iter(sources.values())).sighting
+            device_id, trusted = new_id(first, table.entries, table.tombstones.by_id), NOBODY_TRUSTED
         entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS, owner=table.owner)
-        if tombstone is not None and is_back:
-            entry.trusted = frozenset(tombstone.trusted)
+        entry.trusted = trusted
         if not table.owner.is_empty:
             table.owner.adopt(device_id, sources.values())
         table.entries[device_id] = entry
@@ -82,7 +79,7 @@ class DeviceMerger:
         now = self._liveness.now
         for source in sources.values():
             self._liveness.extend(entry, source, now if source.heard_at == -math.inf else source.heard_at)
-        table.record_change("appeared", entry, f"it returned: {why}" if is_back else why)
+        table.record_change("appeared", entry, why if tombstone is None else f"it returned: {why}")
         return entry
 
     def join(self, entry: Entry, source: SourceRecord, sibling: SourceKey) -> None:
@@ -296,10 +293,13 @@ class DeviceMerger:
             why = f"{entry.id} takes commands on its topic"
             table.record_change("conflict", table.entries[owner], why, entry.id)
 
-    def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
+    def _pop_tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
+        """Forget the removed device of *sources*; return it if it is back, and no other device has its id."""
+        tombstones = self._table.tombstones
         for key, source in sources.items():
-            if (tombstone := self._table.tombstones.find(key, source.sighting.identifiers)) is not None:
-                return tombstone
+            if (tombstone := tombstones.find(key, source.sighting.identifiers)) is not None:
+                tombstones.pop(tombstone.id)
+                return None if tombstone.id in self._table.entries else tombstone
         return None
 
     def _drop(self, entry: Entry) -> None:

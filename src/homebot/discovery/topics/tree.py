@@ -141,16 +141,20 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
-        stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
-        if stronger:
-            found[use.key] = stronger
-        elif rank < top:
-            own = [one for one in best if one.device == use.device]
-            if not (_has_a_name_of(use, own) or any(map(use.repeats, own))):
-                found[use.key] = best[0].device
-        elif use.key not in winners:
-            found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
+        owner = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
+        if not owner and rank < top and not _is_of_the_best(use, best):
+            owner = best[0].device
+        if not owner and rank == top and use.key not in winners:
+            owner = next((one.device for one in best if one.device != use.device), use.device)
+        if owner:
+            found[use.key] = owner
     return found
+
+
+def _is_of_the_best(use: TopicUse, best: list[TopicUse]) -> bool:
+    """Return whether *use* goes with one of the *best* of its device: by its place, or as a repetition."""
+    own = [one for one in best if one.device == use.device]
+    return _has_a_name_of(use, own) or any(map(use.repeats, own))
 
 
 def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
@@ -193,10 +197,13 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     if len(devices) == 1:
         is_one_use = all(map(best[0].repeats, best))
         return best if is_one_sender or is_one_use else [one for one in best if one.is_native]
+    return best if (is_one_sender or len(devices) >= _COMMON) and _is_shared(best) else []
+
+
+def _is_shared(best: list[TopicUse]) -> bool:
+    """Return whether a topic is for several devices: they are behind one bridge, or do not identify themselves."""
     bridges = {one.bridge for one in best}
-    has_one_bridge = len(bridges) == 1 and "" not in bridges
-    is_shared = has_one_bridge or all(one.is_anonymous for one in best)
-    return best if is_shared and (is_one_sender or len(devices) >= _COMMON) else []
+    return (len(bridges) == 1 and "" not in bridges) or all(one.is_anonymous for one in best)
 
 
 def _has_a_name_of(use: TopicUse, others: Iterable[TopicUse]) -> bool:

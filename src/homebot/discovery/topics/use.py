@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
+from itertools import chain
+from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.devices import Sighting
@@ -128,6 +130,9 @@ def _is_specific_word(word: str) -> bool:
     return len(word) >= _SHORTEST and word not in _COMMON and not is_generic(word)
 
 
+_WRITES, _READS = attrgetter("writes"), attrgetter("reads")
+
+
 class TopicUse(NamedTuple):
     """The topics that one announcement uses.
 
@@ -185,8 +190,8 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     if len(parts) == 1:
         writes, reads = parts[0].writes, parts[0].reads  # the same objects take no memory
     else:
-        writes = tuple([topic for part in parts for topic in part.writes])
-        reads = tuple([topic for part in parts for topic in part.reads])
+        writes = tuple(chain.from_iterable(map(_WRITES, parts)))
+        reads = tuple(chain.from_iterable(map(_READS, parts)))
     if sighting.command_address and sighting.is_plain_text:
         writes = (*writes, sighting.command_address)
     if len(writes) > 1:
