@@ -41,10 +41,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Collect without a search for garbage, which takes almost half of the time."""
+    """Collect without a search for garbage, which takes almost half of the time; later searches leave out all tests."""
     gc.collect()  # what is garbage now may have something to warn of
     with gc_paused():
-        return (yield)
+        collected = yield
+    gc.freeze()
+    return collected
 
 
 def pytest_asyncio_loop_factories(

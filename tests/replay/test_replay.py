@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, replayed, texts
-from tests.sizes import nightly, size
+from tests.sizes import NIGHTLY, nightly, size
 
 import homebot.apps.lights_out
 from homebot.recording.recording import Recording
@@ -18,6 +18,7 @@ pytestmark = pytest.mark.slow
 
 EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
 EVENING_APPS = ("lights_out", "follow_me")
+DAY = {"length": "24h"} if NIGHTLY else {"length": "4h", "start": "2026-01-01 06:00"}
 
 
 @pytest.fixture(autouse=True)
@@ -38,7 +39,7 @@ def evening() -> Recording:
 @pytest.mark.no_cover
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=nightly)])
 def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: int) -> None:
-    recording = recorded(family(seed), EVERY_APP, f"{size(10, 24)}h", seed=seed)
+    recording = recorded(family(seed), EVERY_APP, **DAY, seed=seed)
     diff = diff_of(recording)
     assert texts(recording, diff) == []
     assert diff.same > size(15, 100)

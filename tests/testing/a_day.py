@@ -22,14 +22,14 @@ async def thesis(seed: int) -> str:
         virtual_house_of("light_service", world=thesis_world(), seed=seed) as house,
         EventLog.of(house) as log,
     ):
-        await house.run_until("02:00")
+        await house.run_until("00:40")
         await house.broker.stop(abrupt=True)
         await house.run_for("17m")
         await house.broker.start()
-        await house.run_until("03:00")
+        await house.run_until("01:30")
         for lamp in ("roomlights405", "philips165"):
             await house.press(lamp, "on")
-        await house.run_until("06:00")
+        await house.run_until("03:00")
         return str(log)
 
 

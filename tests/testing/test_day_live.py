@@ -6,6 +6,7 @@ from datetime import timedelta
 
 import pytest
 from hypothesis import given, settings
+from tests.sizes import size
 
 from homebot.apps import App
 from homebot.errors import UsageError
@@ -16,6 +17,7 @@ from homebot.testing.day_event import read_time
 from homebot.testing.strategies import days, houses
 from homebot.testing.virtual_house import parse_time
 
+LONG = float(size(600, 1800))
 WITH_POWER = houses(faults=set(FAULTS) - {"unplugged"}, max_devices=3)
 HOUSE = Day.parse('rooms.hall.doors = ["outside"]\ndevices.lamp = { kind = "lamp", room = "hall" }').house
 
@@ -55,8 +57,8 @@ def test_a_day_on_the_wire_is_the_same_each_time(day: Day) -> None:
 def test_whatever_is_wrong_with_a_lamp_time_goes_on(fault: str) -> None:
     """Also where an app insists: the light service tells it off each time it says on."""
     lamp = {"kind": "lamp", "room": "hall", "is_on": True, "faults": {fault: {}}}
-    day = Day({"rooms": {"hall": {}}, "devices": {"lamp": lamp}}, (), 0.0, 1800.0)
-    assert live_day(day, "light_service").now == pytest.approx(1800.0, abs=0.001)
+    day = Day({"rooms": {"hall": {}}, "devices": {"lamp": lamp}}, (), 0.0, LONG)
+    assert live_day(day, "light_service").now == pytest.approx(LONG, abs=0.001)
 
 
 def test_an_app_acts_on_what_happens() -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.sizes import nightly
+from tests.sizes import nightly, size
 
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
@@ -179,9 +179,9 @@ async def test_the_world_is_at_the_time_of_the_house() -> None:
 @pytest.mark.virtual_time
 async def test_a_night_without_broker_is_survived() -> None:
     async with virtual_house_of("light_service", world=thesis_world()) as house:
-        await house.run_until("01:00")
+        await house.run_until("00:10")
         await house.broker.stop(abrupt=True)
-        await house.run_until("05:00")
+        await house.run_for(f"{size(1, 6)}h")
         await house.broker.start()
         await house.run_for("1m")
         await house.says("home425/lights/roomlights405/out", "on")

@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 from random import Random
@@ -58,6 +59,16 @@ class Model:
     sightings: tuple[Sighting, ...]
     parts: Mapping[Place, DescribedPart]
     properties: Mapping[Place, frozenset[str]]
+
+    @cached_property
+    def whole(self) -> Device:
+        """The device of all sightings."""
+        return self.device(self.sightings)
+
+    @cached_property
+    def orders(self) -> dict[Place, dict[tuple[str, PlainValue], dict[str, object]]]:
+        """The commands of each part, as :func:`commands` finds them."""
+        return {place: commands(self.topic, part) for place, part in self.parts.items()}
 
     def device(self, order: Sequence[Sighting]) -> Device:
         """The only device that these sightings are, one after the other."""
@@ -216,7 +227,7 @@ def test_the_models_of_all_other_fixtures_are_here() -> None:
 
 
 def every_order_of_arrival_has_one_result(model: Model) -> None:
-    wanted = outcome(model.device(model.sightings))
+    wanted = outcome(model.whole)
     order, dice = list(model.sightings), Random(1)  # noqa: S311 - the same orders in every run
     for _ in range(ORDERS):
         dice.shuffle(order)
@@ -224,14 +235,14 @@ def every_order_of_arrival_has_one_result(model: Model) -> None:
 
 
 def no_part_is_made_of_two_that_use_nothing_in_common(model: Model) -> None:
-    for one in model.device(model.sightings).parts:
+    for one in model.whole.parts:
         for first, second in combinations(one.routes, 2):
             mine, theirs = model.properties[first.key, first.part], model.properties[second.key, second.part]
             assert (mine & theirs) or not (mine | theirs), (first, second)
 
 
 def a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model: Model) -> None:
-    for one in model.device(model.sightings).parts:
+    for one in model.whole.parts:
         sides = [model.parts[way.key, way.part].part.capabilities for way in one.routes]
         for capability in one.part.capabilities:
             of_sides = [other for side in sides for other in side if other.name == capability.name]
@@ -241,16 +252,16 @@ def a_part_can_do_what_one_of_its_sides_can_and_nothing_else(model: Model) -> No
 
 
 def a_command_means_the_same_by_every_way(model: Model) -> None:
-    for one in model.device(model.sightings).parts:
+    for one in model.whole.parts:
         for first, second in combinations(one.routes, 2):
-            mine, theirs = (commands(model.topic, model.parts[way.key, way.part]) for way in (first, second))
+            mine, theirs = (model.orders[way.key, way.part] for way in (first, second))
             for order in mine.keys() & theirs.keys():
                 assert mine[order] == theirs[order], (order, first, second)
 
 
 def every_setting_is_there_once_and_none_is_found_as_a_load(model: Model) -> None:
     """A lamp may have its effects as well."""
-    parts = model.device(model.sightings).parts
+    parts = model.whole.parts
     used = {one.id: model.used(one) for one in parts}
     settings = [one for one in parts if one.part.category == "config" and one.part.service_type == "x_setting"]
     for one, other in combinations(parts, 2):

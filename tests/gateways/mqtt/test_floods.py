@@ -9,6 +9,7 @@ from typing import ClassVar
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.sizes import size
 
 from homebot.conventions.description import AnnouncementEvent
 from homebot.gateways.announced.work_budget import BURST, MESSAGE_WORK, RATE, SHARED_BURST
@@ -155,7 +156,7 @@ async def test_a_codec_that_fails_takes_nothing_from_the_announcements_of_its_pr
 
 
 @pytest.mark.no_cover
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(size(6, 12)))
 async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is_bounded(
     make_house: MakeHouse, seed: int
 ) -> None:
