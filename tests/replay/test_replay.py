@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 
 EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
 EVENING_APPS = ("lights_out", "follow_me")
-DAY = {"length": "24h"} if NIGHTLY else {"length": "4h", "start": "2026-01-01 06:00"}
+START, LENGTH = ("2026-01-01", "24h") if NIGHTLY else ("2026-01-01 06:00", "4h")
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +39,7 @@ def evening() -> Recording:
 @pytest.mark.no_cover
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=nightly)])
 def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: int) -> None:
-    recording = recorded(family(seed), EVERY_APP, **DAY, seed=seed)
+    recording = recorded(family(seed), EVERY_APP, LENGTH, start=START, seed=seed)
     diff = diff_of(recording)
     assert texts(recording, diff) == []
     assert diff.same > size(15, 100)
