@@ -14,7 +14,7 @@ A part is named by its id, by its service type where ids are the convention's ow
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -45,14 +45,8 @@ TOLERANCES = {"color_temperature": 40.0, "level": 0.7, "position": 0.51, "tilt":
 """Judges show whole percents and mireds; of other numbers, they show fewer digits."""
 
 
-def rows() -> Iterator[Any]:
-    for convention in CONVENTIONS:
-        for line in (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines():
-            row = json.loads(line)
-            yield pytest.param(convention, row, id=f"{convention}-{row['vendor']}-{row['model']}")
-
-
-ROWS = list(rows())
+def rows(convention: str) -> list[Row]:
+    return [json.loads(line) for line in (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()]
 
 
 def parts_of(convention: Convention, row: Row) -> list[DescribedPart]:
@@ -129,12 +123,18 @@ def obeys(row: Row, ours: tuple[Publication, ...], theirs: Any) -> bool:
 
 def test_hundreds_of_products_are_here() -> None:
     """No product counts twice."""
-    assert len({(row.values[1]["vendor"], row.values[1]["model"]) for row in ROWS}) >= MODELS
+    assert len({(row["vendor"], row["model"]) for convention in CONVENTIONS for row in rows(convention)}) >= MODELS
 
 
-@pytest.mark.parametrize(("convention", "row"), ROWS)
-def test_a_product_is_understood_and_told_as_its_judge_does(convention: str, row: Row) -> None:
+@pytest.mark.parametrize("convention", CONVENTIONS)
+def test_products_are_understood_and_told_as_their_judge_does(convention: str) -> None:
     """What differs is listed, so that one run shows all of it."""
+    found = [(row["vendor"], row["model"], differences(convention, row)) for row in rows(convention)]
+    assert [product for product in found if product[-1]] == []
+
+
+def differences(convention: str, row: Row) -> list[object]:
+    """What homebot understands or publishes in another way than the judge of *row*."""
     parts = parts_of(CONVENTIONS[convention](), row)
     offered = {one.part.service_type for one in parts if not one.part.category}
     differs: list[object] = sorted(set(row["types"]) - offered)
@@ -152,4 +152,4 @@ def test_a_product_is_understood_and_told_as_its_judge_does(convention: str, row
         orders = [published(one, capability, wanted) for one in meant(parts, who)]
         if not any(obeys(row, ours, theirs) for ours in orders):
             differs.append((who, capability, value, theirs, orders))
-    assert not differs
+    return differs
