@@ -31,7 +31,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from datetime import time
 from pathlib import Path
 from typing import Annotated
@@ -88,13 +88,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         meter = unwrap(item.device)
         if isinstance(meter, PowerMeter) and meter.of and meter.of not in known:
             raise ConfigError(source, f"devices.{meter.device_id}.of", f"there is no device {meter.of!r}")
-    errands = []
-    for number, table in enumerate(parts.errands):
-        key = f"errands.{number}"
-        scheduled = parse_settings(_ScheduledCommandTable, table, source, key)
-        if scheduled.device not in known:
-            raise ConfigError(source, f"{key}.device", f"there is no device {scheduled.device!r}")
-        errands.append(ScheduledCommand(_seconds(scheduled.at), scheduled.device, scheduled.command))
+    errands = [_scheduled(f"errands.{number}", table, known, source) for number, table in enumerate(parts.errands)]
     return World(
         rooms,
         placed,
@@ -106,6 +100,13 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         by_hand=house.by_hand,
         forgetful=house.forgetful,
     )
+
+
+def _scheduled(key: str, table: Table, known: Container[str], source: str) -> ScheduledCommand:
+    scheduled = parse_settings(_ScheduledCommandTable, table, source, key)
+    if scheduled.device not in known:
+        raise ConfigError(source, f"{key}.device", f"there is no device {scheduled.device!r}")
+    return ScheduledCommand(_seconds(scheduled.at), scheduled.device, scheduled.command)
 
 
 class _Strict(BaseModel):

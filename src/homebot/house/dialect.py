@@ -159,15 +159,26 @@ class Dialect(ABC):
         del device
         return ()
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return the first messages of *device* on each new link, before its state: announcement, availability."""
+    def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes] | None:
+        """Return the topic of its availability, and the payloads for online and offline; None for none."""
+        del device
+        return None
+
+    def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        """Return the messages by which *device* announces itself."""
         del device
         return ()
 
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        """Return the first messages of *device* on each new link, before its state."""
+        found = self.availability(device)
+        online = () if found is None else (OutgoingMessage(found[0], found[1], retain=True),)
+        return (*self.announcement(device), *online)
+
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
         """Return the last will of *device*."""
-        del device
-        return None
+        found = self.availability(device)
+        return None if found is None else OutgoingMessage(found[0], found[2], retain=True)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the commands in a message that came in; empty where it holds none."""

@@ -239,13 +239,16 @@ class World:
     def on_motion(self, room: str) -> None:
         """Show motion in *room* to its sensors, and work its lamps by hand. For the household alone."""
         self._show_motion(room)
-        awake = self._household.awake_in(room)
-        if not self._by_hand or room == OUTSIDE:
-            return
-        wish = "" if not awake and self._forgetful else "off" if not awake else "on" if self.lux(room) < DARK else ""
-        for entry in self._in_room[room]:
-            if wish and isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
+        wish = self._wish(room) if self._by_hand and room != OUTSIDE else ""
+        for entry in self._in_room[room] if wish else ():
+            if isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
                 self._switch(entry, wish)
+
+    def _wish(self, room: str) -> str:
+        """Return the order that the people in *room* give its lamps; empty for none."""
+        if self._household.awake_in(room):
+            return "on" if self.lux(room) < DARK else ""
+        return "" if self._forgetful else "off"
 
     def on_still(self, room: str) -> None:
         """Report the end of movement to the sensors of *room*. For the household alone."""

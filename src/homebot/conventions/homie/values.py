@@ -78,18 +78,8 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
 
 def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float | None] | None:
     """Return hue, saturation and brightness in *payload*; None if it is no colour of *prop*."""
-    text = to_text(payload)
-    if text is None or len(text) > _LONGEST_TEXT:
-        return None
-    fields = text.split(",")
-    form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
-    limits = _LIMITS.get(form)
-    if limits is None or form not in prop.options:
-        return None
-    numbers = tuple(number for number in map(to_number, fields) if number is not None)
-    if not len(fields) == len(numbers) == len(limits):
-        return None
-    if not all(0 <= number <= most for number, most in zip(numbers, limits, strict=True)):
+    form, numbers = _color_channels(prop, payload)
+    if not numbers:
         return None
     if form == "hsv":
         return numbers[0], numbers[1], numbers[2]
@@ -97,6 +87,21 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
         hue, saturation, brightness = colorsys.rgb_to_hsv(*(one / 255 for one in numbers))
         return round(hue * 360, 3), round(saturation * 100, 3), round(brightness * 100, 3)
     return *to_hue_saturation("xy", numbers, _ANY_WHITE), None
+
+
+def _color_channels(prop: HomieProperty, payload: bytes) -> tuple[str, tuple[float, ...]]:
+    """Return the form of a colour and its numbers; no numbers for an invalid payload."""
+    text = to_text(payload)
+    if text is None or len(text) > _LONGEST_TEXT:
+        return "", ()
+    fields = text.split(",")
+    form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
+    limits = _LIMITS.get(form, ()) if form in prop.options else ()
+    numbers = tuple(number for number in map(to_number, fields) if number is not None)
+    if not len(fields) == len(numbers) == len(limits):
+        return form, ()
+    is_valid = all(0 <= number <= most for number, most in zip(numbers, limits, strict=True))
+    return form, numbers if is_valid else ()
 
 
 def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:

@@ -87,11 +87,7 @@ class ClusterRow:
 
     def ability(self, endpoint: MatterEndpoint) -> MatterAbility | None:
         """Return the ability of *endpoint* by this row; None if it has none."""
-        if not endpoint.has(self.cluster, self.attribute):
-            return None
-        if self.feature and not endpoint.features(self.cluster) & self.feature:
-            return None
-        if self.when is not None and not self.when(endpoint):
+        if not self._is_on(endpoint):
             return None
         is_settable = self.accepts is None or endpoint.accepts(self.cluster, self.accepts)
         write = self.write if is_settable else None
@@ -105,6 +101,12 @@ class ClusterRow:
         )
         read = None if self.read is None else partial(self._read, self.read)
         return MatterAbility(self.cluster, capability, read, write, self.also_read, self.part_suffix)
+
+    def _is_on(self, endpoint: MatterEndpoint) -> bool:
+        if not endpoint.has(self.cluster, self.attribute):
+            return False
+        has_feature = not self.feature or endpoint.features(self.cluster) & self.feature
+        return bool(has_feature and (self.when is None or self.when(endpoint)))
 
     def _read(self, read: Reader, endpoint: MatterEndpoint) -> PlainValue:
         return read(endpoint, None if self.attribute is None else endpoint.value(self.cluster, self.attribute))

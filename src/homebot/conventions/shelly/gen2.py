@@ -142,14 +142,19 @@ class Gen2:
         if device is None or not kind:
             return ()
         if kind == "components":
-            start = device.page_start(result)
-            has_room = start is not None and self._has_room(device, page_name(start), len(payload))
-            if start is not None and has_room and (following := device.add_page(result, start, len(payload))):
+            if following := self._add_page(device, result, len(payload)):
                 key = f"{device.prefix}#{page_name(following)}"  # another key than that of a request of all answers
                 return (DeviceRequest(key, (self._call_components(device, following),)),)
         elif not self._record_answer(device, kind, result, len(payload)):
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
+
+    def _add_page(self, device: Gen2Device, page: Fields, size: int) -> int:
+        """Add a page of components of *size* bytes; return the number at which the next one begins, or 0."""
+        start = device.page_start(page)
+        if start is None or not self._has_room(device, page_name(start), size):
+            return 0
+        return device.add_page(page, start, size)
 
     def _device(self, prefix: str) -> Gen2Device | None:
         device = self._devices.get(prefix)

@@ -141,7 +141,6 @@ class MatterNode:
         return owners
 
     def _device(self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str) -> NodeDevice:
-        cluster = BRIDGED if bridge else BASIC
         coverings = {
             number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
         }
@@ -152,16 +151,13 @@ class MatterNode:
                 if len(parts) < MAX_PARTS:
                     parts.append(part)
                     abilities[part.id] = tuple((endpoint, one) for one in found)
-        facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()}
-        if bridge:
-            facts["via_device"] = bridge
-        name = root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}"
-        metadata = {name: text for name, text in facts.items() if text}
+        cluster = BRIDGED if bridge else BASIC
+        facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
         device = GatewayDevice(
             key,
-            name,
+            root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}",
             tuple(parts),
-            metadata,
+            {name: text for name, text in facts.items() if text},
             _identifiers(root, cluster),
             authenticated=True,  # the owner commissioned it: it has a certificate
             raw_address=f"matter/{key}",

@@ -121,13 +121,10 @@ class NetworkInterfaces:
             texts = [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
             addresses = [ipaddress.ip_address(text) for text in texts]
             is_wanted = adapter.name in wanted if wanted else not any(one.is_loopback for one in addresses)
-            named = [text for text in texts if is_wanted or text in wanted]
+            named = texts if is_wanted else [text for text in texts if text in wanted]
             found += [text for text in named if ":" not in text]
-            if (
-                adapter.index is not None
-                and any(":" in text for text in named)
-                and _has_link_local(addresses, adapter.index)
-            ):
+            is_version_6 = any(":" in text for text in named)
+            if is_version_6 and adapter.index is not None and _has_link_local(addresses, adapter.index):
                 found.append(adapter.index)
         return tuple(dict.fromkeys(found))
 

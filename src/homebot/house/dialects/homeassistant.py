@@ -195,15 +195,13 @@ class HomeAssistantDialect(Dialect):
         """Return where it takes commands; sensors take none."""
         return tuple(f"{node_name(device)}/{level}" for level in COMPONENTS[device.kind].levels)
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return its announcement, and that it is online; both kept."""
-        node = node_name(device)
-        config = self._whole(device) if self._whole_devices else self._single(device)
-        return (config, OutgoingMessage(f"{node}/status", b"online", retain=True))
+    def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
+        """Return the topic of its status."""
+        return f"{node_name(device)}/status", b"online", b"offline"
 
-    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        """Return that it is offline; kept."""
-        return OutgoingMessage(f"{node_name(device)}/status", b"offline", retain=True)
+    def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        """Return its configuration."""
+        return (self._whole(device) if self._whole_devices else self._single(device),)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, kept."""

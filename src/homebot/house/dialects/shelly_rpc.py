@@ -32,13 +32,9 @@ class ShellyRpcDialect(Dialect):
         """Return where it takes calls."""
         return (f"{_id(device)}/rpc",)
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return that it is online, kept."""
-        return (OutgoingMessage(f"{_id(device)}/online", b"true", retain=True),)
-
-    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        """Return that it is offline, kept."""
-        return OutgoingMessage(f"{_id(device)}/online", b"false", retain=True)
+    def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
+        """Return the topic of its last will."""
+        return f"{_id(device)}/online", b"true", b"false"
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as news."""

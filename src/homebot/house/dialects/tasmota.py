@@ -49,18 +49,17 @@ class TasmotaDialect(Dialect):
         """Return where it takes commands."""
         return (f"cmnd/{_topic(device)}/+",)
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return its two announcements, and that it is online; all kept."""
+    def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
+        """Return the topic of its last will."""
+        return f"tele/{_topic(device)}/LWT", b"Online", b"Offline"
+
+    def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        """Return its two announcements, kept."""
         mac = hardware_address(device).upper()
         return (
             OutgoingMessage(f"{self._prefix}/{mac}/config", as_json(_config(device, mac)), retain=True),
             OutgoingMessage(f"{self._prefix}/{mac}/sensors", as_json({"sn": _sensors(device), "ver": 1}), retain=True),
-            OutgoingMessage(f"tele/{_topic(device)}/LWT", b"Online", retain=True),
         )
-
-    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        """Return that it is offline, kept."""
-        return OutgoingMessage(f"tele/{_topic(device)}/LWT", b"Offline", retain=True)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as in each period."""

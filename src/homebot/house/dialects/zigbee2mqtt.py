@@ -130,13 +130,9 @@ class Zigbee2MqttDialect(Dialect):
         topic = self._topic(device)
         return (f"{topic}/set", f"{topic}/set/+", f"{topic}/get")
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return that it is online, kept."""
-        return (OutgoingMessage(f"{self._topic(device)}/availability", b'{"state":"online"}', retain=True),)
-
-    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        """Return that it is offline, kept, as the bridge finds out sooner or later."""
-        return OutgoingMessage(f"{self._topic(device)}/availability", b'{"state":"offline"}', retain=True)
+    def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
+        """Return the topic on which the bridge reports sooner or later that it is offline."""
+        return f"{self._topic(device)}/availability", b'{"state":"online"}', b'{"state":"offline"}'
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its whole state."""
