@@ -52,77 +52,33 @@ class ServedFamily:
     options: Mapping[str, object] = field(default_factory=dict)
 
 
-_ALL_BUT_ROBOTS = frozenset(
-    {"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"}
-)
-_FOUND_BY_MDNS: Mapping[str, object] = MappingProxyType({"announced": True})
+def _family(
+    kinds: frozenset[str], device: str, gateway: str, libraries: tuple[str, ...], **options: object
+) -> ServedFamily:
+    """Return a family with libraries of the extra of its gateway; those of ``ble`` with ``testing``."""
+    extra = "testing" if gateway == "ble" else gateway
+    return ServedFamily(kinds, f"homebot.house.{device}", gateway, extra, libraries, options)
+
+
+_LAMP = frozenset({"lamp"})
+_SHELLYS = frozenset({"cover", "lamp", "window"})
+_SENSORS = frozenset({"contact", "lux", "motion", "power_meter", "thermostat"})
+_COAP = frozenset({"lamp", "lux", "motion", "thermostat"})
+_ALL = frozenset({"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"})
+"""All kinds but robots and tags."""
 
 FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
     {
-        "ble_light": ServedFamily(
-            frozenset({"lamp"}), "homebot.house.ble_devices:BluetoothLight", "ble", "testing", ("bleak", "bumble")
-        ),
-        "bthome": ServedFamily(
-            frozenset({"contact", "lux", "motion", "power_meter", "thermostat"}),
-            "homebot.house.ble_devices:BroadcastingSensor",
-            "ble",
-            "testing",
-            ("bleak", "bumble"),
-        ),
-        "coap": ServedFamily(
-            frozenset({"lamp", "lux", "motion", "thermostat"}),
-            "homebot.house.coap_devices:CoapDevice",
-            "coap",
-            "coap",
-            ("aiocoap",),
-        ),
-        "esphome": ServedFamily(
-            _ALL_BUT_ROBOTS,
-            "homebot.house.esphome:EsphomeServedDevice",
-            "mdns",
-            "mdns",
-            ("aioesphomeapi", "zeroconf"),
-            _FOUND_BY_MDNS,
-        ),
-        "matter": ServedFamily(
-            _ALL_BUT_ROBOTS,
-            "homebot.house.matter:ServedMatterNode",
-            "matter",
-            "matter",
-            ("aiohttp",),
-        ),
-        "matter_bridge": ServedFamily(
-            _ALL_BUT_ROBOTS,
-            "homebot.house.matter:BridgedMatterDevice",
-            "matter",
-            "matter",
-            ("aiohttp",),
-        ),
-        "matter_plug": ServedFamily(
-            frozenset({"lamp"}),
-            "homebot.house.matter:ServedMatterNode",
-            "matter",
-            "matter",
-            ("aiohttp",),
-            MappingProxyType({"kind": "plug"}),
-        ),
-        "nfc": ServedFamily(frozenset({"tag"}), "homebot.house.nfc:ServedTag", "nfc", "nfc", ("ndef", "nfc")),
-        "shelly_http": ServedFamily(
-            frozenset({"cover", "lamp", "window"}),
-            "homebot.house.http.shelly:ServedShelly",
-            "mdns",
-            "mdns",
-            ("aiohttp", "zeroconf"),
-            _FOUND_BY_MDNS,
-        ),
-        "wled": ServedFamily(
-            frozenset({"lamp"}),
-            "homebot.house.http.wled:ServedWled",
-            "mdns",
-            "mdns",
-            ("aiohttp", "zeroconf"),
-            _FOUND_BY_MDNS,
-        ),
+        "ble_light": _family(_LAMP, "ble_devices:BluetoothLight", "ble", ("bleak", "bumble")),
+        "bthome": _family(_SENSORS, "ble_devices:BroadcastingSensor", "ble", ("bleak", "bumble")),
+        "coap": _family(_COAP, "coap_devices:CoapDevice", "coap", ("aiocoap",)),
+        "esphome": _family(_ALL, "esphome:EsphomeServedDevice", "mdns", ("aioesphomeapi", "zeroconf"), announced=True),
+        "matter": _family(_ALL, "matter:ServedMatterNode", "matter", ("aiohttp",)),
+        "matter_bridge": _family(_ALL, "matter:BridgedMatterDevice", "matter", ("aiohttp",)),
+        "matter_plug": _family(_LAMP, "matter:ServedMatterNode", "matter", ("aiohttp",), kind="plug"),
+        "nfc": _family(frozenset({"tag"}), "nfc:ServedTag", "nfc", ("ndef", "nfc")),
+        "shelly_http": _family(_SHELLYS, "http.shelly:ServedShelly", "mdns", ("aiohttp", "zeroconf"), announced=True),
+        "wled": _family(_LAMP, "http.wled:ServedWled", "mdns", ("aiohttp", "zeroconf"), announced=True),
     }
 )
 """Every served family by the name that houses have for it."""

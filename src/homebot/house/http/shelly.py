@@ -12,15 +12,12 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 
-import anyio
-from anyio.abc import TaskStatus
-
-from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.shelly_rpc import ShellyRpcDialect, describe_shelly
 from homebot.house.dialects.wire import as_json, as_object, json_value
-from homebot.house.dns_sd import DnsSdService, announce_service
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.dns_sd import DnsSdService
+from homebot.house.http.served_web_device import ServedWebDevice
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 
 __all__ = ["ServedShelly"]
 
@@ -29,20 +26,14 @@ ALGORITHM = "SHA-256"
 OPEN_METHODS = frozenset({"Shelly.GetDeviceInfo"})
 
 
-class ServedShelly(ServedDevice):
+class ServedShelly(ServedWebDevice):
     """A dimmer or a cover.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        address: Its own address; announced on the interface that has it.
-        port: Its port; 0 for a free one.
-        announced: Whether it announces itself by DNS-SD.
         password: Its password; empty for none.
         nonce: Makes its challenges.
 
     Attributes:
-        server: Its server.
         refused_calls: Calls that had no valid password.
     """
 
@@ -57,11 +48,9 @@ class ServedShelly(ServedDevice):
         password: str = "",
         nonce: Callable[[], int] = lambda: 1625038762,
     ) -> None:
-        super().__init__(device, on_command)
-        self.server = WebServer(self, address, port)
+        super().__init__(device, on_command, address=address, port=port, announced=announced)
         self.refused_calls = 0
         self._dialect = ShellyRpcDialect()
-        self._is_announced = announced
         self._password = password
         self._make_nonce = nonce
         self._nonces: dict[int, int] = {}
@@ -71,21 +60,11 @@ class ServedShelly(ServedDevice):
         """Its id: ``shellydimmerg3-02aabbccddee``."""
         return str(describe_shelly(self.device)["id"])
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be on the network until cancelled."""
-        async with anyio.create_task_group() as tasks:
-            await tasks.start(self.server.serve)
-            if self._is_announced:
-                about = describe_shelly(self.device)
-                service = DnsSdService(
-                    "_shelly._tcp.local.",
-                    self.id,
-                    self.id,
-                    self.server.port,
-                    {"gen": str(about["gen"]), "app": str(about["app"]), "ver": str(about["ver"])},
-                )
-                await tasks.start(announce_service, service, self.server.address)
-            task_status.started()
+    def service(self) -> DnsSdService:
+        """Return its announced service."""
+        about = describe_shelly(self.device)
+        text = {name: str(about[name]) for name in ("gen", "app", "ver")}
+        return DnsSdService("_shelly._tcp.local.", self.id, self.id, self.server.port, text)
 
     def show(self) -> None:
         """Send the state to every WebSocket that has called."""

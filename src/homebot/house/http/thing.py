@@ -9,15 +9,12 @@ import json
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 
-import anyio
-from anyio.abc import TaskStatus
-
-from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, hardware_address, json_value
-from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.dns_sd import DnsSdService
+from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.house.http.thing_properties import THING_PROPERTIES, ThingProperty
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 
 __all__ = ["ServedThing"]
 
@@ -26,19 +23,12 @@ WELL_KNOWN = "/.well-known/wot"
 CONTEXTS = ["https://www.w3.org/2022/wot/td/v1.1", "https://webthings.io/schemas"]
 
 
-class ServedThing(ServedDevice):
+class ServedThing(ServedWebDevice):
     """One thing.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        address: Its own address; announced on the interface that has it.
-        announced: Whether it announces itself by DNS-SD.
         token: Required bearer token; empty for none.
         user: With a user, *token* is the password of HTTP Basic authentication.
-
-    Attributes:
-        server: Its server.
     """
 
     def __init__(
@@ -51,9 +41,7 @@ class ServedThing(ServedDevice):
         token: str = "",
         user: str = "",
     ) -> None:
-        super().__init__(device, on_command)
-        self.server = WebServer(self, address)
-        self._is_announced = announced
+        super().__init__(device, on_command, address=address, announced=announced)
         self._type, self._properties = THING_PROPERTIES.get(device.kind, ("", {}))
         self._login = ""
         if user:
@@ -62,16 +50,11 @@ class ServedThing(ServedDevice):
             self._login = f"Bearer {token}"
         self._last: dict[str, object] = {}
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be on the network until cancelled."""
-        async with anyio.create_task_group() as tasks:
-            await tasks.start(self.server.serve)
-            if self._is_announced:
-                name, host = self.device.device_id, f"thing-{hardware_address(self.device)[-6:]}"
-                text = {"td": WELL_KNOWN, "type": "Thing", "scheme": "http"}
-                service = DnsSdService("_wot._tcp.local.", name, host, self.server.port, text)
-                await tasks.start(announce_service, service, self.server.address)
-            task_status.started()
+    def service(self) -> DnsSdService:
+        """Return its announced service."""
+        name, host = self.device.device_id, f"thing-{hardware_address(self.device)[-6:]}"
+        text = {"td": WELL_KNOWN, "type": "Thing", "scheme": "http"}
+        return DnsSdService("_wot._tcp.local.", name, host, self.server.port, text)
 
     @property
     def origin(self) -> str:

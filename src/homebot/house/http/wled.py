@@ -7,14 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import anyio
-from anyio.abc import TaskStatus
-
-from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, hardware_address, json_value, lamp_order, scaled
-from homebot.house.dns_sd import DnsSdService, announce_service
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.dns_sd import DnsSdService
+from homebot.house.http.served_web_device import ServedWebDevice
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 from homebot.support.numbers import to_number
 
 __all__ = ["EFFECTS", "ServedWled"]
@@ -26,18 +23,10 @@ WARMEST, STEP = 1900, 32
 RGB_AND_WHITES = 5
 
 
-class ServedWled(ServedDevice):
+class ServedWled(ServedWebDevice):
     """One lamp: a strip with a single segment, with colours and whites.
 
-    Args:
-        device: Its name and kind, which is ``lamp``.
-        on_command: Gets each command for it.
-        address: Its own address; announced on the interface that has it.
-        port: Its port; 0 for a free one.
-        announced: Whether it announces itself by DNS-SD.
-
     Attributes:
-        server: Its server.
         is_live: Whether another program lights it.
         segment: The colours and the effect, as the state says them.
         sync: Whether it sends its state to others, and takes theirs.
@@ -55,30 +44,23 @@ class ServedWled(ServedDevice):
         port: int = 0,
         announced: bool = False,
     ) -> None:
-        super().__init__(device, on_command)
-        self.server = WebServer(self, address, port)
+        super().__init__(device, on_command, address=address, port=port, announced=announced)
         self.is_live = False
         self.segment: dict[str, object] = {"col": [[255, 160, 0], [0, 0, 0], [0, 0, 0]], "fx": 0, "sx": 128, "ix": 128}
         self.sync = {"send": False, "recv": True}
         self.night_light = {"on": False, "dur": 60, "mode": 1, "tbri": 0, "rem": -1}
         self.presets: dict[str, object] = {"0": {}}
         self.preset = -1
-        self._is_announced = announced
 
     @property
     def mac(self) -> str:
         """Its hardware address."""
         return hardware_address(self.device)
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be on the network until cancelled."""
-        async with anyio.create_task_group() as tasks:
-            await tasks.start(self.server.serve)
-            if self._is_announced:
-                host = f"wled-{self.mac[-6:]}"
-                service = DnsSdService("_wled._tcp.local.", host, host, self.server.port, {"mac": self.mac})
-                await tasks.start(announce_service, service, self.server.address)
-            task_status.started()
+    def service(self) -> DnsSdService:
+        """Return its announced service."""
+        host = f"wled-{self.mac[-6:]}"
+        return DnsSdService("_wled._tcp.local.", host, host, self.server.port, {"mac": self.mac})
 
     def show(self) -> None:
         """Send everything to every WebSocket."""

@@ -1,0 +1,68 @@
+"""Simulated devices that are servers of HTTP, and may announce themselves by DNS-SD."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+
+__all__ = ["ServedWebDevice"]
+
+
+class ServedWebDevice(ServedDevice):
+    """A device with a server of its own.
+
+    Args:
+        device: Its name and kind.
+        on_command: Gets each command for it.
+        address: Its own address; announced on the interface that has it.
+        port: Its port; 0 for a free one.
+        announced: Whether it announces itself by DNS-SD.
+
+    Attributes:
+        server: Its server.
+    """
+
+    def __init__(
+        self,
+        device: SimulatedDeviceInfo,
+        on_command: Callable[[str], None],
+        *,
+        address: str = "127.0.0.1",
+        port: int = 0,
+        announced: bool = False,
+    ) -> None:
+        super().__init__(device, on_command)
+        self.server = WebServer(self, address, port)
+        self._is_announced = announced
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be on the network until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(self.server.serve)
+            if self._is_announced:
+                await tasks.start(announce_service, self.service(), self.server.address)
+            task_status.started()
+
+    @abstractmethod
+    def service(self) -> DnsSdService:
+        """Return its announced service; the port is known once it serves."""
+
+    @abstractmethod
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request of HTTP."""
+
+    @abstractmethod
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Accept a new WebSocket to *path*, or a new stream of events from there; false if there is none."""
+
+    @abstractmethod
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        """Handle a message of a WebSocket."""
