@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import AsyncIterator, Generator, Iterator
-from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Generator, Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,41 +16,42 @@ if TYPE_CHECKING:
 
 __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
 
-_HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
+_REPORTS = pytest.StashKey[list[Callable[[], tuple[str, str]]]]()
+"""Makers of the title and the text about each house of a test."""
 
 _FAILED = pytest.StashKey[bool]()
 
 _OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
 """Names of fixtures that only ours use, and of ours that tests may use too."""
 
-HouseT = TypeVar("HouseT", bound="TestHouse")
-
 
 @pytest.fixture
 def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterator[VirtualHouse]:
     """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` describes it."""
-    from homebot.testing.house_marks import house_by_mark  # noqa: PLC0415 - on first use
+    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
 
     for used, other in _OF_REAL_TIME.items():
         if used in request.fixturenames:
             pytest.fail(
                 f"`house` has its own time and broker, `{other}` runs in real time: use only one of them", pytrace=False
             )
-    with _explained():
-        made = house_by_mark(request.node)
-    with _shown(request, "house", loops.virtual_loop_of(request, "house"), made) as shown:
+    test = HouseOfTest(request.node, "house", request.node.stash.setdefault(_REPORTS, []))
+    made = test.virtual_house()
+    with test.shown(loops.virtual_loop_of(request, "house"), made) as shown:
         yield shown
+        test.check_crashes(shown, has_failed=request.node.stash.get(_FAILED, False))
 
 
 @pytest.fixture
 def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[TestHouse]:
     """A running homebot with its own broker; ``@pytest.mark.homebot`` names its apps."""
-    from homebot.testing.house_marks import homebot_of  # noqa: PLC0415 - on first use
+    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
 
-    with _explained():
-        made = homebot_of(request.node, homebot_config)
-    with _shown(request, "homebot", loops.loop_of(request, "homebot"), made) as shown:
+    test = HouseOfTest(request.node, "homebot", request.node.stash.setdefault(_REPORTS, []))
+    made = test.homebot(homebot_config)
+    with test.shown(loops.loop_of(request, "homebot"), made) as shown:
         yield shown
+        test.check_crashes(shown, has_failed=request.node.stash.get(_FAILED, False))
 
 
 @pytest.fixture
@@ -119,55 +118,6 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     report = yield
     if report.failed and report.when == "call":
         item.stash[_FAILED] = True
-    houses = item.stash.get(_HOUSES, [])
-    if report.failed and houses:
-        from homebot.testing.event_log import house_report  # noqa: PLC0415 - on first use
-
-        report.sections += [(f"what happened in `{name}`", house_report(one)) for name, one in houses]
+    if report.failed:
+        report.sections += [make() for make in item.stash.get(_REPORTS, [])]
     return report
-
-
-@contextmanager
-def _shown(
-    request: pytest.FixtureRequest,
-    name: str,
-    loop: asyncio.AbstractEventLoop,
-    made: AbstractAsyncContextManager[HouseT],
-) -> Iterator[HouseT]:
-    """Run the house on *loop*, with a log of it for the report of a failed test."""
-    from homebot.testing.contexts import hold_open  # noqa: PLC0415 - on first use
-
-    houses = request.node.stash.setdefault(_HOUSES, [])
-    with _explained(), hold_open(loop, _with_log(made)) as house:
-        houses.append((name, house))
-        yield house
-        _check_crashes(request.node, name, house)
-    houses.clear()
-
-
-def _check_crashes(test: pytest.Item, name: str, house: TestHouse) -> None:
-    """Fail the test where an app crashed: it was started again, so that the test might not notice."""
-    from homebot.testing.house_marks import allows_crashes  # noqa: PLC0415 - on first use
-
-    if house.crashed and not allows_crashes(test, name) and not test.stash.get(_FAILED, False):
-        parts = ", ".join(house.crashed)
-        pytest.fail(f"{parts} crashed; where that is meant, @pytest.mark.{name}(allow_crashes=True)", pytrace=False)
-
-
-@asynccontextmanager
-async def _with_log(made: AbstractAsyncContextManager[HouseT]) -> AsyncIterator[HouseT]:
-    from homebot.testing.event_log import EventLog  # noqa: PLC0415 - on first use
-
-    async with made as house, EventLog.of(house):
-        yield house
-
-
-@contextmanager
-def _explained() -> Iterator[None]:
-    """Fail with a message for the test's author, without our code in the traceback."""
-    from homebot.errors import UsageError  # noqa: PLC0415 - on first use
-
-    try:
-        yield
-    except UsageError as exc:
-        pytest.fail(str(exc), pytrace=False)

@@ -12,9 +12,12 @@ import inspect
 from collections.abc import Collection, Coroutine, Iterator
 from contextlib import contextmanager
 from contextvars import Context
-from typing import NoReturn, TypeVar
+from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 import pytest
+
+if TYPE_CHECKING:
+    from homebot.support.virtual_time import VirtualTimeLoop
 
 __all__ = [
     "VIRTUAL_TIME",
@@ -31,7 +34,7 @@ ResultT = TypeVar("ResultT")
 VIRTUAL_TIME = "_homebot_virtual_time"
 """The fixture that marks a test as one in virtual time: names such as ``house`` others may use too."""
 
-BROKERS = "_mqtt_broker_loop"
+BROKERS = "_mqtt_brokers"
 """The fixture that marks a test as one with an MQTT broker."""
 
 PYTEST_ASYNCIO = "asyncio"
@@ -94,10 +97,8 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
 
 def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
     """Return the loop of virtual time that runs the test of *request*; the test fails where it has another one."""
-    from homebot.support.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
-
     loop = loop_of(request, fixture)
-    if not isinstance(loop, VirtualTimeLoop):
+    if not isinstance(loop, _virtual_loop_class()):
         _fail(
             f"`{fixture}` needs a loop of virtual time, and this test runs on a {type(loop).__name__}, which could not "
             "be replaced. Async fixtures of a wider scope keep their loop for all tests: give them the scope "
@@ -171,10 +172,14 @@ class _VirtualRunner:
         return self._runner
 
 
-def _virtual_loop() -> asyncio.AbstractEventLoop:
+def _virtual_loop_class() -> type[VirtualTimeLoop]:
     from homebot.support.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - on first use
 
-    return VirtualTimeLoop()
+    return VirtualTimeLoop
+
+
+def _virtual_loop() -> asyncio.AbstractEventLoop:
+    return _virtual_loop_class()()
 
 
 def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:

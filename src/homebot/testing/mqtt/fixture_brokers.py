@@ -1,0 +1,96 @@
+"""Brokers of the fixtures: their settings from marks, and what they saw of a test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Final, Self, final
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_blocking_broker, serve_broker
+from homebot.testing.mqtt.settings import BrokerSettings
+from homebot.testing.mqtt.thread import BrokerThread, broker_thread
+from homebot.testing.mqtt.tls import TestTls
+
+__all__ = ["FixtureBrokers", "check_protocol", "packet_logs"]
+
+_MARK: Final = "mqtt_broker"
+_MAX_PACKETS_SHOWN: Final = 100
+
+
+@final
+class FixtureBrokers:
+    """The maker of the brokers of a session.
+
+    Args:
+        thread: Their thread.
+        make_folder: Makes a folder for the certificate that they show where a test asks for TLS.
+    """
+
+    def __init__(self, thread: BrokerThread, make_folder: Callable[[], Path]) -> None:
+        self._thread = thread
+        self._make_folder = make_folder
+
+    @classmethod
+    @contextmanager
+    def running(cls, make_folder: Callable[[], Path]) -> Iterator[Self]:
+        """Run the thread of the brokers during the block."""
+        with broker_thread() as thread:
+            yield cls(thread, make_folder)
+
+    def serve(self, test: pytest.Item | None = None) -> AbstractContextManager[TestBroker]:
+        """Serve a fresh broker during the block, as the marks of *test* describe it."""
+        settings = BrokerSettings() if test is None else _settings(test)
+        return serve_broker(self._thread, settings, self._tls if settings.tls else None)
+
+    def serve_blocking(self, test: pytest.Item) -> AbstractContextManager[BlockingTestBroker]:
+        """Serve as :meth:`serve` does, for a test that blocks."""
+        settings = _settings(test)
+        return serve_blocking_broker(self._thread, settings, self._tls if settings.tls else None)
+
+    @cached_property
+    def _tls(self) -> TestTls:
+        return TestTls.make(self._make_folder(), datetime.now(UTC))
+
+
+def packet_logs(test: pytest.Item) -> Iterator[tuple[str, str]]:
+    """Yield the name of each broker of *test* and its newest packets."""
+    for name, broker in _brokers(test):
+        text = broker.packet_log.text(_MAX_PACKETS_SHOWN)
+        if text:
+            yield name, text
+
+
+def check_protocol(test: pytest.Item) -> None:
+    """Fail *test* if a client of its brokers violated the protocol."""
+    problems = []
+    for name, broker in _brokers(test):
+        problems += [f"{name}: {each}" for each in broker.protocol_errors]
+        broker.forget_protocol_errors()  # a shared broker starts its next test clean
+    if problems and not _settings(test).allow_protocol_errors:
+        hint = "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)"
+        pytest.fail("\n".join([*problems, hint]), pytrace=False)
+
+
+def _brokers(test: pytest.Item) -> Iterator[tuple[str, TestBroker | BlockingTestBroker]]:
+    for name, value in getattr(test, "funcargs", {}).items():
+        if isinstance(value, TestBroker | BlockingTestBroker):
+            yield name, value
+
+
+def _settings(test: pytest.Item) -> BrokerSettings:
+    """Collect the settings of a test's marks; the nearest counts most."""
+    arguments: dict[str, object] = {}
+    for mark in test.iter_markers(_MARK):
+        if mark.args:
+            pytest.fail(f"@pytest.mark.{_MARK}: name the arguments, as in keep_alive=5", pytrace=False)
+        arguments = {**mark.kwargs, **arguments}
+    try:
+        return BrokerSettings.parse(arguments)
+    except UsageError as error:
+        pytest.fail(f"@pytest.mark.{_MARK}: {error}", pytrace=False)
