@@ -26,7 +26,6 @@ from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState,
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
-    from homebot.control.command_service import CommandService
     from homebot.control.control_layer import ControlLayer
     from homebot.control.journal.store import JournalStore
     from homebot.control.rehearsal import Rehearsal
@@ -209,9 +208,3 @@ class Control:
         )
         self._begun.set()
         return layer
-
-    @cached_property
-    def _words(self) -> CommandService:
-        from homebot.control.command_service import CommandService  # noqa: PLC0415 - it has the parser of queries
-
-        return CommandService(self._node, self._lookup, self.perform)

@@ -12,6 +12,7 @@ from homebot.testing.pytest_loops import anyio_loop, own_loop, virtual_time
 
 if TYPE_CHECKING:
     from homebot.testing.house import TestHouse
+    from homebot.testing.house_of_test import HouseOfTest
     from homebot.testing.virtual_house import VirtualHouse
 
 __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
@@ -28,14 +29,12 @@ _OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
 @pytest.fixture
 def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterator[VirtualHouse]:
     """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` describes it."""
-    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
-
     for used, other in _OF_REAL_TIME.items():
         if used in request.fixturenames:
             pytest.fail(
                 f"`house` has its own time and broker, `{other}` runs in real time: use only one of them", pytrace=False
             )
-    test = HouseOfTest(request.node, "house", request.node.stash.setdefault(_REPORTS, []))
+    test = _house_of_test(request, "house")
     made = test.virtual_house()
     with test.shown(loops.virtual_loop_of(request, "house"), made) as shown:
         yield shown
@@ -45,9 +44,7 @@ def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterat
 @pytest.fixture
 def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[TestHouse]:
     """A running homebot with its own broker; ``@pytest.mark.homebot`` names its apps."""
-    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
-
-    test = HouseOfTest(request.node, "homebot", request.node.stash.setdefault(_REPORTS, []))
+    test = _house_of_test(request, "homebot")
     made = test.homebot(homebot_config)
     with test.shown(loops.loop_of(request, "homebot"), made) as shown:
         yield shown
@@ -121,3 +118,9 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     if report.failed:
         report.sections += [make() for make in item.stash.get(_REPORTS, [])]
     return report
+
+
+def _house_of_test(request: pytest.FixtureRequest, fixture: str) -> HouseOfTest:
+    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
+
+    return HouseOfTest(request.node, fixture, request.node.stash.setdefault(_REPORTS, []))

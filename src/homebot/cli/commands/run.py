@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from homebot.apps import App
 from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, positive, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
@@ -236,8 +237,6 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
 
 def _with_its_class(file: str) -> str:
     """Return the app in *file* as ``FILE.py:Class``."""
-    from homebot.apps import App  # noqa: PLC0415 - few runs name a file
-
     return name_in_file(file, App)
 
 
