@@ -143,15 +143,17 @@ def _why_declared(part: Part) -> str:
         return f"its type is {part.service_type}"
     if part.advertised and not part.category and matching_words(part.advertised, HEAT):
         return f"it calls itself {part.advertised}"
-    for one in part.capabilities:
-        if not one.settable:
-            continue
-        if one.name in _CAPABILITIES:
-            return f"its {one.name} can be set"
-        if one.name == "on_off" and part.name in _ARMED:
-            return "it disarms the alarm"
-        if one.name == "heating_setpoint" and one.bounds and one.bounds[-1] >= _SCALDING:
-            return f"it heats up to {one.bounds[-1]:g} °C"
+    reasons = (_why_settable(one, part) for one in part.capabilities if one.settable)
+    return next(filter(None, reasons), "")
+
+
+def _why_settable(capability: Capability, part: Part) -> str:
+    if capability.name in _CAPABILITIES:
+        return f"its {capability.name} can be set"
+    if capability.name == "on_off" and part.name in _ARMED:
+        return "it disarms the alarm"
+    if capability.name == "heating_setpoint" and capability.bounds and capability.bounds[-1] >= _SCALDING:
+        return f"it heats up to {capability.bounds[-1]:g} °C"
     return ""
 
 
@@ -161,20 +163,21 @@ def _why_named_setting(device: Device, part: DevicePart) -> str:
     Maintenance settings, such as a restart, are not called by the device's name; a lock among its settings
     is one for its keys.
     """
+    reasons = (_why_called(one, device, part) for one in part.part.capabilities if one.settable)
+    return next((one for one in reasons if one is not None), "")
+
+
+def _why_called(capability: Capability, device: Device, part: DevicePart) -> str | None:
+    """Return as :func:`_why_named_setting`; None where the name says nothing about such a capability."""
     told = part.part
-    for one in told.capabilities:
-        if not one.settable:
-            continue
-        if one.name == "number" and one.unit in _DEGREES:
-            return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
-        if one.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
-            return _why_named(ALL_THAT_ASK, *_names(device, part))
-        if one.name in _CHOSEN:
-            names = (told.name,) if told.name else _names(device, part)
-            return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
-        if one.name in _OPENING:
-            return _why_named(OPEN, _own_name(part))
-    return ""
+    if capability.name == "number" and capability.unit in _DEGREES:
+        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
+    if capability.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
+        return _why_named(ALL_THAT_ASK, *_names(device, part))
+    if capability.name in _CHOSEN:
+        names = (told.name,) if told.name else _names(device, part)
+        return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
+    return _why_named(OPEN, _own_name(part)) if capability.name in _OPENING else None
 
 
 def _why_named(groups: frozenset[str], *names: str, anywhere: bool = False) -> str:

@@ -229,14 +229,7 @@ def read_line(text: str | bytes) -> RecordingLine:
     Raises:
         UsageError: It is none; the message names the field.
     """
-    try:
-        found = parse_strict(text)
-    except UnicodeDecodeError as exc:
-        raise UsageError("is no text in UTF-8") from exc
-    except json.JSONDecodeError as exc:
-        raise UsageError(f"is no JSON: {exc.msg} at character {exc.pos + 1}") from exc
-    except (ValueError, RecursionError) as exc:
-        raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
+    found = _parsed(text)
     if not isinstance(found, dict) or not found.keys() >= {"at", "kind", "message"}:
         raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message'")
     at, kind, message = found["at"], found["kind"], found["message"]
@@ -251,6 +244,17 @@ def read_line(text: str | bytes) -> RecordingLine:
         return RecordingLine(float(at), message_from_json(message_type, message, ignore_unknown=True))
     except TypeMismatchError as exc:
         raise UsageError(f"field 'message': {exc}") from exc
+
+
+def _parsed(text: str | bytes) -> object:
+    try:
+        return parse_strict(text)
+    except UnicodeDecodeError as exc:
+        raise UsageError("is no text in UTF-8") from exc
+    except json.JSONDecodeError as exc:
+        raise UsageError(f"is no JSON: {exc.msg} at character {exc.pos + 1}") from exc
+    except (ValueError, RecursionError) as exc:
+        raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
 
 
 def _check_format(header: object) -> None:

@@ -166,18 +166,11 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
         where = f"{source}, line {number}"
         if number == 1 and b'"recording"' not in text:
             raise UsageError(f"{source} is no recording: its first line is no header; `homebot record FILE` makes one")
-        try:
-            line = read_line(text)
-            line = replace(line, message=repetitions.whole(line.message))
-        except UsageError as exc:
-            raise UsageError(f"{where}: {exc}") from exc
+        line = _whole_line(text, repetitions, where)
         if recording is None:
             recording = _begun(line, where)
             continue
-        if is_over:
-            raise UsageError(f"{where}: comes after the end of the recording")
-        if isinstance(line.message, RecordingHeader):
-            raise UsageError(f"{where}: field 'kind': a recording has one header, in its first line")
+        _check_place(line, where, is_over=is_over)
         is_over = isinstance(line.message, RecordingEnd)
         if isinstance(line.message, CommandResult):
             results[line.message.command_id] = line.message
@@ -186,11 +179,31 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     if recording is None:
         raise UsageError(f"{source} is empty, and no recording")
     recording.commands = [replace(one, result=results.get(one.command.id)) for one in recording.commands]
+    _sort(recording)
+    return recording
+
+
+def _whole_line(text: bytes, repetitions: Repetitions, where: str) -> RecordingLine:
+    try:
+        line = read_line(text)
+        return replace(line, message=repetitions.whole(line.message))
+    except UsageError as exc:
+        raise UsageError(f"{where}: {exc}") from exc
+
+
+def _check_place(line: RecordingLine, where: str, *, is_over: bool) -> None:
+    if is_over:
+        raise UsageError(f"{where}: comes after the end of the recording")
+    if isinstance(line.message, RecordingHeader):
+        raise UsageError(f"{where}: field 'kind': a recording has one header, in its first line")
+
+
+def _sort(recording: Recording) -> None:
+    """Sort by time; of one moment in the order of the file, as effects follow their causes."""
     recording.before.sort(key=_rank)
-    recording.events.sort(key=lambda one: one.at)  # of one moment in the order of the file: effects follow their causes
+    recording.events.sort(key=lambda one: one.at)
     recording.commands.sort(key=lambda one: one.at)
     recording.leases.sort(key=lambda one: one.at)
-    return recording
 
 
 def _begun(line: RecordingLine, where: str) -> Recording:

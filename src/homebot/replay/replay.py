@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
+from typing import final
 
 import anyio
 
@@ -98,8 +99,6 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     clock = LoopClock(recording.header.started_at.to_seconds())
     feed = ReplayFeed(recording, clock, settle)
     outcomes = RecordedOutcomes(recording.commands, lambda: feed.now)
-    given: list[TimedCommand] = []
-    results: dict[str, CommandResult] = {}
     runtime = Runtime(
         config,
         with_door=False,
@@ -112,16 +111,8 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
         detected=recording.header.detected,
     )
     async with Node(runtime.graph, "replay", namespace="/homebot") as node:
-        began, news = clock.now(), CommandNews()
-
-        def on_entry(entry: JournalEntry) -> None:
-            match news.of(entry):
-                case RecordedCommand() as command:
-                    given.append(TimedCommand(entry.at.to_seconds() - began, command))
-                case CommandResult() as result:
-                    results[result.command_id] = result
-
-        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, on_entry, 100_000)
+        journal = _ReplayJournal(clock.now())
+        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, journal.on_entry, 100_000)
         async with runtime, anyio.create_task_group() as people:
             doings = ReplayPeople(node, recording, feed)
             people.start_soon(doings.run)
@@ -129,10 +120,35 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             people.cancel_scope.cancel()
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
-    given.sort(key=lambda one: one.at)
-    commands = [replace(one, result=results.get(one.command.id)) for one in given if one.command.issuer in issuers]
     crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
-    return Replayed(tuple(commands), issuers, crashes, devices)
+    return Replayed(journal.commands_of(issuers), issuers, crashes, devices)
+
+
+@final
+class _ReplayJournal:
+    """The commands that apps gave in a replay, and their results.
+
+    Args:
+        began: The beginning of the replay, on its clock.
+    """
+
+    def __init__(self, began: float) -> None:
+        self._began = began
+        self._news = CommandNews()
+        self._given: list[TimedCommand] = []
+        self._results: dict[str, CommandResult] = {}
+
+    def on_entry(self, entry: JournalEntry) -> None:
+        match self._news.of(entry):
+            case RecordedCommand() as command:
+                self._given.append(TimedCommand(entry.at.to_seconds() - self._began, command))
+            case CommandResult() as result:
+                self._results[result.command_id] = result
+
+    def commands_of(self, issuers: Collection[str]) -> tuple[TimedCommand, ...]:
+        """Return the commands of *issuers* in the order of their time."""
+        given = sorted((one for one in self._given if one.command.issuer in issuers), key=lambda one: one.at)
+        return tuple(replace(one, result=self._results.get(one.command.id)) for one in given)
 
 
 def _table(text: str) -> Table:

@@ -130,13 +130,11 @@ class Runtime:
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )
-        self._local_rights = LOCAL_RIGHTS
-        self._approves_all = trusts_apps
         if self._house is not None:
             self._house.check_host(self._needed, config.source)
-            if not self._house.may_meet_real_devices(self._plan):
-                self._local_rights = SIMULATED_HOUSE_RIGHTS
-                self._approves_all = True
+        is_all_simulated = self._house is not None and not self._house.may_meet_real_devices(self._plan)
+        self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
+        self._approves_all = trusts_apps or is_all_simulated
         self._with_door = with_door
         self._trusts_apps = trusts_apps or house is not None
         kept_at = index_file.with_name(INSTALLATION_FILE) if index_file and self._plan.discovery.persist else None

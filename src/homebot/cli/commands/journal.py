@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Never, cast
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_queries import house_time, named_device
@@ -64,21 +64,26 @@ def _journal(options: argparse.Namespace) -> int:
         printer = _EntryPrinter(client, now, as_json=options.json)
         for entry in found.entries:
             printer.print(entry)
-        if not options.json and not options.follow:
-            if not found.entries:
-                is_filtered = since or device or options.command_id
-                print("nothing in the journal fits" if is_filtered else "the journal is empty")
-            elif not found.complete:
-                print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
-        while options.follow:
-            entry = cast("JournalEntry", JsonMessage(door.next().message))
-            if device in {"", entry.device} and options.command_id in {"", entry.command}:
-                client.read_name(entry.device)
-                client.read_name(entry.trigger.device)
-                printer.print(entry)
+        if options.follow:
+            _follow(door, client, printer, device, options.command_id)
+        elif not options.json and not found.entries:
+            is_filtered = since or device or options.command_id
+            print("nothing in the journal fits" if is_filtered else "the journal is empty")
+        elif not options.json and not found.complete:
+            print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
         return 0
 
     return with_client(options, run)
+
+
+def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, device: str, command: str) -> Never:
+    """Print each new entry of *device* and *command*, empty for all, until Ctrl-C."""
+    while True:
+        entry = cast("JournalEntry", JsonMessage(door.next().message))
+        if device in {"", entry.device} and command in {"", entry.command}:
+            client.read_name(entry.device)
+            client.read_name(entry.trigger.device)
+            printer.print(entry)
 
 
 class _EntryPrinter:

@@ -76,22 +76,34 @@ def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence
     """
     print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
     print_rows([*_overview(device, now), *asks])
+    _print_parts(device, now)
+    if len(device.endpoints) > 1:
+        _section("gateways", [_endpoint(one, now) for one in device.endpoints])
+    _section("addresses", _addresses(device))
+    _section("identifiers", [(one,) for one in device.identifiers])
+    _section("facts", _facts(device, now))
+    _section("merged into one device, because", [(one,) for one in device.evidence])
+    _section("disputed", [(one,) for one in device.conflicts])
+    _section("why a search for its name finds it", [(one,) for one in reasons])
+
+
+def _print_parts(device: Device, now: float) -> None:
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     for part in device.parts:
         title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
         _section(title, _part(part, values, now))
-    if len(device.endpoints) > 1:
-        _section("gateways", [_endpoint(one, now) for one in device.endpoints])
-    addresses = [(one.gateway, "publishes on", one.address) for one in device.endpoints]
-    addresses += [(one.gateway, "takes commands on", one.command_address) for one in device.endpoints]
-    _section("addresses", [one for one in addresses if is_topic(one[-1])])
-    _section("identifiers", [(one,) for one in device.identifiers])
-    facts = [(one.name, one.value, _by(one), ago(one.said_at, now)) for one in device.facts]
-    facts = facts or [(one.key, one.value, "", "") for one in device.metadata]
-    _section("facts", facts)
-    _section("merged into one device, because", [(one,) for one in device.evidence])
-    _section("disputed", [(one,) for one in device.conflicts])
-    _section("why a search for its name finds it", [(one,) for one in reasons])
+
+
+def _addresses(device: Device) -> list[tuple[str, ...]]:
+    found = [(one.gateway, "publishes on", one.address) for one in device.endpoints]
+    found += [(one.gateway, "takes commands on", one.command_address) for one in device.endpoints]
+    return [one for one in found if is_topic(one[-1])]
+
+
+def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
+    """Return the rows of the facts, or of the metadata where there is no fact."""
+    facts: list[tuple[str, ...]] = [(one.name, one.value, _by(one), ago(one.said_at, now)) for one in device.facts]
+    return facts or [(one.key, one.value, "", "") for one in device.metadata]
 
 
 def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:

@@ -129,7 +129,7 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
     if text.endswith(" K") and "color_temperature" in settable and (kelvin := to_number(text[:-2])) is not None:
         return "color_temperature", kelvin
     number = to_number(text)
-    name = next((name for name in _NUMBERS if name in settable), None)
+    name = _number_in(settable)
     if number is None or name is None:
         return None
     if name not in FRACTION_CAPABILITIES:
@@ -141,11 +141,15 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
     return name, percent(number)
 
 
+def _number_in(settable: Mapping[str, Capability]) -> str | None:
+    return next((name for name in _NUMBERS if name in settable), None)
+
+
 def _known(settable: Mapping[str, Capability]) -> str:
     words = [text for text, command in _PHRASES.items() if any(name in settable for name, _ in command)]
     words += ["off"] if "off" not in words and any(name in settable for name in SPEED_WORDS) else []
     words += ["2700 K"] if "color_temperature" in settable else []
-    name = next((name for name in _NUMBERS if name in settable), None)
+    name = _number_in(settable)
     words += [] if name is None else ["a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number"]
     words += [option for capability in settable.values() for option in capability.options]
     return ", ".join(dict.fromkeys(words)) or "nothing"

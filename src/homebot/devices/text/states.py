@@ -123,6 +123,13 @@ class TextDecoder:
         found = self._texts.get(text)
         if found is not None:
             return found
+        if (measured := self._number_in(text)) is not None:
+            return measured
+        if self._text_capability:
+            return self._any_text(text)
+        return {self._measured: None} if self._measured and means_unknown(text) else _NOTHING
+
+    def _number_in(self, text: bytes) -> Decoded | None:
         number = to_number(text)
         if number is not None:
             for name, low, high in self._numbers:
@@ -132,9 +139,7 @@ class TextDecoder:
             number = to_number(text[:-2])
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
                 return self._values("color_temperature", number)
-        if self._text_capability:
-            return self._any_text(text)
-        return {self._measured: None} if self._measured and means_unknown(text) else _NOTHING
+        return None
 
     def _learn(self, name: str, capability: Capability) -> None:
         match CAPABILITIES[name].kind if name in CAPABILITIES else "":

@@ -94,8 +94,7 @@ class MessageRouter:
         """Return connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
         if not self.crowded:
             return ()
-        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
-            del self.crowded[session]
+        self._forget_drained()
         if not any(session.full for session in self.crowded):
             return ()
         route = self.subscriptions.route(topic)
@@ -105,6 +104,11 @@ class MessageRouter:
             if all(session.full for session in connected):
                 found += connected
         return tuple(found)
+
+    def _forget_drained(self) -> None:
+        """Remove from the crowded sessions those that have left or wait for little."""
+        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
+            del self.crowded[session]
 
     def subscribe(self, session: BrokerSession, request: FilterRequest, identifier: int, replay: Replay) -> ReasonCode:
         """Add a subscription, or put it in place of the one with the same filter.

@@ -72,11 +72,13 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
         return ReasonCode.QUOTA_EXCEEDED
     if not _can_be_welcomed(connect, state):
         return ReasonCode.PACKET_TOO_LARGE
-    if connect.will is not None:
-        if connect.will.topic.count("/") >= state.limits.max_topic_levels:
-            return ReasonCode.TOPIC_NAME_INVALID
-        return state.policy.publish(connect.client_id, connect.will.topic)
-    return ReasonCode.SUCCESS
+    return ReasonCode.SUCCESS if connect.will is None else _will_refusal(connect.client_id, connect.will.topic, state)
+
+
+def _will_refusal(client_id: str, topic: str, state: BrokerState) -> ReasonCode:
+    if topic.count("/") >= state.limits.max_topic_levels:
+        return ReasonCode.TOPIC_NAME_INVALID
+    return state.policy.publish(client_id, topic)
 
 
 def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
@@ -87,13 +89,10 @@ def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
     imposed = is_v5 and limit is not None and (keep_alive == 0 or keep_alive > limit)
     if imposed and limit is not None:
         keep_alive = limit
-    expiry = 0.0 if connect.clean_start else inf
-    if is_v5:
-        expiry = expiry_of(properties.session_expiry_interval or 0)
     return ConnectRequest(
         client_id=connect.client_id or f"auto-{state.random.getrandbits(128):032x}",
         assigned=not connect.client_id,
-        expiry=expiry,
+        expiry=_expiry_of(connect),
         keep_alive=keep_alive,
         keep_alive_imposed=imposed,
         receive_maximum=properties.receive_maximum or _DEFAULT_RECEIVE_MAXIMUM,
@@ -101,6 +100,13 @@ def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
         alias_maximum=min(properties.topic_alias_maximum or 0, state.limits.topic_alias_maximum),
         problem_information=properties.request_problem_information != 0,
     )
+
+
+def _expiry_of(connect: Connect) -> float:
+    """Return the seconds for which the session outlives its connection."""
+    if connect.version is ProtocolVersion.V5:
+        return expiry_of(connect.properties.session_expiry_interval or 0)
+    return 0.0 if connect.clean_start else inf
 
 
 def connack(login: ConnectRequest, state: BrokerState, *, session_present: bool) -> Connack:

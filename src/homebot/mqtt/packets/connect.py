@@ -122,22 +122,30 @@ def encode_connect(packet: Connect) -> bytes:
         raise UsageError("before MQTT 5 a password needs a user name")
     if packet.is_bridge and is_v5:
         raise UsageError("a bridge says that it is one before MQTT 5 alone")
-    flags = (_CLEAN_START if packet.clean_start else 0) | (_USERNAME if packet.username is not None else 0)
-    flags |= _PASSWORD if packet.password is not None else 0
     body = encode_text(_NAMES[packet.version]) + (packet.version | packet.is_bridge * _BRIDGE).to_bytes(1, "big")
     tail = encode_properties(packet.properties, PacketType.CONNECT) if is_v5 else b""
     tail += encode_text(packet.client_id)
     will = packet.will
     if will is not None:
-        flags |= _WILL | will.qos << 3 | (_WILL_RETAIN if will.retain else 0)
         tail += encode_properties(will.properties, PacketType.WILL) if is_v5 else b""
         tail += encode_text(will.topic) + encode_binary(will.payload)
     if packet.username is not None:
         tail += encode_text(packet.username)
     if packet.password is not None:
         tail += encode_binary(packet.password)
-    body += flags.to_bytes(1, "big") + encode_uint16(packet.keep_alive) + tail
+    body += _flags_of(packet).to_bytes(1, "big") + encode_uint16(packet.keep_alive) + tail
     return b"\x10" + encode_varint(len(body)) + body
+
+
+def _flags_of(packet: Connect) -> int:
+    flags = _CLEAN_START if packet.clean_start else 0
+    if packet.username is not None:
+        flags |= _USERNAME
+    if packet.password is not None:
+        flags |= _PASSWORD
+    if packet.will is not None:
+        flags |= _WILL | packet.will.qos << 3 | (_WILL_RETAIN if packet.will.retain else 0)
+    return flags
 
 
 def decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
