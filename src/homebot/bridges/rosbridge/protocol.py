@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -257,15 +258,7 @@ def parse_frame(text: str) -> Operation:
     if not isinstance(value, dict):
         raise FrameError(f"is not a JSON object: {text[:60]!r}")
     fields = {name: _as_whole(item) for name, item in value.items() if item is not None}
-    op = fields.get("op")
-    if not isinstance(op, str):
-        raise FrameError(
-            "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
-        )
-    identifier = fields.get("id")
-    is_id = isinstance(identifier, int) or (isinstance(identifier, str) and len(identifier) <= _LONGEST_ID)
-    known_id = identifier if is_id else None
-    target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
+    op, known_id = _op_in(fields), _id_in(fields)
     cls = _CLASSES.get(op)
     if op == "png":
         raise FrameError("uses png, which is not supported for what clients send; send JSON", "", known_id)
@@ -275,7 +268,23 @@ def parse_frame(text: str) -> Operation:
     try:
         return cls.model_validate(fields)
     except ValidationError as exc:
+        target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
         raise FrameError(validation_problem(exc), op, known_id, target) from exc
+
+
+def _op_in(fields: Mapping[str, object]) -> str:
+    op = fields.get("op")
+    if not isinstance(op, str):
+        raise FrameError(
+            "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
+        )
+    return op
+
+
+def _id_in(fields: Mapping[str, object]) -> Identifier:
+    """Return the identifier for the answer; None where there is none that can be repeated."""
+    found = fields.get("id")
+    return found if isinstance(found, int) or (isinstance(found, str) and len(found) <= _LONGEST_ID) else None
 
 
 def encode_frame(frame: Frame) -> str:

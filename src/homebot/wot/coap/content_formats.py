@@ -83,6 +83,8 @@ _LABELS: Mapping[int, str] = MappingProxyType(
 
 _LABEL_NUMBERS = {name: number for number, name in _LABELS.items()}
 _MAX_RECORDS = 1000
+_VALUES = ("vb", "vs", "vd", "s")
+"""The labels of values other than numbers."""
 
 
 def read_senml(pack: object) -> object:
@@ -106,10 +108,8 @@ def read_senml(pack: object) -> object:
         name = base_name + _text(record.get("n"), "")
         if "v" in record:
             values[name] = base_value + _number(record["v"], 0.0)
-        else:
-            found = next((label for label in ("vb", "vs", "vd", "s") if label in record), None)
-            if found is not None:
-                values[name] = record[found]
+        elif (label := next((one for one in _VALUES if one in record), None)) is not None:
+            values[name] = record[label]
     if not values:
         raise WireError("a SenML pack has no value")
     return next(iter(values.values())) if len(values) == 1 else values
