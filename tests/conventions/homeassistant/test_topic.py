@@ -2,8 +2,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.homeassistant.topics import ConfigTopic, command_topic, parse_config_topic, state_topic
+from homebot.conventions.homeassistant.topics import ConfigTopic, parse_config_topic, valid_topic
 from homebot.errors import WireError
+from homebot.mqtt.topics import validate_filter, validate_topic
 
 
 @pytest.mark.parametrize(
@@ -43,24 +44,24 @@ def test_a_config_topic_that_would_fill_an_index_is_refused() -> None:
 
 @pytest.mark.parametrize("topic", ["a", "a/b c/ü", "$SYS/x", "/"])
 def test_a_command_goes_to_any_plain_topic(topic: str) -> None:
-    assert command_topic(topic) == topic
+    assert valid_topic(topic, validate_topic) == topic
 
 
 @pytest.mark.parametrize("topic", ["", "a/+", "#", "a\x00", "a\n", "a\x7f", "a\ufdd0", "\ud800", "a" * 65_536])
 def test_a_command_topic_that_cannot_be_is_refused(topic: str) -> None:
     with pytest.raises(WireError):
-        command_topic(topic)
+        valid_topic(topic, validate_topic)
 
 
 @pytest.mark.parametrize("topic", ["a", "+/+/BTtoMQTT/A4C1", "a/#", "#"])
 def test_a_state_topic_may_be_a_filter(topic: str) -> None:
-    assert state_topic(topic) == topic
+    assert valid_topic(topic, validate_filter) == topic
 
 
 @pytest.mark.parametrize("topic", ["", "a+/b", "a#", "#/a", "a\x00", "a\t", "\ud800"])
 def test_a_state_topic_that_cannot_be_is_refused(topic: str) -> None:
     with pytest.raises(WireError):
-        state_topic(topic)
+        valid_topic(topic, validate_filter)
 
 
 @given(st.text(max_size=60))

@@ -63,8 +63,8 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
         return Announced(is_migrating=True, device={}, origin={}, components=(), common={})
     fields = _expanded(fields)
-    device = _part(fields, "device", DEVICE_ABBREVIATIONS)
-    origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS)
+    device = _part(fields, "device", DEVICE_ABBREVIATIONS) if "device" in fields else {}
+    origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS) if "origin" in fields else {}
     if topic.component == DEVICE:
         components = tuple(_components(topic, fields))
     else:
@@ -114,7 +114,7 @@ def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
 
 
 def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
-    part = fields.get(key)
+    part = fields[key]
     if part is None:
         return {}
     if not isinstance(part, dict):

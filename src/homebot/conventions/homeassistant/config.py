@@ -12,11 +12,12 @@ import math
 from collections.abc import Mapping
 from functools import lru_cache
 
-from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource, command_topic, state_topic
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource, valid_topic
 from homebot.conventions.jinja import Template, compile_template
 from homebot.conventions.payload import clean_text, shown
 from homebot.conventions.secrets import names_secret
 from homebot.errors import WireError
+from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["MAX_OPTIONS", "DiscoveryConfig"]
 
@@ -46,10 +47,12 @@ class DiscoveryConfig:
         self.component = component
         self.discovery_id = discovery_id
         self.values = values
-        self.qos = self.integer("qos", 0, least=0, most=2)
-        self.retain = self.flag("retain")
-        encoding = self.text("encoding", "utf-8").lower()
-        self.encoding = encoding if encoding in _CODECS else "utf-8"
+        self.qos, self.retain, self.encoding = 0, False, "utf-8"
+        if not _TRANSPORT.isdisjoint(values):
+            self.qos = self.integer("qos", 0, least=0, most=2)
+            self.retain = self.flag("retain")
+            encoding = self.text("encoding", "utf-8").lower()
+            self.encoding = encoding if encoding in _CODECS else "utf-8"
 
     @property
     def is_secret(self) -> bool:
@@ -74,11 +77,14 @@ class DiscoveryConfig:
     def text(self, key: str, default: str = "") -> str:
         """Return a text, at most 8 kB long; a number or boolean as Python spells it."""
         value = self.values.get(key)
-        return default if value is None else self._as_text(key, value)
+        if value is None:
+            return default
+        return value if isinstance(value, str) and len(value) <= _MAX_TEXT else self._as_text(key, value)
 
     def clean_text(self, key: str, limit: int = 120) -> str:
         """Return a text for output; empty for none."""
-        return clean_text(self.text(key), limit)
+        text = self.text(key)
+        return clean_text(text, limit) if text else ""
 
     def payload(self, key: str, default: str) -> str | None:
         """Return the payload of a command; None if the config removes it by null."""
@@ -136,7 +142,7 @@ class DiscoveryConfig:
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        options = tuple([self._as_text(key, one) for one in entries])
+        options = tuple([one if isinstance(one, str) else self._as_text(key, one) for one in entries])
         longest = max(options, key=len, default="")
         if len(longest) > _MAX_OPTION:
             raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")
@@ -154,13 +160,11 @@ class DiscoveryConfig:
 
     def template(self, key: str) -> Template | None:
         """Return a template, or None; its ``problem`` tells whether it can be used."""
-        value = self.values.get(key)
-        return None if value is None else compile_template(self._as_text(key, value))
+        return None if self.values.get(key) is None else compile_template(self.text(key))
 
     def state_topic(self, key: str = "state_topic") -> str:
         """Return a topic to subscribe to, perhaps with wildcards; empty for none."""
-        value = self.values.get(key)
-        return "" if value is None else state_topic(self._as_text(key, value))
+        return "" if self.values.get(key) is None else valid_topic(self.text(key), validate_filter)
 
     def source(
         self,
@@ -181,13 +185,11 @@ class DiscoveryConfig:
 
     def command(self, topic_key: str, template_key: str = "command_template") -> CommandTopic | None:
         """Return topic and template of a command, of which *template_key* may be empty; None without a topic."""
-        value = self.values.get(topic_key)
-        if value is None:
+        if self.values.get(topic_key) is None:
             return None
         template = self.template(template_key) if template_key else None
-        return CommandTopic(
-            command_topic(self._as_text(topic_key, value)), template, self.qos, self.retain, self.encoding
-        )
+        topic = valid_topic(self.text(topic_key), validate_topic)
+        return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
 
     def required_command(
         self, topic_key: str = "command_topic", template_key: str = "command_template"
@@ -207,10 +209,9 @@ class DiscoveryConfig:
         return self.command(f"{name}_command_topic", f"{name}_command_template")
 
     def _as_text(self, key: str, value: object) -> str:
+        """Return the text that Python makes of *value*, which is none, or one that is too long."""
         if isinstance(value, str):
-            if len(value) > _MAX_TEXT:
-                raise self._refusal(key, value, f"a text of at most {_MAX_TEXT} characters")
-            return value
+            raise self._refusal(key, value, f"a text of at most {_MAX_TEXT} characters")
         if isinstance(value, (bool, float)) or (isinstance(value, int) and -_HUGE < value < _HUGE):
             return str(value)
         raise self._refusal(key, value, "a text")
@@ -219,6 +220,7 @@ class DiscoveryConfig:
         return WireError(f"{self.component}: {key} is {shown(value)}, not {expected}")
 
 
+_TRANSPORT = frozenset({"encoding", "qos", "retain"})
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
 _SHOWN = frozenset(
     {

@@ -11,16 +11,24 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import NamedTuple, get_args
 
-from homebot.conventions.bounded_dict import BoundedDict
+from pydantic_core import from_json, to_json
+
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import StateMessage, ValueSource
 from homebot.conventions.payload import clean_text, shown
-from homebot.devices.command_description import payload_digest
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["MAX_IDENTIFIERS", "MAX_SOURCES", "DeviceInfo", "DeviceReader", "read_availability", "read_device"]
+__all__ = [
+    "MAX_IDENTIFIERS",
+    "MAX_SOURCES",
+    "DeviceInfo",
+    "cached_availability",
+    "device_in",
+    "read_availability",
+    "read_device",
+]
 
 
 MAX_IDENTIFIERS = 64
@@ -66,39 +74,38 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
     )
 
 
-class DeviceReader:
-    """Reader of devices and of their availabilities, with the last ones cached: all configs of a device have them."""
-
-    def __init__(self) -> None:
-        self._devices: BoundedDict[DeviceInfo] = BoundedDict(_MAX_CACHED)
-        self._availabilities: BoundedDict[Availability] = BoundedDict(_MAX_CACHED)
-
-    def read(self, device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
-        """Read as :func:`read_device` does."""
-        key = payload_digest((device, origin))
-        info = self._devices.get(key)
-        if info is None:
-            info = read_device(device, origin)
-            self._devices.add(key, info)
-        return info
-
-    def read_availability(self, config: DiscoveryConfig) -> Availability | None:
-        """Read as :func:`read_availability` does."""
-        values = config.values
-        key = payload_digest((config.encoding, [values.get(name) for name in _AVAILABILITY]))
-        availability = self._availabilities.get(key)
-        if availability is None:
-            availability = read_availability(config)
-            if availability is not None:
-                self._availabilities.add(key, availability)
-        return availability
-
-
 _MAX_CACHED = 5000
+"""Devices, and availabilities: all configs of a device have them, but not one after the other."""
+
+
+@lru_cache(_MAX_CACHED)
+def device_in(text: bytes) -> DeviceInfo:
+    """Return :func:`read_device` of a device and an origin in JSON."""
+    device, origin = from_json(text)
+    return read_device(device, origin)
+
+
+def cached_availability(config: DiscoveryConfig) -> Availability | None:
+    """Return :func:`read_availability`, one object for all equal ones."""
+    if _SOURCES.isdisjoint(config.values):
+        return None
+    return _availability_in(to_json((config.component, config.encoding, *map(config.values.get, _AVAILABILITY))))
+
+
+@lru_cache(_MAX_CACHED)
+def _availability_in(text: bytes) -> Availability | None:
+    component, encoding, *values = from_json(text)
+    config = DiscoveryConfig(component, "", dict(zip(_AVAILABILITY, values, strict=True)))
+    config.encoding = encoding
+    return read_availability(config)
+
+
 _AVAILABILITY = (
     *("availability", "availability_mode", "availability_template", "availability_topic"),
     *("payload_available", "payload_not_available"),
 )
+_SOURCES = frozenset({"availability", "availability_topic"})
+"""Fields without which a config has no availability, whatever its other fields are."""
 
 
 @lru_cache(maxsize=256)
@@ -126,8 +133,11 @@ _HUGE = 10**30
 
 def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
     """Return the facts among *fields*, in their order."""
-    texts = {names[key]: _as_text(value, _MAX_FACT) for key, value in fields.items() if key in names}
-    return {name: _LOGIN.sub("", text) if name.endswith("url") else text for name, text in texts.items() if text}
+    facts = {}
+    for key, value in fields.items():
+        if key in names and (text := _as_text(value, _MAX_FACT)):
+            facts[names[key]] = _LOGIN.sub("", text) if key.endswith("url") else text
+    return facts
 
 
 def _as_text(value: object, limit: int) -> str:

@@ -46,13 +46,16 @@ class Entity(PartBuilder[StateMessage]):
     parse_payload = StateMessage
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
+        category = config.text("entity_category")
+        if category not in _CATEGORIES:
+            raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
         super().__init__(
             clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
             service_type,
             name=config.clean_text("name"),
             advertised=config.component,
             tag=config.clean_text("device_class") if tag is None else tag,
-            category=_category(config),
+            category=_CATEGORIES[category],
         )
         self._config = config
 
@@ -205,13 +208,6 @@ def _echoed(capability: Capability) -> Capability:
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
-
-
-def _category(config: DiscoveryConfig) -> Category:
-    category = config.text("entity_category")
-    if category in _CATEGORIES:
-        return _CATEGORIES[category]
-    raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
 
 
 def _read_source(source: ValueSource, read: Callable[[StateMessage, str], Readings], message: StateMessage) -> Readings:

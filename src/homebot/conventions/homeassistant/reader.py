@@ -11,6 +11,8 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TypeAlias, cast
 
+from pydantic_core import to_json
+
 from homebot.conventions.description import (
     AnnouncementEvent,
     Availability,
@@ -21,7 +23,7 @@ from homebot.conventions.description import (
 from homebot.conventions.homeassistant.announcement import Announced, read_announcement
 from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.device import DeviceReader, read_availability
+from homebot.conventions.homeassistant.device import cached_availability, device_in, read_availability
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
@@ -35,7 +37,6 @@ class HomeAssistantReader:
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0
         self._prefixes = prefixes
-        self._devices = DeviceReader()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
         """Return the description in a config."""
@@ -53,7 +54,7 @@ class HomeAssistantReader:
         parts = self._parts(config_topic, announced)
         if not parts:
             return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
-        return (_described(topic, config_topic, announced, self._devices, parts),)
+        return (_described(topic, config_topic, announced, parts),)
 
     def _parts(self, config_topic: ConfigTopic, announced: Announced) -> _Parts:
         """Build the parts, without invalid components of a whole device, and without codes and passwords."""
@@ -66,7 +67,7 @@ class HomeAssistantReader:
             try:
                 part = builder_of(component.platform)(config)
                 if config_topic.component == DEVICE:
-                    part = replace(part, availability=self._devices.read_availability(config))
+                    part = replace(part, availability=cached_availability(config))
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
@@ -99,15 +100,13 @@ _Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]
 _MAX_MEMBERS = 100
 
 
-def _described(
-    topic: str, config_topic: ConfigTopic, announced: Announced, devices: DeviceReader, parts: _Parts
-) -> DeviceAnnounced:
-    device = devices.read(announced.device, announced.origin)
+def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
+    device = device_in(to_json((announced.device, announced.origin)))
     if config_topic.component == DEVICE:
         described, whole = _shared_availability(config_topic, announced, parts)
     else:
         ((part, config),) = parts.values()
-        described, whole = (part,), devices.read_availability(config)
+        described, whole = (part,), cached_availability(config)
     facts = _facts(parts)
     return DeviceAnnounced(
         key=config_topic.key,

@@ -15,7 +15,6 @@ from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown, to_json
 from homebot.errors import InvalidNameError, RefusedError, WireError
-from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = [
     "DEVICE",
@@ -23,9 +22,8 @@ __all__ = [
     "ConfigTopic",
     "StateMessage",
     "ValueSource",
-    "command_topic",
     "parse_config_topic",
-    "state_topic",
+    "valid_topic",
 ]
 
 
@@ -67,27 +65,13 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
     return ConfigTopic(component, ids[0] if len(ids) > 1 else "", ids[-1])
 
 
-@lru_cache(maxsize=128)
-def command_topic(topic: str) -> str:
-    """Return *topic*, which must be valid for a command: no wildcards, no control characters.
+@lru_cache(maxsize=256)
+def valid_topic(topic: str, validate: Callable[[str], object]) -> str:
+    """Return *topic*, which must be valid for *validate*, and without control characters.
 
     Raises:
         WireError: It is not.
     """
-    return _checked(topic, validate_topic)
-
-
-@lru_cache(maxsize=128)
-def state_topic(topic: str) -> str:
-    """Return *topic*, which must be valid for a subscription, perhaps with wildcards.
-
-    Raises:
-        WireError: It is not, or has a control character.
-    """
-    return _checked(topic, validate_filter)
-
-
-def _checked(topic: str, validate: Callable[[str], object]) -> str:
     try:
         validate(topic)
     except InvalidNameError as error:
