@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import starmap
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
@@ -163,14 +164,6 @@ class StoredAnnouncement:
             self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
         self.template = self._template(tuple(shown))  # so that an invalid sighting is found at once
 
-    def availabilities(self) -> Iterator[tuple[str, Availability]]:
-        """Yield the availability of the device, under an empty part, and of each part that has its own."""
-        if (whole := self.described.availability) is not None and whole.sources:
-            yield "", whole
-        for one in self.described.parts:
-            if one.availability is not None and one.availability.sources:
-                yield one.part.id, one.availability
-
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph sees no difference between the two."""
         return self.template == other.template
@@ -280,7 +273,7 @@ def _sighting_of_device(
         service_type="",
         address="",
         command_address="",
-        metadata=tuple([_fact(*fact) for fact in facts]),
+        metadata=tuple(starmap(_fact, facts)),
         convention=convention,
         native=native,
         whole_device=whole_device,

@@ -77,7 +77,7 @@ class PeerQuarantine(Generic[MessageT]):
             message: The message, as :meth:`serve` is to hand it back.
         """
         now = self._reporter.now
-        if not self.waiting.bytes and self.budgets.is_clean(now):
+        if now >= self.budgets.clean_at and not self.waiting.bytes:
             return False
         payer = self.budgets.account_for(source)
         if source not in self.waiting and self.budgets.admits(payer, now):

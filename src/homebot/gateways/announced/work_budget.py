@@ -107,6 +107,7 @@ class WorkBudgets:
     Attributes:
         forgotten: Offences that only the budget of all sources paid for, because too many have one of their own.
         work: Work that was charged, in all.
+        clean_at: When the last offence is long ago.
     """
 
     def __init__(self, group: Callable[[str], str] = _one_group, max_offenders: int = MAX_BUDGETS) -> None:
@@ -118,11 +119,7 @@ class WorkBudgets:
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
         self._shared: dict[str, WorkBudget] = {}
         self._total = _limit(TOTAL_RATE, TOTAL_BURST)
-        self._all_clean_at = 0.0
-
-    def is_clean(self, now: float) -> bool:
-        """Return whether the last offence is long ago."""
-        return now >= self._all_clean_at
+        self.clean_at = 0.0
 
     def account_for(self, source: str) -> str:
         """Return the payer for *source*: its own budget if it has a registered device, else that of its group."""
@@ -130,7 +127,7 @@ class WorkBudgets:
 
     def admits(self, payer: str, now: float) -> bool:
         """Return whether the budget of *payer* is not used up."""
-        if now >= self._all_clean_at:
+        if now >= self.clean_at:
             return True
         if payer not in self._accepted:
             budget = self._shared.get(payer)
@@ -144,7 +141,7 @@ class WorkBudgets:
         """Charge *source* for a message of *length* bytes that broke a rule."""
         work = MESSAGE_WORK + length
         self.work += work
-        self._all_clean_at = now + CALM
+        self.clean_at = now + CALM
         payer = self.account_for(source)
         is_own = payer == source and payer in self._accepted
         if is_own:
@@ -161,7 +158,12 @@ class WorkBudgets:
 
     def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
         """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
-        self._accepted[source] = _ends(payload)
+        # Of JSON as far as the first key, which rarely changes.
+        head, colon, _ = payload[:_HEAD].partition(b":")
+        self._accepted[source] = (
+            head if colon else head[:4],
+            payload[-1:],
+        )
         budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
             budget.limit, budget.cleared_at = _limit(RATE, BURST), now
@@ -218,9 +220,3 @@ class WorkBudgets:
                 break
             del self._own[oldest.name]
         return len(self._own) < self._max_offenders
-
-
-def _ends(payload: bytes) -> tuple[bytes, bytes]:
-    """Return how *payload* begins and ends: of JSON as far as the first key, which rarely changes."""
-    head, colon, _ = payload[:_HEAD].partition(b":")
-    return head if colon else head[:4], payload[-1:]

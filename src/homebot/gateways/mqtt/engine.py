@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Awaitable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -27,7 +27,7 @@ from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import LastMessageCache
-from homebot.gateways.announced.registry import RegistryChange, RegistryLimits
+from homebot.gateways.announced.registry import Readers, RegistryLimits
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
 __all__ = ["AnnouncedDevices"]
 
 T = TypeVar("T")
-_Missed: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
 
 
 class AnnouncedDevices:
@@ -100,16 +99,13 @@ class AnnouncedDevices:
         self.read_text = self._states.read_text
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
-        self._missed: _Missed = []
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
             engine,
             self._registry,
             ReservedTopics(conventions),
-            on_change=self._changed,
-            on_removal=self._removed,
-            on_question=self._subscriber.question,
+            self._subscriber,
         )
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
@@ -219,7 +215,7 @@ class AnnouncedDevices:
                 self.quarantine.waiting.drop(message.topic)
             elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
-            missed = await self._read_announcement(message, route)
+            missed = await self._announcements.handle(message, route.conventions)
         if missed:
             await self._replay_retained(missed, message.topic)
 
@@ -275,12 +271,6 @@ class AnnouncedDevices:
         self.tick()
         await self.handle_announcement(message._replace(retain=False), self.route(message.topic) or route)
 
-    async def _read_announcement(self, message: MqttMessage, route: TopicReaders) -> _Missed:
-        """Read *message*, and return the readers, by topic, that may have missed something."""
-        await self._announcements.handle(message, route.conventions)
-        missed, self._missed = self._missed, []
-        return missed
-
     async def _handle_next(self, messages: Iterator[MqttMessage]) -> bool:
         """Handle the next message that need not wait any more; return whether there was one."""
         async with self._taking:
@@ -290,7 +280,7 @@ class AnnouncedDevices:
             route = self.route(message.topic)
             if route is None or not route.conventions or self.offers.is_own_topic(message.topic):
                 return True
-            missed = await self._read_announcement(message, route)
+            missed = await self._announcements.handle(message, route.conventions)
         await self._replay_retained(missed, message.topic)
         after = self.route(message.topic)
         if after is not None:  # a device that it announced reads it as a retained one
@@ -305,18 +295,7 @@ class AnnouncedDevices:
             )
         return True
 
-    def _changed(self, change: RegistryChange) -> None:
-        self._missed += change.readers
-        if change.stored.reachability:
-            self._states.report_reachability(change.stored)
-        self._subscriber.wake()
-        if change.before is None or not change.stored.publishes_the_same(change.before):
-            self._subscriber.ask(change.stored)
-
-    def _removed(self) -> None:
-        self._subscriber.wake()
-
-    async def _replay_retained(self, missed: _Missed, taken: str) -> None:
+    async def _replay_retained(self, missed: Readers, taken: str) -> None:
         """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
 
         Args:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache, partial
+
+import anyio.lowlevel
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
-from homebot.gateways.announced.announcement import StoredAnnouncement
+from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.registry import RegistryChange
+from homebot.gateways.announced.registry import Readers
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["AnnouncementHandler"]
@@ -35,16 +38,13 @@ Zigbee2MQTT renames a device by taking it back and announcing it two seconds lat
 MAX_STEPS = 100_000
 """Steps of one message: a convention that never ends must not hold the gateway."""
 
-_END = object()
-
 
 class AnnouncementHandler:
     """The way from announcements to sightings.
 
     Args:
         reserved: The topics on which no device is told anything.
-        on_change: Told of every description that was taken, after its sighting.
-        on_question: Called with the request that a convention wants to send to a device.
+        subscriber: Subscribes to the topics of described devices, and asks them for their state.
     """
 
     def __init__(
@@ -53,39 +53,40 @@ class AnnouncementHandler:
         engine: GatewayEngine[MqttMessage],
         registry: AnnouncementRegistry,
         reserved: ReservedTopics,
-        on_change: Callable[[RegistryChange], None],
-        on_removal: Callable[[], None],
-        on_question: Callable[[DeviceRequest], None],
+        subscriber: Subscriber,
     ) -> None:
         self._clock = clock
         self._registry = registry
         self._reserved = reserved
-        self._reporter, self._scheduler = engine.reporter, engine.scheduler
+        self._subscriber = subscriber
+        self._reporter, self._scheduler, self._states = engine.reporter, engine.scheduler, engine.states
         self._quarantine, self._counters = engine.quarantine, engine.counters
-        self._on_change = on_change
-        self._on_removal = on_removal
-        self._on_question = on_question
         self._accepted = self._offended = False
+        self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
 
-    async def handle(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+    async def handle(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> Readers:
         """Handle *message* as an announcement to *conventions*, one after the other.
 
         One message is handled in slices of a few milliseconds, between which others get their turn.
+
+        Returns:
+            The readers, by topic, that may have missed something.
         """
         self._accepted = self._offended = False
+        self._missed = []
         self._counters.announcements += 1
         with DuplicateKeys() as repeated:
             for convention in conventions:
                 await self._read(convention, message)
         if self._accepted:
-            is_valid = not self._offended
-            self._quarantine.accept(message.topic, message.payload, is_valid=is_valid)
+            self._quarantine.accept(message.topic, message.payload, is_valid=not self._offended)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
             self._quarantine.log_limited(
                 AMBIGUOUS, f"{message.topic} contains {keys} twice; the last value is used", source=message.topic
             )
+        return tuple(self._missed)
 
     def handle_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         """Handle *message* as the first text of a device, by the first of *conventions* that knows its topic.
@@ -123,31 +124,34 @@ class AnnouncementHandler:
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)
             return
-        work, taken = TimeSlice(self._clock), 0
-        while taken <= MAX_STEPS and self._step(steps, convention, message, length):
-            taken += 1
-            if work.is_over:
-                # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
-                await work.pause()
-        if taken > MAX_STEPS:
-            self._counters.announcements_rejected += 1
-            self._record_offence(
-                message, f"{convention.name} found more than {MAX_STEPS:,} announcements in one message"
-            )
+        numbered = enumerate(steps)
+        while self._handle_slice(numbered, convention, message, length):
+            # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
+            await anyio.lowlevel.checkpoint()
 
-    def _step(
-        self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage, length: int
+    def _handle_slice(
+        self,
+        steps: Iterator[tuple[int, AnnouncementEvent | None]],
+        convention: Convention,
+        message: MqttMessage,
+        length: int,
     ) -> bool:
-        """Handle the next event of a message; return whether more may come."""
+        """Handle events of a message for a few milliseconds; return whether more may come."""
+        work = TimeSlice(self._clock)
         try:
-            event = next(steps, _END)
-            if event is _END:
-                return False
-            self._handle(event, convention, message, length)
+            for number, event in steps:
+                if number > MAX_STEPS:
+                    self._counters.announcements_rejected += 1
+                    self._record_offence(
+                        message, f"{convention.name} found more than {MAX_STEPS:,} announcements in one message"
+                    )
+                    return False
+                self._handle(event, convention, message, length)
+                if work.is_over:
+                    return True
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)
-            return False
-        return True
+        return False
 
     def _handle(self, event: object, convention: Convention, message: MqttMessage, length: int) -> None:
         match event:
@@ -156,7 +160,7 @@ class AnnouncementHandler:
             case DeviceWithdrawn():
                 self._withdraw(convention, event)
             case DeviceRequest():
-                self._on_question(event)
+                self._subscriber.question(event)
 
     def _record_failure(self, convention: Convention, message: MqttMessage, error: BaseException) -> None:
         if isinstance(error, WireError):
@@ -193,7 +197,12 @@ class AnnouncementHandler:
         if before is not None:
             for part in before.reachable.keys() - stored.reachability.keys():
                 self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
-        self._on_change(change)
+        self._missed += change.readers
+        if stored.reachability:
+            self._states.report_reachability(stored)
+        self._subscriber.wake()
+        if before is None or not stored.publishes_the_same(before):
+            self._subscriber.ask(stored)
         if before is not None:
             before.detach()
 
@@ -207,7 +216,7 @@ class AnnouncementHandler:
             if described.text is not None and message.retain:
                 words = f"{stored.key} is known only from a retained message; it may be gone"
                 self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
-            self._reporter.publish_sighting(stored, "appeared", _why(stored, message), confirmed=is_live)
+            self._reporter.publish_sighting(stored, "appeared", _why(described, message), confirmed=is_live)
         elif not stored.publishes_the_same(before):
             self._reporter.publish_sighting(stored, "updated", "its description changed", confirmed=is_live)
         elif not message.retain and self._reporter.now >= stored.refresh_at:
@@ -239,12 +248,12 @@ class AnnouncementHandler:
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         self._reporter.dispose_all(stored)
         stored.detach()
-        self._on_removal()
+        self._subscriber.wake()
 
 
-def _why(stored: StoredAnnouncement, message: MqttMessage) -> str:
+def _why(described: DeviceAnnounced, message: MqttMessage) -> str:
     """Return why the device is there."""
-    if stored.described.text is not None:
+    if described.text is not None:
         return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
     return f"retained announcement on {message.topic}" if message.retain else "it was announced"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
+from itertools import repeat
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
@@ -191,7 +192,7 @@ class AnnouncementRegistry(DeviceRegistry):
             self._remove_reader(topic_filter, part)
 
     def _forget_routes(self, topic_filter: str) -> None:
-        if has_wildcard(topic_filter):
+        if "+" in topic_filter or "#" in topic_filter:
             self._routes.clear()
         else:
             self._routes.pop(topic_filter, None)
@@ -253,9 +254,12 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
 def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
     """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
     found: list[tuple[str, Availability, Hashable, list[str]]] = []
-    for part_id, availability in stored.availabilities():
-        topics = [source.topic for source in availability.sources]
-        found.append((part_id, availability, _shared_key(stored, availability), topics))
+    described = stored.described
+    own = [(one.part.id, one.availability) for one in described.parts if one.availability is not None]
+    for part_id, availability in (("", described.availability), *own):
+        if availability is not None and availability.sources:
+            topics = [source.topic for source in availability.sources]
+            found.append((part_id, availability, _shared_key(stored, availability), topics))
     return found
 
 
@@ -264,5 +268,5 @@ def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
     found: list[tuple[str, AnnouncedPart]] = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         topics = dict.fromkeys(announced_part.described.codec.topics())
-        found += [(topic_filter, announced_part) for topic_filter in topics]
+        found += zip(topics, repeat(announced_part))
     return found

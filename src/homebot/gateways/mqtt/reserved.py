@@ -5,14 +5,13 @@ An app may publish there by itself, if it has reason to; a command to a device n
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from operator import is_
+from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
-from homebot.devices.part import Part
 from homebot.errors import WireError
 from homebot.mqtt.filter_tree import FilterIndex
 
@@ -72,24 +71,28 @@ class ReservedTopics:
 
         Such a part stays, and can be read; it cannot be told anything.
         """
-        refused: dict[str, str] = {}
-        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
-        if all(map(is_, parts, described.parts)):
+        reserved: dict[str, str] = {}
+        for part in described.parts:
+            for topic in (*part.part.writes, *map(_TOPIC, part.state_requests)):
+                if why := self.why(topic, described.convention):
+                    reserved[topic] = why
+        if not reserved:
             return described, ()
-        return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
-
-    def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
-        found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
-        asks = tuple([one for one in described.state_requests if not self.why(one.topic, convention)])
-        if found:
-            refused.update(found)
-            return replace(described, part=_only_read(described.part), state_requests=asks)
-        return described if len(asks) == len(described.state_requests) else replace(described, state_requests=asks)
+        parts = tuple([_without(reserved, part) for part in described.parts])
+        refused = dict.fromkeys(topic for part in described.parts for topic in part.part.writes if topic in reserved)
+        return replace(described, parts=parts), tuple(f"{topic}: {reserved[topic]}" for topic in refused)
 
 
-def _only_read(part: Part) -> Part:
-    capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
-    return part.model_copy(update={"capabilities": capabilities, "writes": ()})
+_TOPIC = attrgetter("topic")
+
+
+def _without(reserved: Mapping[str, str], described: DescribedPart) -> DescribedPart:
+    asks = tuple([one for one in described.state_requests if one.topic not in reserved])
+    part = described.part
+    if not reserved.keys().isdisjoint(part.writes):
+        capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
+        part = part.model_copy(update={"capabilities": capabilities, "writes": ()})
+    return replace(described, part=part, state_requests=asks)
 
 
 def _is_state_topic(convention: TextConvention, topic: str) -> bool:

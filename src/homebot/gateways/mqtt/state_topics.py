@@ -79,11 +79,11 @@ class StateTopics:
 
         One of an announcement is among them, for the kept message, but never among those to unsubscribe from.
         """
-        return _pop(self._wanted, at_most)
+        return _pop(self._wanted, at_most) if self._wanted else ()
 
     def pop_unwanted(self, at_most: int) -> tuple[str, ...]:
         """Return filters to unsubscribe from."""
-        return _pop(self._unwanted, at_most)
+        return _pop(self._unwanted, at_most) if self._unwanted else ()
 
     def _check(self, topic_filter: str) -> None:
         if len(topic_filter) > LONGEST:
