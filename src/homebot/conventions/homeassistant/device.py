@@ -89,13 +89,13 @@ def cached_availability(config: DiscoveryConfig) -> Availability | None:
     """Return :func:`read_availability`, one object for all equal ones."""
     if _SOURCES.isdisjoint(config.values):
         return None
-    return _availability_in(to_json((config.component, config.encoding, *map(config.values.get, _AVAILABILITY))))
+    return _availability_in(to_json((config.encoding, *map(config.values.get, _AVAILABILITY))))
 
 
 @lru_cache(_MAX_CACHED)
 def _availability_in(text: bytes) -> Availability | None:
-    component, encoding, *values = from_json(text)
-    config = DiscoveryConfig(component, "", dict(zip(_AVAILABILITY, values, strict=True)))
+    encoding, *values = from_json(text)
+    config = DiscoveryConfig("availability", "", dict(zip(_AVAILABILITY, values, strict=True)))
     config.encoding = encoding
     return read_availability(config)
 

@@ -377,6 +377,8 @@ def _tree(source: str) -> nodes.Template:
 
 
 def _check_brackets(source: str) -> None:
+    if source.count("(") + source.count("[") + source.count("{") <= MAX_DEPTH:
+        return
     depth = 0
     for character in source:
         if character in "([{":

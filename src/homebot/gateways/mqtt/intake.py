@@ -14,7 +14,7 @@ from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.registry import Readers
+from homebot.gateways.announced.registry import Readers, RegistryChange
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -187,40 +187,49 @@ class AnnouncementHandler:
             self._counters.devices_refused += 1
             raise
         self._accepted = True
-        stored, before = change.stored, change.before
-        if before is not None:
-            self._scheduler.drop(("gone", stored.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
-            self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", source=message.topic)
-        self._publish_sighting(stored, before, message)
-        if before is not None:
-            for part in before.reachable.keys() - stored.reachability.keys():
-                self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
-        self._missed += change.readers
-        if stored.reachability:
-            self._states.report_reachability(stored)
-        self._subscriber.wake()
-        if before is None or not stored.publishes_the_same(before):
-            self._subscriber.ask(stored)
-        if before is not None:
-            before.detach()
+            words = f"{change.stored.key} is only partly read: {problem}"
+            self._quarantine.log_limited(NOT_READ, words, source=message.topic)
+        self._publish(change, message)
 
-    def _publish_sighting(
-        self, stored: StoredAnnouncement, before: StoredAnnouncement | None, message: MqttMessage
-    ) -> None:
+    def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
+        """Publish the difference that *message* made, and have the device subscribed to and asked."""
+        stored, before = change.stored, change.before
         described = stored.described
         stored.heard_at = stored.heard_at if message.retain else self._reporter.now
-        is_live = (described.implies_alive or described.text is not None) and not message.retain
+        why = self._why(stored, before, message)
+        if why:
+            is_live = (described.implies_alive or described.text is not None) and not message.retain
+            self._reporter.publish_sighting(stored, "appeared" if before is None else "updated", why, confirmed=is_live)
+        self._missed += change.readers
+        self._subscriber.wake()
         if before is None:
-            if described.text is not None and message.retain:
-                words = f"{stored.key} is known only from a retained message; it may be gone"
-                self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
-            self._reporter.publish_sighting(stored, "appeared", _why(described, message), confirmed=is_live)
-        elif not stored.publishes_the_same(before):
-            self._reporter.publish_sighting(stored, "updated", "its description changed", confirmed=is_live)
-        elif not message.retain and self._reporter.now >= stored.refresh_at:
-            self._reporter.publish_sighting(stored, "updated", "it was announced again", confirmed=is_live)
+            self._subscriber.ask(stored)
+        else:
+            self._scheduler.drop(("gone", stored.key))
+            for part in before.reachable.keys() - stored.reachability.keys():
+                self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
+            if not stored.publishes_the_same(before):
+                self._subscriber.ask(stored)
+            before.detach()
+        if stored.reachability:
+            self._states.report_reachability(stored)
+
+    def _why(self, stored: StoredAnnouncement, before: StoredAnnouncement | None, message: MqttMessage) -> str:
+        """Return why a sighting is due; empty if none is."""
+        if before is not None:
+            if not stored.publishes_the_same(before):
+                return "its description changed"
+            is_due = not message.retain and self._reporter.now >= stored.refresh_at
+            return "it was announced again" if is_due else ""
+        if stored.described.text is None:
+            return f"retained announcement on {message.topic}" if message.retain else "it was announced"
+        if not message.retain:
+            return f"message on {message.topic}"
+        words = f"{stored.key} is known only from a retained message; it may be gone"
+        self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
+        return f"retained message on {message.topic}"
 
     def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
         device = withdrawn.device
@@ -249,13 +258,6 @@ class AnnouncementHandler:
         self._reporter.dispose_all(stored)
         stored.detach()
         self._subscriber.wake()
-
-
-def _why(described: DeviceAnnounced, message: MqttMessage) -> str:
-    """Return why the device is there."""
-    if described.text is not None:
-        return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
-    return f"retained announcement on {message.topic}" if message.retain else "it was announced"
 
 
 @cache

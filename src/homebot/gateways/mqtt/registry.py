@@ -106,10 +106,7 @@ class AnnouncementRegistry(DeviceRegistry):
                     WireError(f"topic {topic_filter!r} already has {self._limits.readers:,} readers, the limit")
                 )
                 continue
-            try:
-                self._add_reader(topic_filter, part)
-            except WireError as exc:
-                refused.append(exc)
+            if not self._add_reader(topic_filter, part, refused):
                 continue
             stored.subscriptions.append((topic_filter, part))
             if count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
@@ -141,10 +138,7 @@ class AnnouncementRegistry(DeviceRegistry):
         for index, topic_filter in enumerate(topics):
             is_known = topic_filter in self._topics.users and not has_wildcard(topic_filter)
             reader = AvailabilityReader(shared, index)
-            try:
-                self._add_reader(topic_filter, reader)
-            except WireError as exc:
-                refused.append(exc)
+            if not self._add_reader(topic_filter, reader, refused):
                 continue
             shared.subscriptions.append((topic_filter, reader))
             if is_known:
@@ -159,10 +153,18 @@ class AnnouncementRegistry(DeviceRegistry):
                 for topic_filter, reader in shared.subscriptions:
                     self._remove_reader(topic_filter, reader)
 
-    def _add_reader(self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader) -> None:
-        self._topics.use(topic_filter)
+    def _add_reader(
+        self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader, refused: list[WireError]
+    ) -> bool:
+        """Add *reader*; return False, with the reason in *refused*, if the filter cannot be used."""
+        try:
+            self._topics.use(topic_filter)
+        except WireError as exc:
+            refused.append(exc)
+            return False
         self._readers.add(topic_filter, reader)
         self._forget_routes(topic_filter)
+        return True
 
     def _remove_reader(self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader) -> None:
         self._topics.leave(topic_filter)
@@ -255,8 +257,11 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
     """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
     found: list[tuple[str, Availability, Hashable, list[str]]] = []
     described = stored.described
-    own = [(one.part.id, one.availability) for one in described.parts if one.availability is not None]
-    for part_id, availability in (("", described.availability), *own):
+    own = {"": described.availability}
+    for one in described.parts:
+        if one.availability is not None:
+            own[one.part.id] = one.availability
+    for part_id, availability in own.items():
         if availability is not None and availability.sources:
             topics = [source.topic for source in availability.sources]
             found.append((part_id, availability, _shared_key(stored, availability), topics))
