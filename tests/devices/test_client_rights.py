@@ -6,10 +6,11 @@ import pytest
 from tests.devices.handles.conftest import device, part
 
 from homebot.control.policies.rights import is_safe
-from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks
+from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
 from homebot.devices.part import Capability, Category
+from homebot.devices.words import ALL_THAT_ASK, HEAT, WATER, Groups
 from homebot.errors import UsageError
 from homebot.messages import Time
 
@@ -200,6 +201,25 @@ def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str
 def test_a_relay_of_another_model_does_not_ask(model: str) -> None:
     one = of_model(model, "switch", "on_off")
     assert not always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize(
+    ("one", "drives"),
+    [
+        (VALVE, WATER),
+        (GARDEN, WATER),
+        (device("Garden sprinkler", part("plug", "on_off")), WATER),
+        (OVEN_PLUG, HEAT),
+        (HALL_LOCK, frozenset({"lock"})),
+        (GARAGE_COVER, frozenset({"entry"})),
+        (HALL_LAMP, frozenset()),
+        (TAGGED, frozenset()),
+    ],
+    ids=lambda one: one.id if isinstance(one, Device) else "",
+)
+def test_a_policy_can_ask_for_the_load_that_a_part_is_or_switches(one: Device, drives: Groups) -> None:
+    found = {group for group in ALL_THAT_ASK if why_it_drives(one, one.parts[0], frozenset({group}))}
+    assert found == drives
 
 
 @pytest.mark.parametrize("part_id", ["unlock_door", "door_unlock", "openDoor"])

@@ -10,11 +10,13 @@ that opens, and a temperature by the name of a hot thing. The words are those of
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.part import Capability, Part
-from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, matching_words
+from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, Groups, matching_words
 from homebot.support.folding import fold
 
 __all__ = [
@@ -29,9 +31,15 @@ __all__ = [
     "waits_for_approval",
     "why_device_asks",
     "why_it_asks",
+    "why_it_drives",
 ]
 
-ALWAYS_ASK = frozenset({"closure", "door_lock", "water_heater", "water_valve", "x_alarm_panel"})
+_LOADS: Final[Mapping[str, str]] = MappingProxyType(
+    {"closure": "entry", "door_lock": "lock", "water_heater": "heat", "water_valve": "water", "x_alarm_panel": "open"}
+)
+"""The group of :mod:`homebot.devices.words` for each device type of the class."""
+
+ALWAYS_ASK: Final = frozenset(_LOADS)
 """Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
 
 APPROVED: Final = "approved"
@@ -79,6 +87,19 @@ def why_it_asks(device: Device, part: DevicePart) -> str:
         for one in device.parts:
             if reason := _why_declared(one.part):
                 return f"beside another part: {reason}"
+    return ""
+
+
+def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_ASK) -> str:
+    """Return why *part* is, or switches, a load of *groups*, for people; empty if it is not.
+
+    For policies and apps: a plug that is called ``Water valve`` drives ``WATER`` as a part of that type does.
+    """
+    kind = part.part.service_type
+    if _LOADS.get(kind) in groups:
+        return f"its type is {kind}"
+    if kind in _RELAYS:
+        return _why_named(groups, *_names(device, part)) or _why_of_model(device, part, groups)
     return ""
 
 
@@ -130,11 +151,11 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
     if kind in _RELAYS:
-        return _why_named(ALL_THAT_ASK, *_names(device, part)) or _why_of_model(device, part)
+        return why_it_drives(device, part)
     if kind in _BUTTONS and (reason := _why_named_setting(device, part)):
         return reason
     if kind == "x_setting":
-        return _why_of_model(device, part)
+        return _why_of_model(device, part, ALL_THAT_ASK)
     return _why_hot(device, part) if kind == "thermostat" else ""
 
 
@@ -180,19 +201,19 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     return _why_named(OPEN, _own_name(part)) if capability.name in _OPENING else None
 
 
-def _why_named(groups: frozenset[str], *names: str, anywhere: bool = False) -> str:
+def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
     for name in names:
         if words := matching_words(name, groups, anywhere=anywhere):
             return f"the name {name!r} says {words!r}"
     return ""
 
 
-def _why_of_model(device: Device, part: DevicePart) -> str:
+def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part is of the class by the model: an opener with all its settings, else the load of a relay."""
     model = _model(device)
-    words = matching_words(model, OPENER, anywhere=True)
+    words = matching_words(model, OPENER & groups, anywhere=True)
     if not words and part.part.service_type in _RELAYS:
-        words = matching_words(model, BURNS_OR_FLOODS, anywhere=True) or matching_words(model, ALL_THAT_ASK)
+        words = matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
     return f"the model {model!r} says {words!r}" if words else ""
 
 

@@ -23,7 +23,18 @@ from typing import Final, NamedTuple, TypeAlias
 
 from homebot.support.folding import words_of
 
-__all__ = ["ALL_THAT_ASK", "BURNS_OR_FLOODS", "HEAT", "NO_LOCK", "OPEN", "OPENER", "SIREN", "matching_words"]
+__all__ = [
+    "ALL_THAT_ASK",
+    "BURNS_OR_FLOODS",
+    "HEAT",
+    "NO_LOCK",
+    "OPEN",
+    "OPENER",
+    "SIREN",
+    "WATER",
+    "Groups",
+    "matching_words",
+]
 
 Groups: TypeAlias = frozenset[str]
 
@@ -31,7 +42,8 @@ HEAT: Final = frozenset({"heat"})
 OPEN: Final = frozenset({"open"})
 OPENER: Final = frozenset({"opener"})
 SIREN: Final = frozenset({"siren"})
-BURNS_OR_FLOODS: Final = frozenset({"heat", "water"})
+WATER: Final = frozenset({"water"})
+BURNS_OR_FLOODS: Final = HEAT | WATER
 NO_LOCK: Final = frozenset({"heat", "water", "entry", "opener", "open"})
 """The groups of parts that always ask, but for locks: a lock among settings is one for keys."""
 
