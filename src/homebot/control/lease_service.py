@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Final, final
 
@@ -33,7 +31,7 @@ from homebot.devices.lease_messages import (
     LeaseResponse,
     LeasesResponse,
 )
-from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import Contradicted, NoAnswer, Refused
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
@@ -49,23 +47,6 @@ _AFTER_LEAVING: Final = 10.0
 """Seconds for which the leases of a client last after its last connection ended: a robot in a doorway may reconnect."""
 
 _NOT_HELD: Final = "there is no such lease: it is over or was released"
-
-
-@dataclass(slots=True)
-class _WatchedLease:
-    """Watch of one lease, and its newest command.
-
-    Attributes:
-        stop: Ends the watch.
-        lock: Held while the value is commanded.
-        result: The result of the newest command.
-        seen: The value that was reported since.
-    """
-
-    stop: Callable[[], None]
-    lock: anyio.Lock = field(default_factory=anyio.Lock)
-    result: CommandResult | None = None
-    seen: PlainValue = None
 
 
 @final
@@ -87,7 +68,6 @@ class LeaseService:
         self._journal = journal
         self._leases = executor.leases
         self._leases.on_outranked = self._on_outranked
-        self._watched: dict[Lease, _WatchedLease] = {}
         self._changed = anyio.Event()
 
     async def run(self) -> None:
@@ -115,19 +95,19 @@ class LeaseService:
             return self._refused(
                 request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
             )
-        refused = self._executor.preview(_command_of(request), device, part)
+        key = _key(request)
+        first = _command_of((request.device, part.id), request.setting, key, request.scope)
+        refused = self._executor.preview(first, device, part)
         if refused is not None:  # before it blocks others
             return self._refused(request, refused.reason, refused.policy)
         lease = self._begin(request)
         if isinstance(lease, str):
             return self._refused(request, lease)
-        if lease not in self._watched:
-            watched = self._watched[lease] = _WatchedLease(lambda: None)
-            watched.stop = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
+        if lease.stop_watch is None:
+            lease.stop_watch = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._record("held", lease, request.issuer, request.by)
-        key = _key(request)
         result = await self._command(lease, key, request.scope)
         if result is None:  # it ended, or a hand came, before its turn
             self._release(key)
@@ -189,31 +169,19 @@ class LeaseService:
 
     async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> CommandResult | None:
         """Send the held value for one holder at a time; return None if the lease is over or outranked."""
-        watched = self._watched.get(lease)
-        if watched is None:
-            return None
-        async with watched.lock:
+        async with lease.lock:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
-            watched.seen = None
-            (device, part), (issuer, by, _) = lease.part, key
-            watched.result = result = await self._executor.perform(
-                CommandRequest(
-                    device=device,
-                    part=part,
-                    settings=(lease.setting,),
-                    issuer=issuer,
-                    trigger=Trigger(kind="lease", text=by),
-                    scope=scope,
-                )
-            )
-            self._on_outcome(lease, watched, outcome_of(result))
+            lease.seen = None
+            request = _command_of(lease.part, lease.setting, key, scope)
+            lease.result = result = await self._executor.perform(request)
+            self._on_outcome(lease, result)
         self._changed.set()
         return result
 
-    def _on_outcome(self, lease: Lease, watched: _WatchedLease, outcome: Outcome) -> None:
+    def _on_outcome(self, lease: Lease, result: CommandResult) -> None:
         """Record the outcome of a command for *lease*."""
-        now = self._clock.monotonic()
+        now, outcome = self._clock.monotonic(), outcome_of(result)
         if now < lease.hand_until:
             return  # a stop came meanwhile
         if isinstance(outcome, Contradicted):
@@ -223,21 +191,20 @@ class LeaseService:
         else:
             self._hand_back(lease)
             lease.set_so()
-            for one in watched.result.reported if watched.result is not None else ():
+            for one in result.reported:
                 if one.capability == lease.capability:
                     lease.record_answer(one.value.plain())
-            if watched.seen is not None:
-                self._compare(lease, watched.seen)
+            if lease.seen is not None:
+                self._compare(lease, lease.seen)
 
     def _on_value(self, lease: Lease, capability: str, value: PlainValue, finding: Attribution | None) -> None:
         """Compare a live report of the part with the held value, unless it is a step on the way."""
         if finding is not None and finding.cause is Cause.TRANSITION:
             return
-        watched = self._watched.get(lease)
-        if watched is None or capability != lease.capability:
+        if not lease.holders or capability != lease.capability:
             return
-        watched.seen = value
-        if not watched.lock.locked():
+        lease.seen = value
+        if not lease.lock.locked():
             self._compare(lease, value)
 
     def _compare(self, lease: Lease, value: PlainValue) -> None:
@@ -253,11 +220,7 @@ class LeaseService:
         if now < lease.hand_until:
             left = math.ceil(lease.hand_until - now)
             return result_of(Contradicted(f"{lease.saw}; it is commanded again in {left} s"))
-        result = self._watched[lease].result
-        return result_of(NoAnswer(0.0, "it is being commanded")) if result is None else result
-
-    async def _command_again(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> None:
-        await self._command(lease, key, scope)
+        return result_of(NoAnswer(0.0, "it is being commanded")) if lease.result is None else lease.result
 
     def _begin_due(self, tasks: TaskGroup) -> None:
         """Command the values that are due again."""
@@ -267,7 +230,7 @@ class LeaseService:
                 lease.again_at = math.inf
                 self._hand_back(lease)
                 key, holder = next(iter(lease.holders.items()))
-                tasks.start_soon(self._command_again, lease, key, holder.scope)
+                tasks.start_soon(self._command, lease, key, holder.scope)
 
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
@@ -285,8 +248,9 @@ class LeaseService:
         return lease
 
     def _end_if_over(self, lease: Lease) -> None:
-        if not lease.holders and (watched := self._watched.pop(lease, None)) is not None:
-            watched.stop()
+        if not lease.holders and lease.stop_watch is not None:
+            lease.stop_watch()
+            lease.stop_watch = None
 
     def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseResponse:
         self._node.log.info(
@@ -319,16 +283,10 @@ def _setting_of(wanted: Setting, part: DevicePart) -> Setting:
     return Setting.of(capability, value)
 
 
-def _command_of(request: HoldRequest) -> CommandRequest:
-    """Return the first command for *request*."""
-    return CommandRequest(
-        device=request.device,
-        part=request.part,
-        settings=(request.setting,),
-        issuer=request.issuer,
-        trigger=Trigger(kind="lease", text=request.by),
-        scope=request.scope,
-    )
+def _command_of(place: tuple[str, str], held: Setting, key: HolderKey, scope: tuple[str, ...]) -> CommandRequest:
+    (device, part), (issuer, by, _) = place, key
+    trigger = Trigger(kind="lease", text=by)
+    return CommandRequest(device=device, part=part, settings=(held,), issuer=issuer, trigger=trigger, scope=scope)
 
 
 def _key(request: HoldRequest | HolderRequest) -> HolderKey:

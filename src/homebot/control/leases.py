@@ -1,4 +1,4 @@
-"""Leases: held values of parts, their holders, and their end. Pure."""
+"""Leases: held values of parts, their holders, and their end."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
+import anyio
+
 from homebot.control.command import IssuedCommand
 from homebot.control.values import STOPPED, changes, departs, fits, value_text
-from homebot.devices.command_messages import Setting
+from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.outcomes import Refused
 from homebot.devices.value import PlainValue, Value
 
@@ -72,6 +74,10 @@ class Lease:
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: The time until which a hand, or a stop command, outranks the lease.
         saw: The report of the hand.
+        stop_watch: Ends the watch of the part; None before it begins.
+        lock: Held while the value is commanded.
+        result: The result of the newest command.
+        seen: The value that was reported since.
     """
 
     part: _Part
@@ -83,6 +89,10 @@ class Lease:
     again_at: float = math.inf
     hand_until: float = -math.inf
     saw: str = ""
+    stop_watch: Callable[[], None] | None = None
+    lock: anyio.Lock = field(default_factory=anyio.Lock)
+    result: CommandResult | None = None
+    seen: PlainValue = None
 
     @property
     def setting(self) -> Setting:
