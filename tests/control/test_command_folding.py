@@ -10,7 +10,7 @@ from tests.control.conftest import Home, OpenHome
 from tests.control.test_journal_file import NOW, opened, read
 
 from homebot.control.journal.command_folding import IN_FULL, CommandFolding
-from homebot.control.journal.store import JournalNote, MemoryStore
+from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_results import result_of
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
@@ -106,7 +106,7 @@ async def outcomes(home: Home) -> list[JournalEntry]:
 async def test_a_full_journal_drops_the_entries_of_the_issuer_with_the_most(tmp_path: Path) -> None:
     honest = [note for number in range(20) for note in command(number, issuer="/lights_out")]
     greedy = [note for number in range(3000) for note in command(number, issuer="client:greedy")]
-    memory = MemoryStore(1000, 1e9)
+    memory = JournalStore(1000, 1e9)
     for note in (*honest, *greedy):
         memory.add(note)
     in_memory = (await memory.read(ReadJournalRequest())).entries

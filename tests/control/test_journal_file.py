@@ -17,7 +17,7 @@ from tests.patience import PATIENCE
 from homebot.clock import ManualClock
 from homebot.control import Control
 from homebot.control.journal.file_store import FileStore
-from homebot.control.journal.store import JournalNote, LearntRow, MemoryStore
+from homebot.control.journal.store import JournalNote, LearntRow
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
@@ -42,7 +42,7 @@ def entry(number: int) -> JournalEntry:
 @asynccontextmanager
 async def opened(path: Path, days: float = 30.0, most_bytes: float = 1e9) -> AsyncIterator[FileStore]:
     async with Node(Graph(ManualClock(NOW)), "control") as node, anyio.create_task_group() as tasks:
-        store = FileStore(node, path, days * DAY, most_bytes, MemoryStore(100, days * DAY))
+        store = FileStore(node, path, days * DAY, most_bytes, most_in_memory=100)
         tasks.start_soon(store.run)
         yield store
         tasks.cancel_scope.cancel()

@@ -19,7 +19,7 @@ from homebot.control.journal.denied_requests import DeniedRequests
 from homebot.control.journal.file_store import FileStore
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.journal import CommandJournal
-from homebot.control.journal.store import JournalStore, MemoryStore
+from homebot.control.journal.store import JournalStore
 from homebot.control.learnt import LearntPersistence
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
@@ -127,7 +127,6 @@ class ControlLayer:
 
 def _store(node: Node, settings: ControlSettings, journal_file: Path | None) -> JournalStore:
     longest = settings.journal_days * _DAY
-    in_memory = MemoryStore(MOST_IN_MEMORY, longest)
     if journal_file is None:
-        return in_memory
-    return FileStore(node, journal_file, longest, settings.journal_megabytes * _MEGABYTE, in_memory)
+        return JournalStore(MOST_IN_MEMORY, longest)
+    return FileStore(node, journal_file, longest, settings.journal_megabytes * _MEGABYTE, MOST_IN_MEMORY)

@@ -9,7 +9,7 @@ import pytest
 
 from homebot.clock import Clock, ManualClock
 from homebot.control.explanations import Explanations
-from homebot.control.journal.store import JournalNote, MemoryStore
+from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices import (
     DEVICE_CHANGES,
     FIND_DEVICES,
@@ -362,7 +362,7 @@ class StillHouse:
         return next((one for one in self._devices() if one.id == device_id), None)
 
     async def _read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        kept = MemoryStore(1000, 1e9)
+        kept = JournalStore(1000, 1e9)
         for entry in self.journal:
             kept.add(JournalNote(**{**dict(entry), "at": entry.at.to_seconds()}))
         names = tuple(KeyValue(key=key, value=name) for key, name in part_names(self._devices()).items())

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.control.journal.store import JournalNote, LearntRow, MemoryStore, with_newer
+from homebot.control.journal.store import JournalNote, JournalStore, LearntRow, with_newer
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
@@ -40,7 +40,7 @@ _MOST_WAITING: Final = 10_000
 
 
 @final
-class FileStore:
+class FileStore(JournalStore):
     """Entries in an SQLite file, bounded by age and size, the oldest dropped first.
 
     It is opened at the first entry or question, so that a home without commands has none. If another homebot uses it,
@@ -51,21 +51,18 @@ class FileStore:
         path: The file.
         longest: Seconds for which an entry is stored.
         most_bytes: The size of all entries at most.
-        in_memory: The store if the file cannot be used.
+        most_in_memory: The number of entries at most if the file cannot be used.
 
     Attributes:
-        dropped: Entries that were dropped because they were too many or too old.
-        failures: Entries, and rows, that could not be stored.
         problem: The trouble of the file, as text; empty if there is none. A removal stays one.
     """
 
-    def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, in_memory: MemoryStore) -> None:
+    def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, most_in_memory: int) -> None:
+        super().__init__(most_in_memory, longest)
         self._node = node
         self._clock = node.graph.clock
         self._path = path
-        self._longest = longest
         self._most_bytes = most_bytes
-        self._memory = in_memory
         self._file: JournalFile | None = None
         self._waiting: deque[JournalNote] = deque()
         self._learnt: dict[tuple[str, str], LearntRow] = {}
@@ -75,15 +72,12 @@ class FileStore:
         self._is_unusable = False
         self._loss = ""
         self._overrun = 0
-        self.dropped = 0
-        self.failures = 0
-        self.problem = ""
         self.remembers = True
 
     def add(self, note: JournalNote) -> None:
         """Add an entry; it is written four seconds later."""
         if self._is_unusable:
-            self._memory.add(note)
+            super().add(note)
             return
         self._waiting.append(note)
         if len(self._waiting) > _MOST_WAITING:
@@ -118,7 +112,7 @@ class FileStore:
         """Return the newest entries that fit, also unwritten ones."""
         await self._write()
         if self._is_unusable:
-            return await self._memory.read(request)
+            return await super().read(request)
         async with self._turn:
             file = await self._opened()
             if file is None:
@@ -220,7 +214,7 @@ class FileStore:
             NOT_USED, message=f"{why}; until the next start the journal is in memory alone", file=str(self._path)
         )
         for note in self._waiting:
-            self._memory.add(note)
+            super().add(note)
         self._waiting.clear()
         self._learnt.clear()
 

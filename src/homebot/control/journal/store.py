@@ -1,4 +1,4 @@
-"""Store of the journal and of device profiles: its port, its rows, and the store in memory."""
+"""Store of the journal and of device profiles: its rows, and the store in memory."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.trigger import NO_TRIGGER
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from homebot.devices.journal_messages import EntryKind, JournalVerdict
     from homebot.devices.trigger import Trigger
 
-__all__ = ["JournalNote", "JournalStore", "LearntRow", "MemoryStore", "with_newer"]
+__all__ = ["JournalNote", "JournalStore", "LearntRow", "with_newer"]
 
 _SHARE: Final = 0.1
 """Of the entries of the issuer with the most, that are dropped at once; see :mod:`.journal_file`."""
@@ -88,65 +88,33 @@ class LearntRow(NamedTuple):
     command: str
 
 
-class JournalStore(Protocol):
-    """Store of entries, in the order in which they are added, and of learnt rows.
+class JournalStore:
+    """Store of entries, in the order in which they are added, and of learnt rows: in memory.
 
-    Attributes:
-        dropped: Entries that were dropped because they were too many or too old.
-        failures: Entries that could not be stored.
-        problem: The trouble of the store, as text; empty if there is none.
-        remembers: Whether it may have rows of an earlier run.
-    """
-
-    dropped: int
-    failures: int
-    problem: str
-    remembers: bool
-
-    def add(self, note: JournalNote) -> None:
-        """Add an entry; never blocks, and does no input or output."""
-        ...
-
-    async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return the newest entries that fit, also those that were added a moment ago."""
-        ...
-
-    def learn(self, row: LearntRow) -> None:
-        """Replace the row of the same kind and name, or remove it if *row* has no record; never blocks."""
-        ...
-
-    async def learnt(self) -> tuple[LearntRow, ...]:
-        """Return the rows of earlier runs, the longest unused first; an unreadable row has no record."""
-        ...
-
-    async def run(self) -> None:
-        """Write until cancelled."""
-        ...
-
-    async def close(self) -> None:
-        """Write the rest and close, within a few seconds; nothing is added afterwards."""
-        ...
-
-
-@final
-class MemoryStore:
-    """The newest entries; the oldest are dropped when they are too old, those of the largest issuer when too many.
+    The oldest entries are dropped when they are too old, those of the largest issuer when there are too many.
 
     Args:
         most: The number of entries at most.
         longest: Seconds for which an entry is stored.
+
+    Attributes:
+        dropped: Entries that were dropped because they were too many or too old.
+        failures: Entries, and rows, that could not be stored.
+        problem: The trouble of the store, as text; empty if there is none.
+        remembers: Whether it may have rows of an earlier run.
     """
 
     def __init__(self, most: int, longest: float) -> None:
         self._entries: deque[JournalNote] = deque()
         self._most = most
         self._longest = longest
-        self.dropped = self.failures = 0
+        self.dropped = 0
+        self.failures = 0
         self.problem = ""
         self.remembers = False
 
     def add(self, note: JournalNote) -> None:
-        """Add an entry."""
+        """Add an entry; never blocks, and does no input or output."""
         entries = self._entries
         entries.append(note)
         oldest = note.at - self._longest
@@ -170,21 +138,24 @@ class MemoryStore:
         self._entries = kept
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return the newest entries that fit."""
+        """Return the newest entries that fit, also those that were added a moment ago."""
         return with_newer(ReadJournalResponse(), self._entries, request)
 
     def learn(self, row: LearntRow) -> None:
-        """Do nothing: the knowledge ends with the run."""
+        """Replace the row of the same kind and name, or remove it if *row* has no record; never blocks.
+
+        In memory there is nothing to do: the knowledge ends with the run.
+        """
 
     async def learnt(self) -> tuple[LearntRow, ...]:
-        """Return no rows."""
+        """Return the rows of earlier runs, the longest unused first; an unreadable row has no record."""
         return ()
 
     async def run(self) -> None:
-        """Do nothing: there is no file."""
+        """Write until cancelled; in memory there is nothing to do."""
 
     async def close(self) -> None:
-        """Do nothing: there is no file."""
+        """Write the rest and close, within a few seconds; nothing is added afterwards."""
 
 
 def with_newer(
