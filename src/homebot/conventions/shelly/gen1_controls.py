@@ -204,18 +204,22 @@ class _Gen1Lamp:
 
     def publish(self, command: LightCommand) -> Publications:
         turn = "on" if command.on else "off"
-        fields: dict[str, object] = {"turn": turn}
-        if command.percent is not None:
-            is_color = self.kind == "color"
-            fields |= {"gain": command.percent} if is_color else {}
-            fields |= {"brightness": command.percent} if self.has_white or not is_color else {}
-        if command.white is not None:
-            fields |= ({"mode": "white"} if self.kind == "color" else {}) | {"temp": round(command.white)}
-        if command.color:
-            channels = dict(zip(_CHANNELS, command.color, strict=True))
-            fields |= ({"mode": "color"} if self.has_white else {}) | channels | {"white": 0}
+        fields: dict[str, object] = {"turn": turn, **self._light_fields(command)}
         if command.transition:
             fields["transition"] = min(round(command.transition * 1000), _LONGEST_TRANSITION)
         if len(fields) == 1 and self.kind != "white":
             return (Publication(f"{self.topic}/command", turn.encode()),)
         return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)
+
+    def _light_fields(self, command: LightCommand) -> dict[str, object]:
+        is_color, percent = self.kind == "color", command.percent
+        if command.color:
+            channels = dict(zip(_CHANNELS, command.color, strict=True))
+            return {**({"mode": "color"} if self.has_white else {}), **channels, "white": 0}
+        if command.white is not None:
+            return {**({"mode": "white"} if is_color else {}), "temp": round(command.white)}
+        if percent is None:
+            return {}
+        if not is_color:
+            return {"brightness": percent}
+        return {"gain": percent, "brightness": percent} if self.has_white else {"gain": percent}

@@ -74,22 +74,25 @@ class WledSegment:
         """Return the state of the controller that carries out *command*."""
         if not command.on:
             return {"on": False} if self.part == MASTER else {"seg": [{"id": self.id, "on": False}]}
-        fields: dict[str, object] = {"id": self.id, "on": True}
+        fields: dict[str, object] = {"id": self.id, "on": True, **self._color_fields(command)}
         whole: dict[str, object] = {"on": True, "seg": [fields]}
         if command.level is not None:
             fields["bri"] = command.brightness
             if self.part == MASTER:
                 fields["bri"], whole["bri"] = _FULL, command.brightness
-        if command.color:
-            rgb = [int(one) for one in command.color]
-            fields["col"] = [[*rgb, 0] if len(self._channels or ()) == 4 else rgb]
-        if command.white is not None:
-            fields["cct"] = round((command.white - _WARMEST) / _STEP)
-            if self.abilities & _RGB:
-                fields["col"] = [[0, 0, 0, _FULL] if self.abilities & _WHITE else [_FULL] * 3]
         if command.effect:
             fields["fx"] = self.effects.index(command.effect)
         return whole
+
+    def _color_fields(self, command: LightCommand) -> dict[str, object]:
+        if command.color:
+            rgb = [int(one) for one in command.color]
+            return {"col": [[*rgb, 0] if len(self._channels or ()) == 4 else rgb]}
+        if command.white is None:
+            return {}
+        white = [0, 0, 0, _FULL] if self.abilities & _WHITE else [_FULL] * 3
+        colors = {"col": [white]} if self.abilities & _RGB else {}
+        return {"cct": round((command.white - _WARMEST) / _STEP), **colors}
 
     def _read_light(self, state: Fields) -> dict[str, PlainValue]:
         master, own_on = read_master(state), _flag(self.fields.get("on", True))

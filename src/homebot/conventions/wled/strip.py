@@ -56,6 +56,8 @@ _SWITCHES: Final[Mapping[tuple[str, str], _Extra]] = {
 }
 """By object and field of the state."""
 
+_PATHS = {switch.part: path for path, switch in _SWITCHES.items()}
+
 _PRESET = "preset"
 _LIVE: Final = _Extra("live", "Lit by another program", "x_binary_sensor", "diagnostic", Capability(name="state"))
 _SIGNAL: Final = _Extra("signal", "", "x_sensor", "diagnostic", Capability(name="signal_strength"))
@@ -132,8 +134,9 @@ class WledStrip:
         """
         seconds = min(require_transition(transition), _LONGEST_TRANSITION)
         given: dict[str, object] = {"tt": round(seconds * 10)} if seconds else {}
-        if capability == "on_off" and (path := next((at for at, one in _SWITCHES.items() if one.part == part), None)):
-            return {path[0]: {path[1]: require_bool(capability, value)}}
+        if capability == "on_off" and part in _PATHS:
+            owner, field = _PATHS[part]
+            return {owner: {field: require_bool(capability, value)}}
         if part == _PRESET and self._presets and capability == "option":
             chosen = require_option(capability, value, tuple(self._presets.values()))
             return given | {"ps": next(number for number, name in self._presets.items() if name == chosen)}

@@ -171,13 +171,11 @@ class BleGateway(Gateway):
 
     async def _update_device(self, advertisement: Advertisement, found: Broadcast | None) -> None:
         now = self._clock.monotonic()
-        key = (found.key if found is not None else "") or self._keys.get(advertisement.address, advertisement.address)
-        device = self._known.get(key) or self._admit(key, advertisement, found, now)
+        device = self._sender_of(advertisement, found, now)
         if device is None:
             self._forget_address(advertisement.address)
             return
-        if self._keys.get(device.address) == key:
-            del self._keys[device.address]  # a beacon may have another address now
+        key = device.key
         is_back = now - device.presence.last_heard >= BACK_AFTER
         device.update(advertisement, found, now)
         self._keys[advertisement.address] = key
@@ -190,6 +188,13 @@ class BleGateway(Gateway):
             await self._report(key, advertisement, values)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
             await self._report_signal(device, now)
+
+    def _sender_of(self, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
+        key = (found.key if found is not None else "") or self._keys.get(advertisement.address, advertisement.address)
+        device = self._known.get(key) or self._admit(key, advertisement, found, now)
+        if device is not None and self._keys.get(device.address) == key:
+            del self._keys[device.address]  # a beacon may have another address now
+        return device
 
     async def _report(self, key: str, advertisement: Advertisement, values: Iterable[BroadcastValue]) -> None:
         for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
@@ -212,14 +217,18 @@ class BleGateway(Gateway):
             return None
         if declared is None and not self._newcomers.admits(now):
             return None
-        if len(self._known) >= self._settings.max_devices:
-            dispensable = find_dispensable(self._known.values())
-            if dispensable is None:
-                self.devices.counters.devices_refused += 1
-                return None
-            self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
+        if len(self._known) >= self._settings.max_devices and not self._make_room():
+            self.devices.counters.devices_refused += 1
+            return None
         device = self._known[key] = KnownDevice(key, declared or BleDeviceSettings(), profile, now)
         return device
+
+    def _make_room(self) -> bool:
+        """Forget a dispensable device; return whether there was one."""
+        dispensable = find_dispensable(self._known.values())
+        if dispensable is not None:
+            self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
+        return dispensable is not None
 
     def _profile_of(self, advertisement: Advertisement, declared: BleDeviceSettings | None) -> GattProfile | None:
         if declared is not None and declared.profile:

@@ -9,11 +9,14 @@ import ipaddress
 import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 import anyio
 
 from homebot.conventions.dns_sd.found_service import FoundService
+
+if TYPE_CHECKING:
+    from ifaddr import Adapter
 
 __all__ = ["Interfaces", "NetworkInterfaces", "OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
 
@@ -116,16 +119,7 @@ class NetworkInterfaces:
         """
         import ifaddr  # noqa: PLC0415 - an extra
 
-        found: list[str | int] = []
-        for adapter in ifaddr.get_adapters():
-            texts = [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
-            addresses = [ipaddress.ip_address(text) for text in texts]
-            is_wanted = adapter.name in wanted if wanted else not any(one.is_loopback for one in addresses)
-            named = texts if is_wanted else [text for text in texts if text in wanted]
-            found += [text for text in named if ":" not in text]
-            is_version_6 = any(":" in text for text in named)
-            if is_version_6 and adapter.index is not None and _has_link_local(addresses, adapter.index):
-                found.append(adapter.index)
+        found = (one for adapter in ifaddr.get_adapters() for one in _wanted_of(adapter, wanted))
         return tuple(dict.fromkeys(found))
 
     async def wait_for_change(self, wanted: tuple[str, ...], before: Interfaces) -> Interfaces:
@@ -133,6 +127,18 @@ class NetworkInterfaces:
         while (now := self.find(wanted)) == before:  # noqa: ASYNC110 - the system sends no event
             await anyio.sleep(LOOK_EVERY)
         return now
+
+
+def _wanted_of(adapter: Adapter, wanted: tuple[str, ...]) -> list[str | int]:
+    """Return the wanted IPv4 addresses of *adapter*, and its index if IPv6 is wanted and usable."""
+    texts = [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
+    addresses = [ipaddress.ip_address(text) for text in texts]
+    is_wanted = adapter.name in wanted if wanted else not any(one.is_loopback for one in addresses)
+    named = texts if is_wanted else [text for text in texts if text in wanted]
+    found: list[str | int] = [text for text in named if ":" not in text]
+    if len(found) < len(named) and adapter.index is not None and _has_link_local(addresses, adapter.index):
+        found.append(adapter.index)
+    return found
 
 
 def _has_link_local(addresses: Sequence[ipaddress.IPv4Address | ipaddress.IPv6Address], index: int) -> bool:

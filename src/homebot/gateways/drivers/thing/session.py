@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
 import anyio
 from yarl import URL
@@ -122,18 +122,11 @@ class ThingSession:
 
     async def _find(self) -> _ReadDescription | None:
         """Return the description from the first address that answers; None if there is none and none is required."""
-        said = self._service.properties
-        scheme, path = said.get("scheme", ""), said.get("td", "")
-        if self._is_web_thing:
-            scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
-        if not self._must_describe:
-            scheme, path = "", ""
+        scheme, path = self._announced_place()
         name = (self._host_name,) if scheme == "https" and self._host_name else ()
-        path = path or WELL_KNOWN
 
         async def read_at(address: str) -> _ReadDescription:
-            origin = http_origin(address, self._service.port, "https" if scheme == "https" else "http")
-            return await self._read(origin + (path if path.startswith("/") else f"/{path}"))
+            return await self._read(http_origin(address, self._service.port, scheme) + path)
 
         try:
             return await first_answer(self._service.name, (*name, *self._service.addresses), read_at)
@@ -144,6 +137,16 @@ class ThingSession:
             if self._must_describe:
                 raise
         return None
+
+    def _announced_place(self) -> tuple[Literal["http", "https"], str]:
+        """Return scheme and path of the description: those announced, or the usual ones."""
+        said = self._service.properties
+        if not self._must_describe:
+            return "http", WELL_KNOWN
+        scheme, path = said.get("scheme", ""), said.get("td", "") or WELL_KNOWN
+        if self._is_web_thing:
+            scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
+        return "https" if scheme == "https" else "http", path if path.startswith("/") else f"/{path}"
 
     async def _read(self, url: str) -> _ReadDescription:
         login = login_at(parse_url(url), self._logins)
