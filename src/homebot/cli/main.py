@@ -28,26 +28,26 @@ COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "config": "check the configuration",
     "devices": "list the devices in the house",
-    "find": "find devices by type, capability, state, area or name",
-    "do": "command devices, and tell what became of it",
+    "find": "find devices by type, capability, state, room or name",
+    "do": "command devices, and print the outcomes",
     "show": "show everything known about a device",
     "doctor": "diagnose problems: gateways, quarantined topics, conflicts, silent devices, crashes, the index file",
     "forget": "remove a device from the index",
-    "merge": "make one device of several that are one",
-    "split": "make several devices of one that is not one",
+    "merge": "join entries that are the same device",
+    "split": "separate devices that were joined by mistake",
     "place": "say which room a device is in",
     "alias": "give a device a further name",
-    "approve": "approve a device that can hurt, so that it may be driven",
-    "trust": "trust a device again that a sensor contradicted",
-    "leases": "list what programs hold as it is, and until when",
+    "approve": "allow commands to a device that can hurt, such as a lock",
+    "trust": "believe a device again after a sensor contradicted it",
+    "leases": "list the values that programs hold, and until when",
     "release": "end the leases of a device",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
-    "why": "tell why a device is as it is",
-    "why-not": "tell why a device is not as it should be",
-    "journal": "show what was commanded, why, and what became of it",
-    "record": "record what happens in the house, for a replay",
-    "replay": "replay a recorded day, and tell which commands would be others",
+    "why": "explain why a device is in its state",
+    "why-not": "explain why a device is not in a state",
+    "journal": "list commands and changes with their causes and outcomes",
+    "record": "record the house, for a replay",
+    "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
@@ -63,6 +63,8 @@ examples:
   homebot run                                    try it: embedded broker, simulated devices, light service
   homebot devices                                the devices in the house
   homebot find 'light and dimmable in kitchen'   the devices that match
+  homebot do 'Kitchen lamp' on                   command a device, and see whether it obeyed
+  homebot why 'Kitchen lamp'                     why it is in its state
   homebot show 'Kitchen lamp'                    everything about one device
   homebot doctor                                 what is wrong
   homebot topic list -t                          every topic and its type
