@@ -39,7 +39,9 @@ async def test_a_frozen_broker_is_reported_within_one_and_a_half_intervals(make_
         freeze(house)
         began = anyio.current_time()
         with anyio.fail_after(46.0):
-            assert (await states.receive()).state == "unavailable"
+            lost = await states.receive()
+        assert lost.state == "unavailable"
+        assert lost.reason.startswith(f"{house.gateway._connection.url}: ")  # homebot doctor shows it
         assert anyio.current_time() - began <= 41.0
 
 

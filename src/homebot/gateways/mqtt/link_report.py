@@ -88,7 +88,7 @@ class LinkReport:
     def _down(self, state: ConnectionState) -> None:
         url = self._connection.url
         reason = state.reason.removeprefix(f"{url}: ")
-        self._gateway.publish_state("unavailable", reason)
+        self._gateway.publish_state("unavailable", f"{url}: {reason}")
         event, limit = (LOST, self._losses) if self._was_up else (UNAVAILABLE, self._tries)
         if limit.allows(event) is None:
             return
