@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -61,9 +61,12 @@ def index() -> DeviceIndex:
     return DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
 
 
-def index_node(index: DeviceIndex, graph: Graph) -> Node:
+DEVICES = (("Desk lamp", "Study"), ("Ceiling", ""))
+
+
+def index_node(index: DeviceIndex, graph: Graph, devices: Sequence[tuple[str, str]] = DEVICES) -> Node:
     node = Node(graph, "discovery")
-    for number, (name, area) in enumerate((("Desk lamp", "Study"), ("Ceiling", ""))):
+    for number, (name, area) in enumerate(devices):
         index.observe(sighting(number, name, area), NOW)
     persistence = IndexPersistence(node, index, None)
     DirectoryServices(node, index, persistence, lambda at_most: len(index.pop_changes(at_most)) >= at_most).register()
@@ -222,6 +225,16 @@ def test_who_renames_a_room_is_told_of_the_devices_that_announce_it(run: Run) ->
         "these announce Study and stay there, until `homebot place` moves them: desk_lamp\n",
     )
     assert "Office (home425)" in run("show", "ceiling")[1]
+
+
+def test_a_search_for_a_room_in_a_house_without_rooms_leads_to_homebot_place(
+    homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    one_lamp = partial(index_node, DeviceIndex(forget_after=1000.0), devices=[("Lamp", "")])
+    door = homebot_with(one_lamp, ManualClock(NOW)).door
+    assert main(["--door", door, "find", "light in kichen"]) == 1
+    hint = "`homebot place DEVICE ROOM` says which room a device is in"
+    assert capsys.readouterr().out == f"no device is in 'kichen'; {hint}\n"
 
 
 def test_a_device_gets_names_and_tags(run: Run) -> None:

@@ -228,7 +228,7 @@ async def test_what_is_no_colour_is_refused_with_an_example(
         ("", "give the id or the name of a device"),
         ("lmp", "no device fits 'lmp'; did you mean Lamp?"),
         ("bog twin", "no device fits 'bog twin'; did you mean "),
-        ("kettle", "no device fits 'kettle'; `homebot devices` lists all"),
+        ("kettle", "no device fits 'kettle'; `homebot find` shows what does"),
         ("lmap", "no device fits 'lmap'; did you mean Lamp?"),
         ("light lmap", "no device fits 'light lmap'; did you mean Lamp?"),
         ("big twin", "2 devices are called big twin; give the id of one: "),

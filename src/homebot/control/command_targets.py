@@ -71,7 +71,7 @@ class CommandTargets:
         found = await (self._one_query(request, target) if is_one else self._any_of(request, target, readings))
         if not found:
             names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
-            hint = did_you_mean(target, names, "`homebot devices` lists all", _TYPO)
+            hint = did_you_mean(target, names, "`homebot find` shows what does", _TYPO)
             raise NoTargetError(f"no device fits {target!r}; {hint}")
         return found
 
