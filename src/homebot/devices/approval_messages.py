@@ -1,8 +1,7 @@
 """The services by which the owner approves devices that can hurt, and trusts those that a witness contradicted."""
 
 from homebot.devices.device import KeyValue
-from homebot.devices.service_answer import ServiceAnswer
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = ["ApproveDevice", "DescribeCommands", "GetUnapproved", "TrustDevice"]
 

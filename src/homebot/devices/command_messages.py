@@ -6,10 +6,9 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from pydantic import AfterValidator, ConfigDict, Field
 
 from homebot.devices.device import KeyValue
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
-from homebot.messages.message import Message, ServiceType, UInt8
+from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
 
 __all__ = [
     "MOST_SETTINGS",

@@ -7,12 +7,11 @@ from pydantic import ConfigDict, Field
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Reading, Value
 from homebot.errors import WireError
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType, UInt8
+from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
 
 __all__ = [
     "REACHABLE",

@@ -5,9 +5,8 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.devices.device import KeyValue
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = [
     "AliasDevice",

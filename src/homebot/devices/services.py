@@ -5,9 +5,8 @@ from typing import Literal, TypeAlias
 from homebot.devices.device import Device, DeviceChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType, UInt32
+from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
     "AnnouncedOn",

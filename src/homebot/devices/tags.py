@@ -7,9 +7,8 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from pydantic import Field
 
 from homebot.devices.device import KeyValue
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = ["ReadTag", "ScanCode", "TagProblem", "TagTap", "WriteTag"]
 

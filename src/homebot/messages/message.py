@@ -27,6 +27,7 @@ __all__ = [
     "Int64",
     "Message",
     "RosType",
+    "ServiceAnswer",
     "ServiceType",
     "UInt8",
     "UInt16",
@@ -205,3 +206,15 @@ class ServiceType(Generic[RequestT, ResponseT]):
     ros_type: str
     Request: type[RequestT]
     Response: type[ResponseT]
+
+
+class ServiceAnswer(Message):
+    """Base of the answers of services that may fail for a reason that is told in words.
+
+    Attributes:
+        success: Whether the request was carried out.
+        message: The reason if not, as text.
+    """
+
+    success: bool
+    message: str = ""

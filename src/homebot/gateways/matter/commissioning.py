@@ -12,9 +12,8 @@ from pydantic import ConfigDict, Field
 
 from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.names import GatewayNames
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 if TYPE_CHECKING:
     from homebot.gateways.matter.server_link import MatterServerLink
