@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, final
@@ -14,6 +14,7 @@ from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.control.journal.journal import CommandJournal
@@ -74,16 +75,13 @@ class HouseChanges:
     """
 
     def __init__(self) -> None:
-        self._raw: OrderedDict[str, deque[RawWindow]] = OrderedDict()
-        self._values: OrderedDict[_Place, tuple[PlainValue, float]] = OrderedDict()
+        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST)
+        self._values: BoundedMap[_Place, tuple[PlainValue, float]] = BoundedMap(_MOST)
 
     def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
         """Add a raw command that explains changes of the device from *now* to *until*."""
-        known = self._raw.setdefault(device, deque(maxlen=_MOST_COMMANDS))
-        self._raw.move_to_end(device)
+        known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_COMMANDS)
         known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
-        if len(self._raw) > _MOST:
-            self._raw.popitem(last=False)
 
     def record(self, change: ChangedSetting, at: float) -> RawWindow | None:
         """Record a live report.
@@ -92,10 +90,8 @@ class HouseChanges:
             The raw command that may explain it, an empty one if there is none; None if it is no change.
         """
         place, value = (change.device, change.part, change.capability), change.value.plain()
-        known = self._values.pop(place, None)
+        known = self._values.get(place)
         self._values[place] = value, at
-        if known is None and len(self._values) > _MOST:
-            self._values.popitem(last=False)
         if known is None or not _is_change(known, value, at):
             return None
         raw = [one for one in self._raw.get(change.device, ()) if one.began <= at <= one.until]

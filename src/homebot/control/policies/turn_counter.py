@@ -1,15 +1,16 @@
-"""TurnCounter of values: commands that switch a part to and fro. Pure."""
+"""Counter of the turns of values: commands that switch a part to and fro. Pure."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections import OrderedDict, deque
+from collections import deque
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import POWER, IssuedCommand
 from homebot.control.values import POWERS, is_on
 from homebot.devices.value import PlainValue
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["TurnCounter"]
 
@@ -51,7 +52,7 @@ class TurnCounter:
     """
 
     def __init__(self) -> None:
-        self._sent: OrderedDict[_Place, _Sent] = OrderedDict()
+        self._sent: BoundedMap[_Place, _Sent] = BoundedMap(_MOST)
 
     def record(self, command: IssuedCommand, now: float) -> None:
         """Record that *command* is sent, or was, at *now* on the monotonic clock.
@@ -62,8 +63,6 @@ class TurnCounter:
             sent = self._sent.get(place)
             if sent is None:
                 self._sent[place] = _Sent(value, now, command.id, command.id)
-                if len(self._sent) > _MOST:
-                    self._sent.popitem(last=False)
             else:
                 self._sent.move_to_end(place)
                 _record(sent, place, value, command, now)
