@@ -56,7 +56,7 @@ class HandlerRun:
 
     Attributes:
         outcome: The response or a :class:`homebot.errors.ServiceError`; cancelled if the caller left first.
-        task: The task that runs the handler, or None before it has started.
+        task: The task that runs the handler, or None before and after.
     """
 
     def __init__(self, server: Server, handler: Awaitable[object]) -> None:
@@ -120,6 +120,7 @@ class HandlerRun:
         if outcome is _UNSERVED:
             outcome = ServiceGoneError(self.server.service_name)
         self.has_ended = True
+        self.task = None  # the loop holds this run in the context of each cancelled timer of the handler for a while
         if self._end_event is not None:
             self._end_event.set()
         if self.outcome.done():
@@ -145,7 +146,7 @@ def calling_runs() -> Iterator[HandlerRun]:
 def _run_of_current_task() -> HandlerRun | None:
     """Return the handler of the current task; tasks started by a handler inherit its context, but are not its own."""
     run = _current.get()
-    return run if run is not None and run.task is asyncio.current_task() else None
+    return None if run is None or run.task is None or run.task is not asyncio.current_task() else run
 
 
 def _is_cancelled_by_asyncio(error: BaseException) -> bool:
