@@ -140,7 +140,7 @@ class IssuedCommand:
     def turns_on(self) -> bool:
         """True if the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
         settings, power = self.settings, self.states.get("on_off")
-        if power is None or not power.live or power.value.plain() is not False or "on_off" in settings:
+        if power is None or "on_off" in settings or not power.live or power.value.plain() is not False:
             return False
         if settings.get("level") == 0 or settings.get("fan_speed") == 0:
             return False

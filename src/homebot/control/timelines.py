@@ -47,7 +47,7 @@ class _TrackedPart:
 
 @final
 class Timelines:
-    """The timelines of the last 10,000 commanded parts; the longest unused is forgotten.
+    """The timelines of the last 10,000 commanded parts; the longest unused is forgotten. Set the callbacks before use.
 
     Args:
         node: For its clock.
@@ -117,7 +117,7 @@ class Timelines:
         target = f"{device.id}#{part.id}" if part.id else device.id
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        timeline.on_report, timeline.on_end = partial(self._on_report, place), self._on_end
+        timeline.on_report, timeline.on_end = partial(self.on_report, place), self.on_end
         timeline.on_undone = partial(self._on_undone, place)
         entry = self._entries[place] = _TrackedPart(timeline, target)
         if len(self._entries) > _MOST:
@@ -168,12 +168,6 @@ class Timelines:
                 if entry.watch is not None:
                     entry.watch.stop()
                 return
-
-    def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
-        self.on_report(place, progress, fact)
-
-    def _on_end(self, progress: CommandProgress) -> None:
-        self.on_end(progress)
 
     def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
         """Publish the end of a confirmed value, also to listeners that got its last report as a step on the way."""

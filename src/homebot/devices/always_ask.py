@@ -164,8 +164,10 @@ def _why_declared(part: Part) -> str:
         return f"its type is {part.service_type}"
     if part.advertised and not part.category and matching_words(part.advertised, HEAT):
         return f"it calls itself {part.advertised}"
-    reasons = (_why_settable(one, part) for one in part.capabilities if one.settable)
-    return next(filter(None, reasons), "")
+    for one in part.capabilities:  # a generator would cost each announcement and command more
+        if one.settable and (reason := _why_settable(one, part)):
+            return reason
+    return ""
 
 
 def _why_settable(capability: Capability, part: Part) -> str:
