@@ -195,7 +195,12 @@ class Peer:
         verdict = login.refusal(packet, state, self.address)
         if verdict.failed:
             self._refuse(packet, verdict)
-            return
+        else:
+            self._welcome(packet)
+
+    def _welcome(self, packet: Connect) -> None:
+        """Open the client's session; a connection of the same client id ends."""
+        state = self._state
         self._reader.max_packet_size = state.limits.max_packet_size
         self._reader.max_control_size = state.limits.max_control_size
         wanted = login.accept(packet, state)
