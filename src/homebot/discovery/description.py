@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, filterfalse
 from operator import attrgetter
 from typing import Final
 
@@ -71,7 +71,7 @@ def describe_device(
     merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
     parts = merged.believed
     main = main_part(parts)
-    believed = [source for source in ordered if not source.is_claimed] or ordered
+    believed = tuple(filterfalse(_IS_CLAIMED, ordered)) or ordered
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     if area and owner is not None:
         area, outer_areas = owner.plan.locate(area)
@@ -93,6 +93,9 @@ def describe_device(
 _fact_of = Fact.of_checked
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
+_CATEGORY: Final = attrgetter("category")
+_PART: Final = attrgetter("part")
+_IS_CLAIMED: Final = attrgetter("is_claimed")
 _PAIR: Final = attrgetter("key", "value")
 _NAME: Final = attrgetter("sighting.name")
 _AREA: Final = attrgetter("sighting.area")
@@ -203,7 +206,8 @@ def _stated_fact(fact: OwnerFact) -> Fact:
 
 def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
     if parts:
-        shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
+        described = tuple(map(_PART, parts))
+        shown = tuple(filterfalse(_CATEGORY, described)) or described
         found = chain(map(_TYPE, shown), filter(None, map(_ADVERTISED, shown)))
     else:
         words = [one.sighting.service_type for one in sources]

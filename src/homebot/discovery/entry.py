@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from homebot.devices import (
@@ -37,6 +38,7 @@ __all__ = ["Entry"]
 # Looked up once, as `of_checked` says.
 _device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
 _stamp_of = Time.from_seconds
+_VALUES, _EVENTS = attrgetter("values"), attrgetter("events")
 
 
 @dataclass(slots=True, eq=False)
@@ -136,10 +138,8 @@ class Entry:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
             described = self._description or self._described(topics)
-            sources, has_states, has_events = self.sources.values(), False, False
-            for source in sources:
-                has_states = has_states or bool(source.values)
-                has_events = has_events or bool(source.events)
+            sources = self.sources.values()
+            has_states, has_events = any(map(_VALUES, sources)), any(map(_EVENTS, sources))
             parts, reachable = described.merged.parts, self.reachability()
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)

@@ -6,6 +6,7 @@ import re
 from collections import OrderedDict
 from collections.abc import Container, Iterable, Iterator
 from hashlib import blake2b
+from itertools import accumulate, count, repeat
 from typing import NamedTuple, final
 
 from homebot.devices import Sighting
@@ -33,23 +34,23 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
         known: Ids of the devices that are known.
         gone: Ids of those that went.
     """
+    for device_id in _proposals(sighting):
+        if device_id not in known and device_id not in gone:
+            return device_id
+    raise AssertionError("there is always another id")
+
+
+def _proposals(sighting: Sighting) -> Iterator[str]:
+    """Yield ids for a device without end, the best first."""
     if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
-        found = sighting.key
-        while found in known or found in gone:
-            found = f"{found}@{sighting.gateway}"
-        return found
+        yield from accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)
     slug = id_of_name(sighting.name)
-    if slug not in known and slug not in gone:
-        return slug
+    yield slug
     identity = _identity(sighting)
     for length in range(_SHORTEST_SUFFIX, len(identity) + 1):
-        found = f"{slug}_{identity[-length:]}"
-        if found not in known and found not in gone:
-            return found
-    number = 2
-    while (found := f"{slug}_{identity}_{number}") in known or found in gone:
-        number += 1
-    return found
+        yield f"{slug}_{identity[-length:]}"
+    for number in count(2):
+        yield f"{slug}_{identity}_{number}"
 
 
 def id_of_name(name: str) -> str:

@@ -12,16 +12,14 @@ Of two statements on one fact a command outranks an import, an import the config
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
-
 from homebot.config import UNNAMED
-from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
+from homebot.discovery.approvals import ApprovalRegistry
 from homebot.discovery.house_rooms import HouseRooms
+from homebot.discovery.owner_records import places_record, read_places_record
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
 from homebot.places import HousePlan, HouseRoom, OwnerFact, Places
@@ -50,31 +48,6 @@ class _Statement:
     facts: _Facts
     keys: dict[SourceKey, None] = field(default_factory=dict)
     names: dict[str, None] = field(default_factory=dict)
-
-
-class _StatementRecord(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
-
-    facts: tuple[OwnerFact, ...]
-    announcements: tuple[tuple[str, str], ...] = ()
-    names: tuple[str, ...] = ()
-
-    @field_validator("facts", mode="before")
-    @classmethod
-    def _without_old_approvals(cls, facts: object) -> object:
-        """Return *facts* without approvals: older files do not name the approved commands, so the devices wait."""
-        if not isinstance(facts, list):
-            return facts
-        return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
-
-
-class _PlacesRecord(BaseModel):
-    model_config = ConfigDict(extra="ignore", defer_build=True)
-
-    statements: tuple[_StatementRecord, ...] = ()
-    rooms: tuple[HouseRoom, ...] = ()
-    known_as: tuple[tuple[str, str, str], ...] = ()
-    approvals: tuple[ApprovalRecord, ...] = ()
 
 
 @final
@@ -332,23 +305,12 @@ class OwnerFacts:
 
     def record(self) -> str:
         """Return all but the configuration as text, for the index file."""
-        record = {
-            "statements": [
-                {
-                    "facts": [
-                        {"name": fact.name, "value": fact.value, "source": fact.source, "said_at": fact.said_at}
-                        for fact in one.facts
-                    ],
-                    "announcements": list(one.keys),
-                    "names": list(one.names),
-                }
-                for one in self._statements()
-            ],
-            "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in self.rooms.imported],
-            "known_as": [[*key, name] for key, name in self._known_as.items()],
-            "approvals": self.approvals.records(),
-        }
-        return json.dumps(record)
+        return places_record(
+            [(one.facts, one.keys, one.names) for one in self._statements()],
+            self.rooms.imported,
+            self._known_as,
+            self.approvals,
+        )
 
     def restore(self, record: str) -> None:
         """Restore the records that :meth:`record` returned.
@@ -357,10 +319,7 @@ class OwnerFacts:
             WireError: It is no such text, or some of its rooms do not fit the configuration any more; these stay in the
                 record and out of the plan.
         """
-        try:
-            read = _PlacesRecord.model_validate_json(record)
-        except ValidationError as exc:
-            raise WireError(f"no places: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
+        read = read_places_record(record)
         for statement in read.statements:
             if self._has_room():
                 keys, names = dict.fromkeys(statement.announcements), dict.fromkeys(statement.names)

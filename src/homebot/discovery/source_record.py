@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from homebot.devices import Sighting
 from homebot.discovery.search.columns import StoredValue
@@ -21,6 +21,9 @@ __all__ = [
     "preference",
     "record_description",
 ]
+
+KeyT = TypeVar("KeyT")
+ValueT = TypeVar("ValueT")
 
 SourceKey: TypeAlias = tuple[str, str]
 """Gateway, and its key for the announcement."""
@@ -139,13 +142,18 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
 def record_description(source: SourceRecord, before: Sighting) -> None:
     """Record when *source* first reported each capability; drop capabilities that it no longer has."""
     now = source.sighting
-    known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
-    described = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
-    kept = {name: found for name, found in source.facts.items() if name in described}
+    known, described = _facts_of(before), _facts_of(now)
     changed = {name: (value, now.seen_at) for name, value in described.items() if known.get(name) != value}
-    source.facts = {**kept, **changed} or _NOTHING
+    source.facts = {**_only(source.facts, described), **changed} or _NOTHING
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
-    source.values = {place: stored for place, stored in source.values.items() if place in places}
-    parts = {"", *(part.id for part in now.parts)}
-    source.set_reach({part: one for part, one in source.reach.items() if part in parts})
-    source.events = {place: stored for place, stored in source.events.items() if place in places} or _NOTHING
+    source.values = _only(source.values, places)
+    source.events = _only(source.events, places) or _NOTHING
+    source.set_reach(_only(source.reach, {"", *(part.id for part in now.parts)}))
+
+
+def _facts_of(sighting: Sighting) -> dict[str, str]:
+    return {"name": sighting.name, "area": sighting.area, **{one.key: one.value for one in sighting.metadata}}
+
+
+def _only(found: Mapping[KeyT, ValueT], keys: Container[KeyT]) -> dict[KeyT, ValueT]:
+    return {key: value for key, value in found.items() if key in keys}

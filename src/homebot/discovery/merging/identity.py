@@ -21,7 +21,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations
+from operator import attrgetter
 from typing import Final, TypeAlias, final
 
 from homebot.devices import Sighting
@@ -265,6 +266,7 @@ class IdentityGraph:
 
 
 _PAIR = 2
+_TOPICS: Final = attrgetter("reads", "writes")
 _HARDWARE = ("mac:", "eui64:")
 
 
@@ -338,20 +340,21 @@ def _own_topic(sighting: Sighting) -> str:
     """Return the topic below which all is the device's; empty if none is known."""
     if sighting.whole_device:
         return sighting.owns[0] if sighting.owns else ""
-    topics: list[str] = []
+    topics: tuple[str, ...] = ()
     for identifier in sighting.identifiers:
         if not identifier.startswith("id:") or not _is_specific_word(identifier):
             continue
-        if not topics:
-            for part in sighting.parts:
-                topics += part.reads + part.writes
-            if not topics:
-                return ""
-        name = identifier[len("id:") :]
-        before, level, _ = topics[0].partition(f"/{name}/")
-        if level and all(topic.startswith(f"{before}{level}") for topic in topics):
-            return f"{before}/{name}"
+        topics = topics or tuple(chain.from_iterable(chain.from_iterable(map(_TOPICS, sighting.parts))))
+        if prefix := _common_prefix(topics, identifier[len("id:") :]):
+            return prefix
     return ""
+
+
+def _common_prefix(topics: tuple[str, ...], name: str) -> str:
+    """Return the topic that ends with *name* and is above all *topics*; empty if there is none."""
+    before, level, _ = topics[0].partition(f"/{name}/") if topics else ("", "", "")
+    is_above_all = bool(level) and all(topic.startswith(f"{before}{level}") for topic in topics)
+    return f"{before}/{name}" if is_above_all else ""
 
 
 def _is_specific_word(identifier: str) -> bool:

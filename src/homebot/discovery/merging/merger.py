@@ -321,9 +321,7 @@ class DeviceMerger:
         new = sources.keys() - entry.sources.keys()
         if not new and len(sources) == len(entry.sources):
             return
-        before_merged = (entry, *group.gone)
-        heard = frozenset[str]().union(*(one.gateways() - one.silent_gateways() for one in before_merged))
-        silent = frozenset[str]().union(*(one.silent_gateways() for one in before_merged)) - heard
+        silent = _silent_gateways((entry, *group.gone))
         for other in group.gone:
             self._absorb(entry, other)
         entry.sources, entry.stale_gateways = sources, silent
@@ -394,3 +392,12 @@ def _first_seen(sources: Mapping[SourceKey, SourceRecord]) -> Time:
     if len(sources) == 1:
         return next(iter(sources.values())).first_seen
     return min([source.first_seen for source in sources.values()], key=lambda time: (time.sec, time.nanosec))
+
+
+def _silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
+    """Return the gateways at which none of *entries* was heard in time."""
+    heard, silent = set[str](), set[str]()
+    for entry in entries:
+        silent |= entry.silent_gateways()
+        heard |= entry.gateways() - entry.silent_gateways()
+    return frozenset(silent - heard)

@@ -141,18 +141,18 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
-        owner = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
-        if not owner and rank < top and not _is_of_the_best(use, best):
-            owner = best[0].device
-        if not owner and rank == top and use.key not in winners:
-            owner = next((one.device for one in best if one.device != use.device), use.device)
-        if owner:
-            found[use.key] = owner
+        stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
+        if stronger:
+            found[use.key] = stronger
+        elif rank == top and use.key not in winners:
+            found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
+        elif rank < top and not _goes_with_own(use, best):
+            found[use.key] = best[0].device
     return found
 
 
-def _is_of_the_best(use: TopicUse, best: list[TopicUse]) -> bool:
-    """Return whether *use* goes with one of the *best* of its device: by its place, or as a repetition."""
+def _goes_with_own(use: TopicUse, best: list[TopicUse]) -> bool:
+    """Return whether *use* goes with one of the *best* that is of its device: by its place, or as a repetition."""
     own = [one for one in best if one.device == use.device]
     return _has_a_name_of(use, own) or any(map(use.repeats, own))
 

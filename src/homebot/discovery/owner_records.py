@@ -1,0 +1,80 @@
+"""The owner's statements as text for the index file, and back. Pure."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+
+from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
+from homebot.discovery.source_record import SourceKey
+from homebot.errors import WireError
+from homebot.places import HouseRoom, OwnerFact
+
+__all__ = ["PlacesRecord", "places_record", "read_places_record"]
+
+
+class _StatementRecord(BaseModel):
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    facts: tuple[OwnerFact, ...]
+    announcements: tuple[tuple[str, str], ...] = ()
+    names: tuple[str, ...] = ()
+
+    @field_validator("facts", mode="before")
+    @classmethod
+    def _without_old_approvals(cls, facts: object) -> object:
+        """Return *facts* without approvals: older files do not name the approved commands, so the devices wait."""
+        if not isinstance(facts, list):
+            return facts
+        return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
+
+
+class PlacesRecord(BaseModel):
+    """The statements, imported rooms and approvals in the index file."""
+
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    statements: tuple[_StatementRecord, ...] = ()
+    rooms: tuple[HouseRoom, ...] = ()
+    known_as: tuple[tuple[str, str, str], ...] = ()
+    approvals: tuple[ApprovalRecord, ...] = ()
+
+
+def places_record(
+    statements: Iterable[tuple[tuple[OwnerFact, ...], Iterable[SourceKey], Iterable[str]]],
+    rooms: Iterable[HouseRoom],
+    known_as: Mapping[SourceKey, str],
+    approvals: ApprovalRegistry,
+) -> str:
+    """Return a :class:`PlacesRecord` as text.
+
+    Args:
+        statements: Facts, with the announcements and the names that they are stated of.
+        rooms: The imported rooms.
+        known_as: The name of each announcement in the configuration.
+        approvals: The approved parts.
+    """
+    record = {
+        "statements": [
+            {"facts": [fact._asdict() for fact in facts], "announcements": list(keys), "names": list(names)}
+            for facts, keys, names in statements
+        ],
+        "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in rooms],
+        "known_as": [[*key, name] for key, name in known_as.items()],
+        "approvals": approvals.records(),
+    }
+    return json.dumps(record)
+
+
+def read_places_record(text: str) -> PlacesRecord:
+    """Return the record of a text.
+
+    Raises:
+        WireError: It is no such text.
+    """
+    try:
+        return PlacesRecord.model_validate_json(text)
+    except ValidationError as exc:
+        raise WireError(f"no places: {exc.errors()[0]['msg']}", text[:100].encode(errors="replace")) from exc
