@@ -95,6 +95,7 @@ _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
 _PART: Final = attrgetter("part")
+_PART_TYPE: Final = attrgetter("part.service_type")
 _IS_CLAIMED: Final = attrgetter("is_claimed")
 _PAIR: Final = attrgetter("key", "value")
 _NAME: Final = attrgetter("sighting.name")
@@ -109,9 +110,9 @@ def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
 
     The name and the model of the device count for its only relay.
     """
-    relays = [number for number, one in enumerate(merged.parts) if one.part.service_type in _RELAYS]
-    if not relays:
+    if _RELAYS.isdisjoint(map(_PART_TYPE, merged.parts)):
         return merged
+    relays = [number for number, one in enumerate(merged.parts) if one.part.service_type in _RELAYS]
     about = (sighting.name, *[one.value for one in sighting.metadata if one.key == "model"])
     parts = list(merged.parts)
     for number in relays:

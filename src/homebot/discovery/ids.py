@@ -34,19 +34,17 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
         known: Ids of the devices that are known.
         gone: Ids of those that went.
     """
-    for device_id in _proposals(sighting):
-        if device_id not in known and device_id not in gone:
-            return device_id
-    raise AssertionError("there is always another id")
-
-
-def _proposals(sighting: Sighting) -> Iterator[str]:
-    """Yield ids for a device without end, the best first."""
     if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
-        yield from accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)
-    slug = id_of_name(sighting.name)
-    yield slug
-    identity = _identity(sighting)
+        proposals: Iterator[str] = accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)
+    else:
+        slug = id_of_name(sighting.name)
+        if slug not in known and slug not in gone:
+            return slug
+        proposals = _longer_ids(slug, _identity(sighting))
+    return next(device_id for device_id in proposals if device_id not in known and device_id not in gone)
+
+
+def _longer_ids(slug: str, identity: str) -> Iterator[str]:
     for length in range(_SHORTEST_SUFFIX, len(identity) + 1):
         yield f"{slug}_{identity[-length:]}"
     for number in count(2):

@@ -151,9 +151,10 @@ class DeviceIndex:
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in a new announcement, and the reports that waited for it."""
         self._intake.add(key, sighting)
-        now = self._liveness.now
-        for report in self._pending.pop(key, now) if key in self._sources else ():
-            self.report(report, now)
+        if key in self._pending.reports and key in self._sources:
+            now = self._liveness.now
+            for report in self._pending.pop(key, now):
+                self.report(report, now)
 
     def _revived(self, key: SourceKey, report: Report) -> SourceRecord | None:
         """Return the announcement of a device that was forgotten, where *report* shows that it is alive."""

@@ -29,25 +29,26 @@ class PendingReports:
 
     Attributes:
         count: How many came.
+        reports: The reports that wait, by their device.
     """
 
     def __init__(self) -> None:
         self.count = 0
         self._forgotten: OrderedDict[SourceKey, Sighting] = OrderedDict()
-        self._reports: OrderedDict[SourceKey, dict[str, tuple[float, Report]]] = OrderedDict()
+        self.reports: OrderedDict[SourceKey, dict[str, tuple[float, Report]]] = OrderedDict()
 
     def put(self, key: SourceKey, report: Report, now: float) -> None:
         """Keep *report*, which came at *now*; the newest of each address."""
         self.count += 1
-        found = self._reports.setdefault(key, {})
-        self._reports.move_to_end(key)
+        found = self.reports.setdefault(key, {})
+        self.reports.move_to_end(key)
         place = report.stream if _is_event(report) else report.address
         found.pop(place, None)
         found[place] = now, report
         if len(found) > _MAX_ADDRESSES:
             del found[next(iter(found))]
-        if len(self._reports) > _MAX_KEYS:
-            self._reports.popitem(last=False)
+        if len(self.reports) > _MAX_KEYS:
+            self.reports.popitem(last=False)
 
     def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
         """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
@@ -71,7 +72,7 @@ class PendingReports:
 
     def pop(self, key: SourceKey, now: float) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
-        found = self._reports.pop(key, None)
+        found = self.reports.pop(key, None)
         if found is None:
             return ()
         return tuple(report for came, report in found.values() if now - came <= _wait_of(report))

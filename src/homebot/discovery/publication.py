@@ -146,7 +146,7 @@ class ChangePublisher:
                 self._happened.clear()
                 self._is_idle = True
                 is_busy = True
-                while is_busy and self._index.is_behind:
+                while is_busy and (self._queue.pending or self._queue.states or self._index.outdated):
                     await self._burst.wait(self._has_many_states)
                     is_busy = await self._publish_waiting()
 

@@ -73,7 +73,7 @@ class SightingIntake:
         table.changes.announced += 1
         table.sources[key] = source
         source.number = self._number
-        why = _first_reason(sighting)
+        why = _first_reason(sighting) if sighting.kind == "updated" else sighting.why
         if count == 1:
             merger.appear({key: source}, why)
         elif sibling is not None:
@@ -147,5 +147,5 @@ class SightingIntake:
 
 
 def _first_reason(sighting: Sighting) -> str:
-    is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
-    return "it was announced" if is_late else sighting.why
+    """Return the reason for the first sighting, which was overtaken by *sighting*."""
+    return "it was announced" if sighting.announced_on else sighting.why

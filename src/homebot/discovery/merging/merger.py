@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
+from operator import attrgetter
 from typing import final
 
 from homebot.discovery.device_table import DeviceTable
@@ -21,11 +22,11 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
 from homebot.discovery.topics.use import topic_use
 from homebot.errors import RefusedError
-from homebot.messages import Time
 
 __all__ = ["DeviceMerger"]
 
 _MAX_EVIDENCE = 16
+_REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attrgetter("sec", "nanosec")
 
 
 @final
@@ -65,7 +66,14 @@ class DeviceMerger:
         else:
             first = next(iter(sources.values())).sighting
             device_id, trusted = new_id(first, table.entries, table.tombstones.by_id), NOBODY_TRUSTED
-        entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS, owner=table.owner)
+        entry = Entry(
+            device_id,
+            min(map(_FIRST_SEEN, sources.values()), key=_TIME),
+            "unconfirmed",
+            sources,
+            known_ids=NO_IDS,
+            owner=table.owner,
+        )
         entry.trusted = trusted
         if not table.owner.is_empty:
             table.owner.adopt(device_id, sources.values())
@@ -266,7 +274,7 @@ class DeviceMerger:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
             entry.silence_allowed = 0.0
-            entry.is_denied = is_denied(sources)
+            entry.is_denied = any(map(_REACH, sources)) and is_denied(sources)
         else:
             entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
@@ -277,7 +285,8 @@ class DeviceMerger:
             self._refresh_conflicts(concerned)
         table.outdated[entry.id] = None
         table.unsaved.add(entry.id)
-        self._refresh_topic_owner(entry, sources, is_whole=new is None)
+        if table.topics.denied or entry.topic_owner:
+            self._refresh_topic_owner(entry, sources, is_whole=new is None)
 
     def _refresh_topic_owner(self, entry: Entry, sources: Iterable[SourceRecord], *, is_whole: bool) -> None:
         """Look for a device that keeps a topic from *sources* of *entry*; *is_whole* if these are all of them."""
@@ -386,12 +395,6 @@ class DeviceMerger:
                 if owner and owner != entry.id and owner in table.entries:
                     return owner
         return ""
-
-
-def _first_seen(sources: Mapping[SourceKey, SourceRecord]) -> Time:
-    if len(sources) == 1:
-        return next(iter(sources.values())).first_seen
-    return min([source.first_seen for source in sources.values()], key=lambda time: (time.sec, time.nanosec))
 
 
 def _silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
