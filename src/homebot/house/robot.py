@@ -10,10 +10,10 @@ from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
 from homebot.house.simulated_device import SimulatedDevice
 
-__all__ = ["Pose2D", "Robot"]
+__all__ = ["Robot", "RobotPose"]
 
 
-class Pose2D(NamedTuple):
+class RobotPose(NamedTuple):
     """A position and the direction of view.
 
     Attributes:
@@ -48,7 +48,7 @@ class Robot(SimulatedDevice):
 
     def __post_init__(self) -> None:
         start = self.rooms.rooms[self.room]
-        self._from = self._at_rest = Pose2D(start.x, start.y, 0.0)
+        self._from = self._at_rest = RobotPose(start.x, start.y, 0.0)
         self._left_at = self.now
         self._ahead: tuple[str, ...] = ()
 
@@ -65,14 +65,14 @@ class Robot(SimulatedDevice):
         """True while it is on its way."""
         return bool(self._ahead)
 
-    def pose(self) -> Pose2D:
+    def pose(self) -> RobotPose:
         """Return where it is at :attr:`now`."""
         if not self._ahead:
             return self._at_rest
         goal = self.rooms.rooms[self._ahead[0]]
         share = (self.now - self._left_at) / self._leg()
         heading = math.atan2(goal.y - self._from.y, goal.x - self._from.x)
-        return Pose2D(
+        return RobotPose(
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
 
@@ -112,7 +112,7 @@ class Robot(SimulatedDevice):
         self._left_at += self._leg()
         self.room, self._ahead = self._ahead[0], self._ahead[1:]
         place = self.rooms.rooms[self.room]
-        self._from = self._at_rest = Pose2D(place.x, place.y, heading)
+        self._from = self._at_rest = RobotPose(place.x, place.y, heading)
         return (self.room,)
 
     def _leg(self) -> float:
