@@ -28,6 +28,7 @@ __all__ = [
 ]
 
 
+@lru_cache(maxsize=1)
 def _words() -> tuple[str, ...]:
     from homebot.devices.outcomes import OUTCOMES  # noqa: PLC0415 - a start without a command needs none
 
