@@ -122,7 +122,7 @@ class DirectoryServices:
             device = self._index.get(device_id)
             if device is not None:  # else it is named, but unknown
                 devices.append(device)
-        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.sequence)
+        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
     def _matching(self, request: FindDevicesRequest) -> list[str]:
         """Return the ids of the devices that match *request*, sorted."""
@@ -140,10 +140,10 @@ class DirectoryServices:
         try:
             query = read_terms(request.query)
         except UsageError as exc:
-            return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
+            return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.changes.sequence)
         found = self._index.find(query)
         if problem := unknown_word(query, self._index.postings):
-            return QueryDevicesResponse(success=False, message=problem, sequence=self._index.sequence)
+            return QueryDevicesResponse(success=False, message=problem, sequence=self._index.changes.sequence)
         ranked = rank(query, found, self._index.postings)
         shown = ranked[request.offset :][: request.limit or None]
         results = (
