@@ -17,7 +17,6 @@ from homebot.testing import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
 
-GUARDED = {"control": {"presence_guard": True}}
 EVENTS = ("light_service.", "app.command_failed")
 
 

@@ -242,8 +242,3 @@ def mutator() -> type[Mutator]:
 @pytest.fixture
 def devices() -> Callable[[str], list[dict[str, Any]]]:
     return rows_of
-
-
-@pytest.fixture
-def checked_part() -> Callable[[Mutator, DescribedPart, Iterable[str]], None]:
-    return check_part

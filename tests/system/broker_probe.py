@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.patience import PATIENCE
-from tests.system.attack_probe import ROOT, open_files, rss, until
+from tests.system.attack_probe import ROOT, open_files, rss
 
 from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker, BrokerStats
@@ -176,11 +176,6 @@ def is_closed(opened: socket.socket) -> bool:
     except OSError:
         return True
     return True
-
-
-def wait_for(look: Any, within: float = PATIENCE) -> None:
-    """Wait until *look* is true."""
-    until(lambda: True if look() else None, within)
 
 
 class _MeasuredLoop(asyncio.SelectorEventLoop):

@@ -42,7 +42,6 @@ MOST = 96
 are readers that were loaded for the first announcements."""
 
 LEFT = 64
-LONG = 165_000
 
 
 def texts(name: str, count: int, size: int) -> list[str]:

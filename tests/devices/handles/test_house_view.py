@@ -21,7 +21,6 @@ from homebot.testing import VirtualTimeLoop
 if TYPE_CHECKING:
     from homebot.devices import Device
 
-Story: TypeAlias = list[tuple[ChangeKind, str]]
 
 LAMP, PLUG = device("lamp", part("light", "on_off")), device("lamp", part("plug", "on_off"))
 

@@ -18,7 +18,6 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.devices.value import PlainValue
 from homebot.graph import DurabilityPolicy, QoSProfile
-from homebot.messages import Time
 from homebot.mqtt.connection import MqttConnection
 
 pytestmark = pytest.mark.virtual_time
@@ -27,7 +26,6 @@ MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 THESIS = {"conventions": ("thesis",)}
-START = Time(sec=0, nanosec=0)
 LAMP, KEY = "home425/lights/lamp/out", "lights/lamp"
 
 

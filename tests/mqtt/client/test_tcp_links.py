@@ -450,18 +450,6 @@ async def test_without_a_link_there_is_nothing_to_do(make: MakeClient) -> None:
     client.ack([])
 
 
-async def receive(client: MqttClient, count: int) -> list[Any]:
-    messages: list[Any] = []
-    while len(messages) < count:
-        messages += await client.receive()
-    return messages
-
-
-async def flood(client: MqttClient, count: int) -> None:
-    for _ in range(count):
-        await client.publish("t", bytes(30_000))
-
-
 async def fail_to_publish(client: MqttClient, qos: int) -> None:
     try:
         await client.publish("t", bytes(50_000), qos=qos)

@@ -414,17 +414,3 @@ async def receive(client: MqttClient, count: int) -> list[Any]:
 async def flood(client: MqttClient, count: int) -> None:
     for _ in range(count):
         await client.publish("t", bytes(30_000))
-
-
-async def fail_to_publish(client: MqttClient, qos: int) -> None:
-    try:
-        await client.publish("t", bytes(50_000), qos=qos)
-    except LinkError:
-        return
-    assert qos == 0
-
-
-async def finish(peer: Peer, publish: Publish) -> None:
-    await peer.send(Pubrec(publish.packet_id or 0))
-    assert (await peer.expect(Pubrel)).packet_id == publish.packet_id
-    await peer.send(Pubcomp(publish.packet_id or 0))
