@@ -6,13 +6,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from functools import partial
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
+from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import (
     NO_READINGS,
     Readings,
@@ -228,17 +229,7 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     has_battery = "battery" in features
     entity = Entity(config, "robotic_vacuum_cleaner")
     readable = entity.read_text_from(source, partial(_read_vacuum, has_speed=bool(speeds), has_battery=has_battery))
-    payloads = {
-        state: config.text(key, default)
-        for state, (feature, key, default) in _VACUUM_COMMANDS.items()
-        if feature in features
-    }
-    if command is None:
-        payloads = {}
-    writer: Writer | None = None
-    if command and payloads:
-        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
-    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
+    _add_vacuum(entity, config, command, features, readable=readable)
     if speeds:
         writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
         entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
@@ -248,6 +239,23 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
         entity.add_push("locate", command, config.text("payload_locate", "locate"))
     entity.add_commands(command, set_speed if speeds else None)
     return entity.build()
+
+
+def _add_vacuum(
+    entity: Entity, config: DiscoveryConfig, command: CommandTopic | None, features: Container[str], *, readable: bool
+) -> None:
+    """Add the states of a robot, and those that it can be sent to."""
+    payloads = {
+        state: config.text(key, default)
+        for state, (feature, key, default) in _VACUUM_COMMANDS.items()
+        if feature in features
+    }
+    writer: Writer | None = None
+    if command is None:
+        payloads = {}
+    elif payloads:
+        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
+    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
 
 
 def _read_vacuum(text: str, *, has_speed: bool, has_battery: bool) -> Readings:

@@ -240,10 +240,7 @@ class _BasicLightCommands:
         if self.order == "brightness" and brightness is None:
             brightness = self.state.brightness or _BYTE
         if command.color:
-            full = self.brightness is not None
-            found.append(self._color(command.mode, command.color, _BYTE if full else self.state.brightness or _BYTE))
-            if command.mode in self.assumes:
-                self.state.colors[command.mode] = command.color
+            found.append(self._set_color(command.mode, command.color))
         if brightness is not None:
             found += self._brightness(brightness, has_color=bool(command.color))
         if command.kelvin is not None and self.white is not None:
@@ -252,6 +249,13 @@ class _BasicLightCommands:
         if command.effect and self.effect is not None:
             found.append(self.effect.publication(command.effect))
         return tuple(found)
+
+    def _set_color(self, mode: str, color: Channels) -> Publication:
+        brightness = _BYTE if self.brightness is not None else self.state.brightness or _BYTE
+        publication = self._color(mode, color, brightness)
+        if mode in self.assumes:
+            self.state.colors[mode] = color
+        return publication
 
     def _brightness(self, brightness: int, *, has_color: bool) -> list[Publication]:
         mode = next((one for one in _DIMMED if one in self.colors), "")

@@ -43,7 +43,7 @@ class PeerQuarantine(Generic[MessageT]):
     """Judges peers by their source, and lets their messages wait where they cost too much.
 
     A gateway asks :meth:`must_wait` before it reads a message of an unproven sender, and then reports the result:
-    :meth:`accept` or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
+    :meth:`WorkBudgets.accept` of the budgets, or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
 
     Args:
         budgets: The budgets that offences are paid from.
@@ -96,10 +96,6 @@ class PeerQuarantine(Generic[MessageT]):
         self.waiting.dropped += 1
         self._defer(payer)
         return False
-
-    def accept(self, source: str, payload: bytes, *, is_valid: bool = True) -> None:
-        """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
-        self.budgets.accept(source, payload, self._reporter.now, is_valid=is_valid)
 
     def record_offence(self, source: str, length: int, event: str, why: str) -> None:
         """Log a message of *length* bytes that broke a rule, and charge it to the payer of its source."""

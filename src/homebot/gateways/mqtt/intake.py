@@ -79,7 +79,8 @@ class AnnouncementHandler:
             for convention in conventions:
                 await self._read(convention, message)
         if self._accepted:
-            self._quarantine.accept(message.topic, message.payload, is_valid=not self._offended)
+            budgets, is_valid = self._quarantine.budgets, not self._offended
+            budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
@@ -203,15 +204,14 @@ class AnnouncementHandler:
             is_live = (described.implies_alive or described.text is not None) and not message.retain
             self._reporter.publish_sighting(stored, "appeared" if before is None else "updated", why, confirmed=is_live)
         self._missed += change.readers
-        self._subscriber.wake()
-        if before is None:
+        if before is None or not stored.publishes_the_same(before):
             self._subscriber.ask(stored)
         else:
+            self._subscriber.wake()
+        if before is not None:
             self._scheduler.drop(("gone", stored.key))
             for part in before.reachable.keys() - stored.reachability.keys():
                 self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
-            if not stored.publishes_the_same(before):
-                self._subscriber.ask(stored)
             before.detach()
         if stored.reachability:
             self._states.report_reachability(stored)

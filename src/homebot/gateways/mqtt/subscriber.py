@@ -65,7 +65,8 @@ class Subscriber:
         self._needed.set()
 
     def ask(self, stored: StoredAnnouncement) -> None:
-        """Ask the device for its state once all that is needed now is subscribed to."""
+        """Ask the device for its state once all that is needed now is subscribed to; check that as :meth:`wake`."""
+        self._needed.set()
         asks: dict[Publication, None] = {}
         for part in stored.parts.values():
             asks.update(dict.fromkeys(part.described.state_requests))
@@ -74,8 +75,6 @@ class Subscriber:
                 self._counters.asks_dropped += 1
                 return
             self._asks_later[ask] = (ask,)
-        if asks:
-            self._needed.set()
 
     def question(self, question: DeviceRequest) -> None:
         """Ask a device for its identity; a later question with the same key replaces an earlier one."""
