@@ -7,7 +7,7 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple, TypeAlias, TypeVar
@@ -129,17 +129,18 @@ class LightFeatures:
         self.has_effect = self.any_effect or bool(self.effects)
         self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
-    def abilities(self) -> Iterator[LightAbility]:
-        """Yield its capabilities."""
-        yield LightAbility("on_off")
+    def abilities(self) -> list[LightAbility]:
+        """Return its capabilities."""
+        found = [LightAbility("on_off")]
         if self.has_level:
-            yield LightAbility("level")
+            found.append(LightAbility("level"))
         if self.has_white:
-            yield LightAbility("color_temperature", bounds=self.white.bounds)
+            found.append(LightAbility("color_temperature", bounds=self.white.bounds))
         if self.color_mode:
-            yield LightAbility("color")
+            found.append(LightAbility("color"))
         if self.has_effect:
-            yield LightAbility("effect", options=self.effects)
+            found.append(LightAbility("effect", options=self.effects))
+        return found
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
