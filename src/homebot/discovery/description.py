@@ -90,7 +90,6 @@ def describe_device(
     )
 
 
-_fact_of = Fact.of_checked
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
@@ -250,7 +249,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return _fact_of(
+    return Fact(
         name=name,
         value=value,
         gateway=sighting.gateway,

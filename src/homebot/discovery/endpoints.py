@@ -16,7 +16,6 @@ from homebot.messages import Time
 __all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
 
 _KEY = attrgetter("key")
-_endpoint_of, _part_of = Endpoint.of_checked, DevicePart.of_checked  # looked up once, as `of_checked` says
 
 Addresses: TypeAlias = tuple[SourceKey, str, str]
 """The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
@@ -69,7 +68,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            _endpoint_of(
+            Endpoint(
                 gateway=gateway,
                 key=key,
                 address=address,
@@ -106,7 +105,7 @@ def sorted_routes(
     for part in parts:
         routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
         is_same = routes == part.routes
-        found.append(part if is_same else _part_of(id=part.id, part=part.part, routes=routes))
+        found.append(part if is_same else part.model_copy(update={"routes": routes}))
     return tuple(found)
 
 

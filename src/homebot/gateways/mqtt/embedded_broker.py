@@ -22,7 +22,6 @@ __all__ = ["EMBEDDED_BROKER", "embedded_broker"]
 STARTED = "runtime.broker_started"
 
 USUAL_PORTS = range(1883, 1903)
-ANY_PORT = 0
 
 _log = get_logger(node="/homebot")
 
@@ -62,7 +61,7 @@ def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
 
 
 async def _started(clock: Clock, ports: Sequence[int]) -> Broker:
-    for port in (*ports, ANY_PORT):
+    for port in (*ports, 0):  # 0 is any free one
         broker = Broker(port=port, clock=clock)
         try:
             await broker.start()
