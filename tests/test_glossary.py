@@ -44,7 +44,7 @@ def test_no_term_stands_twice() -> None:
     assert len(terms) == len(set(terms)) > 50
 
 
-TWICE = {"Clock", "Parameter", "Pose", "Range"}
+TWICE = {"Clock", "Parameter", "Range"}
 """Messages of ROS, whose names are ROS's, and what has that name here, such as a parameter of a node."""
 
 

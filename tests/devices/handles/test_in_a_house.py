@@ -61,7 +61,7 @@ async def test_an_app_commands_devices_of_any_convention_and_gets_their_outcomes
         await anyio.sleep(1)
         assert (blind.movement, blind.position) == ("closed", 0.0)
         assert await devices.find(WindowCovering, closed=False) == ()
-        with pytest.raises(RefusedError, match=r"tilt of blind#\S+ was refused: it takes"):
+        with pytest.raises(RefusedError, match=r"tilt of blind#\S+ was refused: it has no such setting; it takes"):
             await blind.set_tilt(50)
         assert await devices.find(DoorLock) == ()
 

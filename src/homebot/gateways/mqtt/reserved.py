@@ -21,7 +21,7 @@ OWN = "homebot"
 _BRIDGE_REQUEST = "/bridge/request/"
 
 
-class _Rule(NamedTuple):
+class _Reservation(NamedTuple):
     """The reason why topics are reserved, and the convention that may use them all the same: all below its prefix."""
 
     why: str
@@ -36,19 +36,19 @@ class ReservedTopics:
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
-        self._rules: FilterIndex[_Rule | TextConvention] = FilterIndex()
+        self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
         for one in conventions:
             if isinstance(one, TextConvention):
                 for topic_filter in one.filters():
                     self._rules.add(topic_filter, one)
                 continue
-            narrow = _Rule(f"it is reserved for announcements to {one.name}")
+            narrow = _Reservation(f"it is reserved for announcements to {one.name}")
             wide = narrow._replace(free_for=one.name)
             for topic_filter in one.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
             if isinstance(one, ReservingConvention):
                 for topic_filter in one.reserved():
-                    self._rules.add(topic_filter, _Rule(f"it belongs to {one.name}"))
+                    self._rules.add(topic_filter, _Reservation(f"it belongs to {one.name}"))
 
     def why(self, topic: str, convention: str = "") -> str:
         """Return why no device of *convention* may take commands on *topic*; empty if that is not reserved."""
@@ -60,7 +60,7 @@ class ReservedTopics:
             return "it is reserved for requests to a bridge"
         why = ""
         for rule in self._rules.match(topic):
-            if not isinstance(rule, _Rule):
+            if not isinstance(rule, _Reservation):
                 why = "another device publishes there" if _is_state_topic(rule, topic) else why
             elif not convention or rule.free_for != convention:
                 return rule.why
