@@ -46,6 +46,8 @@ START_RECORDER = "/homebot/start_recorder"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 CLIENTS_LEFT = "/rosbridge_websocket/clients_left"
+ROBOT_POSES = "/robots/poses"
+WHERE_IS_ROBOT = "/robots/where"
 
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""

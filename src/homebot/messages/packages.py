@@ -12,6 +12,7 @@ from homebot.messages.message import Message, ServiceType
 __all__ = ["MESSAGE_PACKAGES", "SERVICE_PACKAGES", "messages_of", "services_of"]
 
 MESSAGE_PACKAGES: Final = (
+    "action_msgs",
     "builtin_interfaces",
     "diagnostic_msgs",
     "geometry_msgs",
@@ -21,10 +22,11 @@ MESSAGE_PACKAGES: Final = (
     "sensor_msgs",
     "std_msgs",
     "tf2_msgs",
+    "unique_identifier_msgs",
 )
 """The packages that have messages, each the module of that name here."""
 
-SERVICE_PACKAGES: Final = ("example_interfaces", "std_srvs")
+SERVICE_PACKAGES: Final = ("action_msgs", "example_interfaces", "std_srvs")
 """The packages that have services, each the module of that name here."""
 
 

@@ -1,0 +1,63 @@
+"""The type of an action, and the messages of its endpoints.
+
+Source: ROS 2, rosidl ``rosidl_parser`` (an action has a goal, a result and feedback; the rest is derived).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from types import new_class
+from typing import Any, Generic, TypeVar
+
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Int8, Message, ServiceType
+from homebot.messages.unique_identifier_msgs import UUID
+
+__all__ = ["ActionType"]
+
+GoalT = TypeVar("GoalT", bound=Message)
+ResultT = TypeVar("ResultT", bound=Message)
+FeedbackT = TypeVar("FeedbackT", bound=Message)
+
+
+@dataclass(frozen=True)
+class ActionType(Generic[GoalT, ResultT, FeedbackT]):
+    """The goal, result and feedback of an action, as ROS's generated ``Fibonacci.Goal`` and its siblings.
+
+    Attributes:
+        ros_type: The full ROS name, ``package/action/Name``.
+    """
+
+    ros_type: str
+    Goal: type[GoalT]
+    Result: type[ResultT]
+    Feedback: type[FeedbackT]
+
+    # The derived types have fields of a type that only the instance knows, so their classes are typed as messages.
+    @cached_property
+    def SendGoal(self) -> ServiceType[Any, Any]:  # noqa: N802 - ROS's name
+        """The service that takes a goal: ``goal_id``, ``goal``; ``accepted``, ``stamp``."""
+        return self._service("SendGoal", {"goal_id": UUID, "goal": self.Goal}, {"accepted": bool, "stamp": Time})
+
+    @cached_property
+    def GetResult(self) -> ServiceType[Any, Any]:  # noqa: N802 - ROS's name
+        """The service that answers when a goal has ended: ``goal_id``; ``status``, ``result``."""
+        return self._service("GetResult", {"goal_id": UUID}, {"status": Int8, "result": self.Result})
+
+    @cached_property
+    def FeedbackMessage(self) -> type[Message]:  # noqa: N802 - ROS's name
+        """The message of the topic ``feedback``: ``goal_id``, ``feedback``."""
+        return self._message("FeedbackMessage", {"goal_id": UUID, "feedback": self.Feedback})
+
+    def _service(self, name: str, request: dict[str, object], response: dict[str, object]) -> ServiceType[Any, Any]:
+        return ServiceType(
+            f"{self.ros_type}_{name}",
+            self._message(f"{name}_Request", request),
+            self._message(f"{name}_Response", response),
+        )
+
+    def _message(self, suffix: str, fields: dict[str, object]) -> type[Message]:
+        ros_type = f"{self.ros_type}_{suffix}"
+        body = {"__annotations__": fields, "__module__": __name__, "__doc__": f"``{ros_type}``."}
+        return new_class(
+            ros_type.rpartition("/")[2], (Message,), {"ros_type": ros_type}, lambda names: names.update(body)
+        )

@@ -1,0 +1,63 @@
+"""ROS ``action_msgs``: the goals of actions."""
+
+from typing import ClassVar
+
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Int8, Message, ServiceType
+from homebot.messages.unique_identifier_msgs import UUID
+
+__all__ = ["CancelGoal", "CancelGoalRequest", "CancelGoalResponse", "GoalInfo", "GoalStatus", "GoalStatusArray"]
+
+
+class GoalInfo(Message, ros_type="action_msgs/msg/GoalInfo"):
+    """A goal.
+
+    Attributes:
+        stamp: When it was accepted.
+    """
+
+    goal_id: UUID
+    stamp: Time
+
+
+class GoalStatus(Message, ros_type="action_msgs/msg/GoalStatus"):
+    """The state of a goal.
+
+    Attributes:
+        status: 0 unknown, 1 accepted, 2 executing, 3 canceling, 4 succeeded, 5 canceled, 6 aborted.
+    """
+
+    goal_info: GoalInfo
+    status: Int8
+
+
+class GoalStatusArray(Message, ros_type="action_msgs/msg/GoalStatusArray"):
+    """The states of all goals of an action, as on its topic ``status``."""
+
+    status_list: tuple[GoalStatus, ...]
+
+
+class CancelGoalRequest(Message, ros_type="action_msgs/srv/CancelGoal_Request"):
+    """Cancel goals: with an id that one, and with a stamp all that were accepted at or before it; with neither all."""
+
+    goal_info: GoalInfo
+
+
+class CancelGoalResponse(Message, ros_type="action_msgs/srv/CancelGoal_Response"):
+    """The result of a cancel request.
+
+    Attributes:
+        return_code: 0 none, 1 rejected, 2 unknown goal, 3 goal terminated.
+        goals_canceling: The goals that are canceling now.
+    """
+
+    ERROR_NONE: ClassVar = 0
+    ERROR_REJECTED: ClassVar = 1
+    ERROR_UNKNOWN_GOAL_ID: ClassVar = 2
+    ERROR_GOAL_TERMINATED: ClassVar = 3
+
+    return_code: Int8
+    goals_canceling: tuple[GoalInfo, ...]
+
+
+CancelGoal = ServiceType("action_msgs/srv/CancelGoal", CancelGoalRequest, CancelGoalResponse)
