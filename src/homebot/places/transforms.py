@@ -1,0 +1,345 @@
+"""Coordinate frames over time, with the names, rules and error texts of tf2. Pure.
+
+Source: geometry2 0.39.1, ``tf2/src/buffer_core.cpp`` and ``time_cache.cpp``.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right, insort
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import NamedTuple, final
+
+from homebot.errors import HomebotError
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
+from homebot.messages.std_msgs.header import Header
+from homebot.places.rigid import IDENTITY, Rigid
+
+__all__ = [
+    "ConnectivityException",
+    "ExtrapolationException",
+    "InvalidArgumentException",
+    "LookupException",
+    "TransformBuffer",
+    "TransformException",
+]
+
+CACHE_TIME = 10_000_000_000
+"""Nanoseconds for which transforms are kept, before the newest one of the frame."""
+
+MAX_FRAMES = 1000
+MAX_SAMPLES = 10_000
+"""Transforms kept of one frame; the oldest is dropped for a newer one."""
+
+_NORM_TOLERANCE = 0.01
+_LATEST = 0
+
+
+class TransformException(HomebotError):
+    """A transform cannot be given, or is refused."""
+
+
+class LookupException(TransformException):
+    """A frame does not exist."""
+
+
+class ConnectivityException(TransformException):
+    """Two frames are not part of one tree."""
+
+
+class ExtrapolationException(TransformException):
+    """The transform at the wanted time would have to be guessed."""
+
+
+class InvalidArgumentException(TransformException):
+    """The name of a frame or a transform is invalid."""
+
+
+class _Sample(NamedTuple):
+    """A transform of a frame at a time, in nanoseconds."""
+
+    stamp: int
+    parent: str
+    rigid: Rigid
+
+
+@dataclass(slots=True)
+class _Track:
+    """The transforms of one frame, by time; of a static frame one, which holds at any time."""
+
+    is_static: bool
+    samples: list[_Sample] = field(default_factory=list)
+
+    @property
+    def newest(self) -> _Sample:
+        return self.samples[-1]
+
+    def at(self, time: int) -> _Sample:
+        """Return the transform at *time*, the newest for 0, one between two that have the same parent.
+
+        Raises:
+            ExtrapolationException: The time is outside the track.
+        """
+        if self.is_static or time == _LATEST:
+            return self.newest
+        first, last = self.samples[0].stamp, self.newest.stamp
+        if not first <= time <= last:
+            raise ExtrapolationException(_outside(time, first, last))
+        index = bisect_left(self.samples, time, key=_stamp)
+        later = self.samples[index]
+        if later.stamp == time:
+            return later
+        earlier = self.samples[index - 1]
+        if earlier.parent != later.parent:
+            return earlier
+        share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
+        return _Sample(time, earlier.parent, earlier.rigid.between(later.rigid, share))
+
+    def add(self, sample: _Sample) -> bool:
+        """Insert *sample* in the order of time; return False for one that is too old."""
+        if self.is_static:
+            self.samples = [sample]
+            return True
+        if self.samples and sample.stamp < self.newest.stamp - CACHE_TIME:
+            return False
+        if not self.samples or sample.stamp > self.newest.stamp:
+            self.samples.append(sample)
+            oldest = bisect_right(self.samples, sample.stamp - CACHE_TIME - 1, key=_stamp)
+            del self.samples[: max(oldest, len(self.samples) - MAX_SAMPLES)]
+        elif sample not in self.samples[bisect_left(self.samples, sample.stamp, key=_stamp) :]:
+            insort(self.samples, sample, key=_stamp)
+        return True
+
+
+@final
+class TransformBuffer:
+    """The frames of one robot or house, and the transforms between them.
+
+    Attributes:
+        refused_old: Transforms that were older than the newest of their frame by more than 10 s.
+    """
+
+    def __init__(self) -> None:
+        self.refused_old = 0
+        self._tracks: dict[str, _Track] = {}
+        self._frames: dict[str, None] = {}
+
+    def set_transform(self, transform: TransformStamped, authority: str = "") -> bool:
+        """Insert *transform*; return False for one that is too old.
+
+        Args:
+            authority: The sender, for errors.
+
+        Raises:
+            InvalidArgumentException: A frame name is empty, a frame is its own ancestor, a number is not finite, the
+                quaternion is not of length 1, or there are too many frames.
+        """
+        return self._set(transform, authority, is_static=False)
+
+    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> bool:
+        """Insert *transform*, which holds at any time; see :meth:`set_transform`."""
+        return self._set(transform, authority, is_static=True)
+
+    def lookup_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> TransformStamped:
+        """Return the transform that maps points of *source_frame* into *target_frame*.
+
+        Args:
+            time: The time; None or zero for the latest at which all frames between them are known.
+
+        Raises:
+            InvalidArgumentException: A frame name is empty or begins with a slash.
+            LookupException: A frame does not exist.
+            ConnectivityException: The frames are not part of one tree.
+            ExtrapolationException: The transform is not known at that time.
+        """
+        self._check("target_frame", target_frame)
+        self._check("source_frame", source_frame)
+        wanted = _LATEST if time is None else _nanoseconds(time)
+        if target_frame == source_frame:
+            track = self._tracks.get(source_frame)
+            latest = 0 if track is None or track.is_static else track.newest.stamp
+            return _stamped(target_frame, source_frame, wanted or latest, IDENTITY)
+        self._check_known("target_frame", target_frame)
+        self._check_known("source_frame", source_frame)
+        at = wanted or self._latest_common(target_frame, source_frame)
+        return _stamped(target_frame, source_frame, at, self._between(target_frame, source_frame, at))
+
+    def can_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> bool:
+        """Return whether :meth:`lookup_transform` gives one."""
+        try:
+            self.lookup_transform(target_frame, source_frame, time)
+        except TransformException:
+            return False
+        return True
+
+    def parent_of(self, frame: str) -> str:
+        """Return the parent of *frame* in its newest transform; empty without one."""
+        track = self._tracks.get(frame)
+        return track.newest.parent if track is not None else ""
+
+    def clear(self) -> None:
+        """Forget all transforms but static ones."""
+        self._tracks = {name: track for name, track in self._tracks.items() if track.is_static}
+
+    def _set(self, transform: TransformStamped, authority: str, *, is_static: bool) -> bool:
+        parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
+        rigid = _rigid(transform.transform)
+        problem = self._problem(parent, child, rigid)
+        if problem:
+            sender = f" from {authority}" if authority else ""
+            raise InvalidArgumentException(f"the transform{sender} from {child[:100]!r} to {parent[:100]!r} {problem}")
+        track = self._tracks.get(child)
+        if track is None or track.is_static is not is_static:
+            track = _Track(is_static)
+        if not track.add(_Sample(_nanoseconds(transform.header.stamp), parent, rigid)):
+            self.refused_old += 1
+            return False
+        self._tracks[child] = track
+        self._frames.update({parent: None, child: None})
+        return True
+
+    def _problem(self, parent: str, child: str, rigid: Rigid) -> str:
+        numbers = (*rigid.translation, *rigid.rotation)
+        if not parent or not child:
+            return "lacks the name of a frame"
+        if parent == child:
+            return "has the same frame at both ends"
+        if not all(map(math.isfinite, numbers)):
+            return "has a number that is not finite"
+        if abs(sum(one * one for one in rigid.rotation) - 1) >= _NORM_TOLERANCE:
+            return f"has a quaternion that is not of length 1: {rigid.rotation}"
+        if any(frame == child for frame in self._ancestors(parent)):
+            return "would make the frame its own ancestor"
+        if len(self._frames.keys() | {parent, child}) > MAX_FRAMES:
+            return f"is of one frame more than {MAX_FRAMES:,}"
+        return ""
+
+    def _ancestors(self, frame: str) -> Iterator[str]:
+        """Yield *frame* and its ancestors by the newest transforms, which form no circle."""
+        while frame:
+            yield frame
+            frame = self.parent_of(frame)
+
+    def _latest_common(self, target: str, source: str) -> int:
+        """Return the newest time at which all transforms between two frames are known; 0 if all are static.
+
+        Raises:
+            ConnectivityException: The frames are not part of one tree.
+        """
+        above_source, above_target = list(self._ancestors(source)), list(self._ancestors(target))
+        known = frozenset(above_target)
+        common = next((frame for frame in above_source if frame in known), None)
+        if common is None:
+            raise _unconnected(target, source)
+        between = [
+            *above_source[: above_source.index(common)],
+            *above_target[: above_target.index(common)],
+        ]
+        stamps = [track.newest.stamp for one in between if not (track := self._tracks[one]).is_static]
+        return min((stamp for stamp in stamps if stamp), default=0)
+
+    def _between(self, target: str, source: str, time: int) -> Rigid:
+        try:
+            missing = None
+            up = self._walk(source, time, target)
+        except _TrackEnds as end:
+            up, missing = end.walked, end.error
+        if up[-1][0] == target:
+            return up[-1][1]
+        from_top = dict(up)
+        where = f", when looking up transform from frame [{source}] to frame [{target}]"
+        try:
+            down = self._walk(target, time, source)
+        except _TrackEnds as end:
+            down, missing = end.walked, end.error
+        for frame, way in down:
+            if frame in from_top:
+                return way.inverse().then(from_top[frame])
+        if missing is not None:
+            raise ExtrapolationException(f"{missing}{where}")
+        raise _unconnected(target, source)
+
+    def _walk(self, frame: str, time: int, until: str) -> list[tuple[str, Rigid]]:
+        """Return *frame* and its ancestors at *time*, to the root or *until*, each with the transform into it.
+
+        Raises:
+            _TrackEnds: A transform on the way is not known at that time.
+        """
+        walked = [(frame, IDENTITY)]
+        while frame != until and (track := self._tracks.get(frame)) is not None:
+            try:
+                sample = track.at(time)
+            except ExtrapolationException as exc:
+                raise _TrackEnds(walked, exc) from exc
+            frame = sample.parent
+            if len(walked) > MAX_FRAMES:  # at an older time frames may have stood in a circle
+                raise LookupException(f"The tf tree is invalid because it contains a loop at frame [{frame}]")
+            walked.append((frame, sample.rigid.then(walked[-1][1])))
+        return walked
+
+    def _check(self, argument: str, frame: str) -> None:
+        invalid = f'Invalid argument "{frame}" passed to lookupTransform argument {argument}'
+        if not frame:
+            raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot be empty")
+        if frame.startswith("/"):
+            raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot start with a '/'")
+
+    def _check_known(self, argument: str, frame: str) -> None:
+        if frame not in self._frames:
+            raise LookupException(f'"{frame}" passed to lookupTransform argument {argument} does not exist. ')
+
+
+class _TrackEnds(Exception):
+    """A walk ends at a frame without a transform at the wanted time."""
+
+    def __init__(self, walked: list[tuple[str, Rigid]], error: ExtrapolationException) -> None:
+        super().__init__(str(error))
+        self.walked = walked
+        self.error = error
+
+
+_stamp = attrgetter("stamp")
+
+
+def _unconnected(target: str, source: str) -> ConnectivityException:
+    return ConnectivityException(
+        f"Could not find a connection between '{target}' and '{source}' because they are not part of the same tree."
+        f"Tf has two or more unconnected trees."
+    )
+
+
+def _outside(time: int, first: int, last: int) -> str:
+    """Return the error text for a *time* before *first* or after *last*."""
+    begin = "Lookup would require extrapolation"
+    if first == last:
+        return f"{begin} at time {_text(time)}, but only time {_text(last)} is in the buffer"
+    if time > last:
+        return f"{begin} into the future.  Requested time {_text(time)} but the latest data is at time {_text(last)}"
+    return f"{begin} into the past.  Requested time {_text(time)} but the earliest data is at time {_text(first)}"
+
+
+def _nanoseconds(time: Time) -> int:
+    return time.sec * 1_000_000_000 + time.nanosec
+
+
+def _text(nanoseconds: int) -> str:
+    return f"{nanoseconds / 1e9:.6f}"
+
+
+def _rigid(transform: Transform) -> Rigid:
+    moved, turned = transform.translation, transform.rotation
+    return Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
+
+
+def _stamped(target: str, source: str, stamp: int, rigid: Rigid) -> TransformStamped:
+    sec, nanosec = divmod(stamp, 1_000_000_000)
+    x, y, z = rigid.translation
+    qx, qy, qz, qw = rigid.rotation
+    return TransformStamped(
+        header=Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id=target),
+        child_frame_id=source,
+        transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
+    )
