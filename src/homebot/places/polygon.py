@@ -1,0 +1,153 @@
+"""Polygons of rooms in the plane, in metres. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias, final
+
+from homebot.errors import UsageError
+
+__all__ = ["Point", "Polygon"]
+
+Point: TypeAlias = tuple[float, float]
+Edge: TypeAlias = tuple[Point, Point]
+
+LEAST_AREA = 0.01
+LARGEST = 10_000.0
+MOST_CORNERS = 1000
+
+
+class Box(NamedTuple):
+    """The least rectangle around a polygon."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+
+@final
+class Polygon:
+    """An area with straight edges, and maybe holes.
+
+    A point on an edge that two polygons share is in exactly one of them (half-open crossing rule).
+
+    Args:
+        outer: The corners, in any order of rotation; repeated corners count once.
+        holes: The corners of each hole.
+
+    Attributes:
+        rings: The outer ring counter-clockwise, then the holes clockwise.
+        area: Square metres.
+        box: The least rectangle around it.
+
+    Raises:
+        UsageError: A ring has fewer than 3 corners or crosses itself, a number is not finite or beyond 10 km, the area
+            is under 0.01 m², or there are more than 1,000 corners.
+    """
+
+    __slots__ = ("area", "box", "rings")
+
+    def __init__(self, outer: Sequence[Point], holes: Iterable[Sequence[Point]] = ()) -> None:
+        rings = [_ring(outer, is_hole=False), *(_ring(one, is_hole=True) for one in holes)]
+        if sum(map(len, rings)) > MOST_CORNERS:
+            raise UsageError(f"has {sum(map(len, rings)):,} corners; {MOST_CORNERS:,} is the limit")
+        self.rings = tuple(rings)
+        self._check_edges()
+        self.area = sum(map(_signed_area, rings))
+        if self.area < LEAST_AREA:
+            raise UsageError(f"has an area of {self.area:g} m²; {LEAST_AREA:g} m² is the least")
+        xs, ys = [x for x, _ in rings[0]], [y for _, y in rings[0]]
+        self.box = Box(min(xs), min(ys), max(xs), max(ys))
+
+    def contains(self, x: float, y: float) -> bool:
+        """Return whether the point is inside."""
+        is_inside = False
+        for ring in self.rings:
+            x1, y1 = ring[-1]
+            for x2, y2 in ring:
+                if (y1 > y) != (y2 > y) and x < (x2 - x1) * (y - y1) / (y2 - y1) + x1:
+                    is_inside = not is_inside
+                x1, y1 = x2, y2
+        return is_inside
+
+    def border_distance(self, x: float, y: float) -> float:
+        """Return metres from the point to the nearest edge."""
+        return math.sqrt(min(_squared_distance(x, y, edge) for edge in self.edges()))
+
+    def nearest_inside(self, x: float, y: float, margin: float = 0.001) -> Point:
+        """Return the point itself if it is inside, otherwise the nearest one that is inside by *margin* metres."""
+        if self.contains(x, y):
+            return x, y
+        edge = min(self.edges(), key=lambda one: _squared_distance(x, y, one))
+        px, py = _foot(x, y, edge)
+        (x1, y1), (x2, y2) = edge
+        length = math.hypot(x2 - x1, y2 - y1)
+        return px - (y2 - y1) / length * margin, py + (x2 - x1) / length * margin  # the inside is to the left
+
+    def centroid(self) -> Point:
+        """Return the centre of the area."""
+        x = y = 0.0
+        for (x1, y1), (x2, y2) in self.edges():
+            cross = x1 * y2 - x2 * y1
+            x += (x1 + x2) * cross
+            y += (y1 + y2) * cross
+        return x / (6 * self.area), y / (6 * self.area)
+
+    def edges(self) -> Iterator[Edge]:
+        """Yield the edges of all rings; the inside is to their left."""
+        for ring in self.rings:
+            yield from zip(ring, (*ring[1:], ring[0]), strict=True)
+
+    def _check_edges(self) -> None:
+        """Refuse edges that cross, in a sweep along the x axis."""
+        edges = sorted(self.edges(), key=lambda one: min(one[0][0], one[1][0]))
+        active: list[Edge] = []
+        for edge in edges:
+            left = min(edge[0][0], edge[1][0])
+            active = [one for one in active if max(one[0][0], one[1][0]) >= left]
+            for other in active:
+                if _cross(edge, other):
+                    raise UsageError(f"has edges that cross, near {edge[0][0]:g}, {edge[0][1]:g}")
+            active.append(edge)
+
+
+def _ring(corners: Sequence[Point], *, is_hole: bool) -> tuple[Point, ...]:
+    for x, y in corners:
+        if not (abs(x) <= LARGEST and abs(y) <= LARGEST):  # also if one is NaN
+            raise UsageError(f"has the corner {x:g}, {y:g}; {LARGEST:,.0f} m is the limit")
+    ring = [corner for index, corner in enumerate(corners) if corner != corners[index - 1]]
+    if len(ring) < 3:
+        raise UsageError(f"has {len(ring)} different corners; 3 is the least")
+    if (_signed_area(ring) < 0) is not is_hole:
+        ring.reverse()
+    return tuple(ring)
+
+
+def _signed_area(ring: Sequence[Point]) -> float:
+    """Return the area of *ring*, negative if its corners go clockwise."""
+    return sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in zip(ring, (*ring[1:], ring[0]), strict=True)) / 2
+
+
+def _foot(x: float, y: float, edge: Edge) -> Point:
+    """Return the point of *edge* that is nearest to a point."""
+    (x1, y1), (x2, y2) = edge
+    dx, dy = x2 - x1, y2 - y1
+    share = min(1.0, max(0.0, ((x - x1) * dx + (y - y1) * dy) / (dx * dx + dy * dy)))
+    return x1 + share * dx, y1 + share * dy
+
+
+def _squared_distance(x: float, y: float, edge: Edge) -> float:
+    px, py = _foot(x, y, edge)
+    return (px - x) ** 2 + (py - y) ** 2
+
+
+def _cross(a: Edge, b: Edge) -> bool:
+    """Return whether two edges cross at a point that is an end of neither."""
+    return _side(a, b[0]) * _side(a, b[1]) < 0 and _side(b, a[0]) * _side(b, a[1]) < 0
+
+
+def _side(edge: Edge, point: Point) -> float:
+    (x1, y1), (x2, y2) = edge
+    return (x2 - x1) * (point[1] - y1) - (y2 - y1) * (point[0] - x1)
