@@ -1,0 +1,233 @@
+"""Ways through the doors of a house, to the nearest targets first. Pure.
+
+In a room without a polygon, and to a place in a room that is not known more exactly, half a hop of 2 m is counted.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import insort
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
+from itertools import count
+from typing import NamedTuple, TypeAlias, final
+
+from homebot.places.polygon import Point
+from homebot.places.room_paths import RoomPaths
+
+__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Place", "Route"]
+
+HALF_HOP = 2.0
+"""Metres between a door and a place in a room whose shape is not known."""
+
+
+class Place(NamedTuple):
+    """A place of a robot or a target.
+
+    Attributes:
+        room: The room.
+        point: Its position in metres; None if only the room is known.
+    """
+
+    room: str
+    point: Point | None = None
+
+
+class Doorway(NamedTuple):
+    """A door, or a stair, between two rooms.
+
+    Attributes:
+        name: Its name.
+        rooms: The two rooms.
+        points: For each way through it a point inside each room, 1 mm behind the threshold; empty if not known. A wide
+            opening has several ways.
+    """
+
+    name: str
+    rooms: tuple[str, str]
+    points: tuple[tuple[Point, Point], ...] = ()
+
+
+class Route(NamedTuple):
+    """The way to a target.
+
+    Attributes:
+        target: The target.
+        path: Metres to go.
+        extra: Metres that are counted for doors on the way which are not open.
+        doors: The names of the doors on the way.
+    """
+
+    target: str
+    path: float
+    extra: float
+    doors: tuple[str, ...]
+
+
+Crossing: TypeAlias = Callable[[str], float]
+"""The metres that going through a door costs: 0 if it is open, infinite if it is locked."""
+
+
+@dataclass(slots=True, eq=False)
+class _Gate:
+    """One way through a door, as seen from one of its rooms.
+
+    Attributes:
+        other: The same way, as seen from the other room.
+        near: The targets in the room, by distance; None until it is asked for.
+    """
+
+    door: str
+    room: str
+    point: Point | None
+    other: _Gate | None = None
+    ways: list[tuple[float, _Gate]] = field(default_factory=list)
+    near: list[tuple[float, str]] | None = None
+
+
+class _Step(NamedTuple):
+    """A settled gate: how far it is, and through which doors."""
+
+    path: float
+    extra: float
+    doors: tuple[str, ...]
+
+
+@final
+class PathFinder:
+    """Finds targets by the length of the way to them.
+
+    Args:
+        shapes: The paths inside each room that has a polygon.
+        doorways: The doors.
+    """
+
+    def __init__(self, shapes: Mapping[str, RoomPaths], doorways: Iterable[Doorway]) -> None:
+        self._shapes = shapes
+        self._gates: dict[str, list[_Gate]] = {}
+        self._targets: dict[str, Place] = {}
+        self._in_room: dict[str, set[str]] = {}
+        for doorway in doorways:
+            self._add(doorway)
+        for gates in self._gates.values():
+            for gate in gates:
+                gate.ways = [
+                    (self._inside(gate.room, gate.point, one.point, 2 * HALF_HOP), one)
+                    for one in gates
+                    if one is not gate
+                ]
+
+    def put(self, target: str, place: Place) -> None:
+        """Place a target, or move it."""
+        if self._targets.get(target) == place:
+            return
+        self.discard(target)
+        self._targets[target] = place
+        self._in_room.setdefault(place.room, set()).add(target)
+        for gate in self._gates.get(place.room, ()):
+            if gate.near is not None:
+                insort(gate.near, (self._inside(place.room, gate.point, place.point, HALF_HOP), target))
+
+    def discard(self, target: str) -> None:
+        """Remove a target."""
+        place = self._targets.pop(target, None)
+        if place is not None:
+            self._in_room[place.room].discard(target)
+            for gate in self._gates.get(place.room, ()):
+                gate.near = None
+
+    def place_of(self, target: str) -> Place | None:
+        """Return the place of a target."""
+        return self._targets.get(target)
+
+    def nearest(self, start: Place, crossing: Crossing) -> Iterator[Route]:
+        """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first."""
+        order = count()  # ties are broken by the order in which they were found
+        heap: list[tuple[float, int, _Found]] = []
+
+        def push(found: _Found) -> None:
+            heappush(heap, (found.step.path + found.step.extra, next(order), found))
+
+        here = _Step(0.0, 0.0, ())
+        for target in sorted(self._in_room.get(start.room, ())):
+            point = self._targets[target].point
+            lower = math.dist(start.point, point) if start.point is not None and point is not None else HALF_HOP
+            push(_Found(here._replace(path=lower), target=target, is_estimate=True))
+        for gate in self._gates.get(start.room, ()):
+            push(_Found(here._replace(path=self._inside(start.room, start.point, gate.point, HALF_HOP)), gate=gate))
+        settled: set[_Gate] = set()
+        done: set[str] = set()
+        while heap:
+            _, _, found = heappop(heap)
+            if found.gate is not None:
+                if found.gate not in settled:
+                    settled.add(found.gate)
+                    self._leave(found.gate, found.step, crossing, push)
+                continue
+            if found.near:
+                self._push_next(found, push)
+            if found.target in done:
+                continue
+            if found.is_estimate:
+                exact = self._inside(start.room, start.point, self._targets[found.target].point, HALF_HOP)
+                push(_Found(found.step._replace(path=exact), target=found.target))
+                continue
+            done.add(found.target)
+            yield Route(found.target, found.step.path, found.step.extra, found.step.doors)
+
+    def _leave(self, gate: _Gate, step: _Step, crossing: Crossing, push: Callable[[_Found], None]) -> None:
+        """Go through *gate*: to the targets of the room behind it, and to the gates of that room."""
+        extra = crossing(gate.door)
+        if gate.other is None or math.isinf(extra):
+            return
+        entered = _Step(step.path, step.extra + extra, (*step.doors, gate.door))
+        near = self._near(gate.other)
+        if near:
+            push(
+                _Found(entered._replace(path=entered.path + near[0][0]), target=near[0][1], near=near, entered=entered)
+            )
+        for distance, further in gate.other.ways:
+            push(_Found(entered._replace(path=entered.path + distance), gate=further))
+
+    def _push_next(self, found: _Found, push: Callable[[_Found], None]) -> None:
+        rank = found.rank + 1
+        if rank < len(found.near):
+            distance, target = found.near[rank]
+            step = found.entered._replace(path=found.entered.path + distance)
+            push(found._replace(step=step, target=target, rank=rank))
+
+    def _near(self, gate: _Gate) -> list[tuple[float, str]]:
+        if gate.near is None:
+            gate.near = sorted(
+                (self._inside(gate.room, gate.point, self._targets[target].point, HALF_HOP), target)
+                for target in self._in_room.get(gate.room, ())
+            )
+        return gate.near
+
+    def _inside(self, room: str, start: Point | None, end: Point | None, otherwise: float) -> float:
+        """Return metres between two points of a room, *otherwise* if one of them is not known."""
+        if start is None or end is None:
+            return otherwise
+        paths = self._shapes.get(room)
+        return math.dist(start, end) if paths is None else paths.distance(start, end)
+
+    def _add(self, doorway: Doorway) -> None:
+        first, second = doorway.rooms
+        for here, there in doorway.points or ((None, None),):
+            gate = _Gate(doorway.name, first, here)
+            gate.other = _Gate(doorway.name, second, there, gate)
+            self._gates.setdefault(first, []).append(gate)
+            self._gates.setdefault(second, []).append(gate.other)
+
+
+class _Found(NamedTuple):
+    """An entry of the queue: a gate, a target of the own room, or the next target behind a gate."""
+
+    step: _Step
+    gate: _Gate | None = None
+    target: str = ""
+    is_estimate: bool = False
+    near: Sequence[tuple[float, str]] = ()
+    entered: _Step = _Step(0.0, 0.0, ())
+    rank: int = 0
