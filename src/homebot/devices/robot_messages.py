@@ -1,8 +1,7 @@
 """Messages about robots: where they are, and in which room."""
 
-from homebot.devices.service_answer import ServiceAnswer
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = ["RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "WhereIsRobotResponse"]
 
