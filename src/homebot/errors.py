@@ -23,7 +23,11 @@
         ├── ServiceUnavailableError no server has this name, or its line is full
         ├── ServiceFailedError      the server raised
         ├── ServiceGoneError        the server went away while it worked
-        └── ServiceTimeoutError     the server was too slow
+        ├── ServiceTimeoutError     the server was too slow
+        └── GoalError               a goal of an action ended without success
+            ├── GoalRejectedError   the server did not accept it
+            ├── GoalAbortedError    the server gave it up, or forgot it
+            └── GoalCanceledError   it was cancelled
 """
 
 from __future__ import annotations
@@ -34,6 +38,10 @@ __all__ = [
     "ConfigError",
     "DuplicateNameError",
     "ExitError",
+    "GoalAbortedError",
+    "GoalCanceledError",
+    "GoalError",
+    "GoalRejectedError",
     "HomebotError",
     "InvalidNameError",
     "LinkError",
@@ -251,3 +259,38 @@ class ServiceTimeoutError(ServiceError, TimeoutError):
     def __init__(self, service: str, timeout: float) -> None:
         super().__init__(service, f"did not answer within {timeout:g} s; whether it acted is unknown")
         self.timeout = timeout
+
+
+class GoalError(ServiceError):
+    """A goal of an action ended without success.
+
+    Attributes:
+        service: Full name of the action.
+        result: The result message, as far as the server came; None without one.
+    """
+
+    def __init__(self, action: str, problem: str, result: object = None) -> None:
+        super().__init__(action, problem)
+        self.args = (f"action {action} {problem}",)
+        self.result = result
+
+
+class GoalRejectedError(GoalError):
+    """The server did not accept the goal; nothing was done."""
+
+    def __init__(self, action: str) -> None:
+        super().__init__(action, "rejected the goal")
+
+
+class GoalAbortedError(GoalError):
+    """The server aborted the goal, or no longer knows it."""
+
+    def __init__(self, action: str, result: object, problem: str = "aborted the goal") -> None:
+        super().__init__(action, problem, result)
+
+
+class GoalCanceledError(GoalError):
+    """The goal was cancelled."""
+
+    def __init__(self, action: str, result: object) -> None:
+        super().__init__(action, "cancelled the goal", result)

@@ -11,7 +11,10 @@ from pydantic import Field
 from homebot.errors import UsageError
 from homebot.messages import Empty, Log, Message, ParameterEvent, ParameterValue, String, Time
 from homebot.messages import message as fields
-from homebot.messages.definition import definition_text, fields_of, nested_types
+from homebot.messages.action_msgs import GoalInfo
+from homebot.messages.definition import definition_text, fields_of, nested_types, zero_message
+from homebot.messages.geometry_msgs import PoseWithCovarianceStamped
+from homebot.messages.sensor_msgs import BatteryState
 
 SEPARATOR = "=" * 80
 
@@ -125,3 +128,12 @@ def test_uint8_arrays_are_bytes_and_nothing_else() -> None:
 
     with pytest.raises(UsageError, match=r"Slow\.data: a sequence of uint8 is written bytes"):
         fields_of(Slow)
+
+
+def test_a_message_without_arguments_has_defaults_and_zeros() -> None:
+    """As ROS makes it, also nested and of fixed length."""
+    covered = zero_message(PoseWithCovarianceStamped)
+    assert covered.pose.covariance == (0.0,) * 36
+    assert (covered.header.frame_id, covered.pose.pose.orientation.w) == ("", 1.0)
+    assert zero_message(GoalInfo).goal_id.uuid == bytes(16)
+    assert zero_message(BatteryState).present is False

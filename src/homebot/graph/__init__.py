@@ -1,7 +1,7 @@
 """The computation graph: nodes, typed topics with QoS, services, parameters and the directory of them all."""
 
 from homebot.graph.client import Client
-from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
+from homebot.graph.endpoint import ActionInfo, EndpointInfo, EntityKind, GraphChange
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.node import Node
@@ -28,6 +28,7 @@ from homebot.graph.timer import Timer
 
 __all__ = [
     "OTHERS",
+    "ActionInfo",
     "Client",
     "DurabilityPolicy",
     "EndpointInfo",

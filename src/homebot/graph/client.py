@@ -120,6 +120,22 @@ class Client(Generic[RequestT, ResponseT]):
             return outcome
         raise _no_response(self.info.name, outcome)
 
+    def send(self, request: RequestT) -> None:
+        """Start a call without waiting: its outcome is dropped, as is the request if there is no server."""
+        server = self._slot.server
+        if server is None:
+            return
+        try:
+            outcome: object = server.callback(request)
+        except Exception as exc:  # noqa: BLE001 - recorded as the server's failure
+            server.failed(exc, has_caller=False)
+        else:
+            if isawaitable(outcome):
+                run = HandlerRun(server, outcome)
+                run.abandon()
+                if not server.start(run.serve):
+                    run.discard()
+
     async def wait_for_handlers(self) -> None:
         """Wait for the end of all handlers that still work on abandoned calls of this client."""
         for run in list(self._left_at_work):

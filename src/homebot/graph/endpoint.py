@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity"]
+__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity"]
 
 
 TermT = TypeVar("TermT", bound=Hashable)
@@ -23,6 +23,8 @@ class EntityKind(StrEnum):
     SUBSCRIPTION = "subscription"
     SERVICE = "service"
     CLIENT = "client"
+    ACTION_SERVER = "action server"
+    ACTION_CLIENT = "action client"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +33,9 @@ class EndpointInfo:
 
     Attributes:
         node: Full name of the owning node; for a node its own name.
-        name: Full name of its topic or service; for a node its own name.
+        name: Full name of its topic, service or action; for a node its own name.
         ros_type: Full ROS type name, empty for a node.
-        qos: Offered or requested QoS; None for nodes, services and clients.
+        qos: Offered or requested QoS; None but for publishers and subscriptions.
     """
 
     kind: EntityKind
@@ -41,6 +43,20 @@ class EndpointInfo:
     name: str
     ros_type: str = ""
     qos: QoSProfile | None = None
+
+
+class ActionInfo(NamedTuple):
+    """One action on the graph.
+
+    Attributes:
+        servers: Full names of the serving nodes.
+        clients: Full names of the nodes that may send goals.
+    """
+
+    name: str
+    ros_type: str
+    servers: tuple[str, ...]
+    clients: tuple[str, ...]
 
 
 class GraphChange(NamedTuple):

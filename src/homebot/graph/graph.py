@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
-from homebot.graph.endpoint import EndpointIndex, EndpointInfo, EntityKind, GraphChange
+from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange
 from homebot.graph.failures import Failures, ServiceCounts
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
@@ -21,6 +21,7 @@ from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
     from homebot.graph.node import Node
+    from homebot.messages.action import ActionType
 
 __all__ = ["Graph"]
 
@@ -69,6 +70,29 @@ class Graph:
     def get_service_names_and_types(self) -> dict[str, str]:
         """Return the ROS type of every service that has a server, by its full name, sorted by name."""
         return {name: slot.service_type.ros_type for name, slot in sorted(self._services.items()) if slot.server}
+
+    def actions(self) -> tuple[ActionInfo, ...]:
+        """Return all actions that have a server or a client, sorted by name."""
+        kinds = (EntityKind.ACTION_SERVER, EntityKind.ACTION_CLIENT)
+        servers, clients = (self._endpoints.find(kind, None, None) for kind in kinds)
+        return tuple(
+            ActionInfo(
+                name,
+                ros_type,
+                tuple(info.node for info in servers if info.name == name),
+                tuple(info.node for info in clients if info.name == name),
+            )
+            for name, ros_type in sorted({(info.name, info.ros_type) for info in (*servers, *clients)})
+        )
+
+    def get_action_names_and_types(self) -> dict[str, str]:
+        """Return the ROS type of every action by its full name, sorted by name."""
+        return {action.name: action.ros_type for action in self.actions()}
+
+    def get_action_type(self, action: str) -> ActionType[Any, Any, Any] | None:  # each message may be any
+        """Return the type of *action*, or None if it is unused."""
+        slot = self._services.get(f"{action}/_action/send_goal")
+        return getattr(slot.service_type, "action_type", None) if slot else None
 
     def get_message_type(self, topic: str) -> type[Message] | None:
         """Return the message type of *topic*, or None if it is unused."""

@@ -105,6 +105,11 @@ class HandlerRun:
         if not self.outcome.done():
             self.outcome.set_result(error)
 
+    def discard(self) -> None:
+        """Drop a handler that no task runs."""
+        self._discard_handler()
+        self._end(_UNSERVED)
+
     async def wait_for_end(self) -> None:
         """Wait until the handler has ended."""
         if not self.has_ended:

@@ -33,7 +33,7 @@ from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
-from homebot.graph.endpoint import GraphEntity
+from homebot.graph.endpoint import EntityKind, GraphEntity
 from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
@@ -55,6 +55,8 @@ __all__ = ["Node"]
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
+
+_ACTION_ENDS = frozenset({EntityKind.ACTION_SERVER, EntityKind.ACTION_CLIENT})
 
 
 class Node:
@@ -113,11 +115,11 @@ class Node:
         def on_close() -> None:
             channel.remove_publisher(publisher)
             self.graph.release_topic(channel)
-            self._hide(publisher)
+            self.remove_entity(publisher)
 
         publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
         channel.add_publisher(publisher)
-        self._show(publisher)
+        self.add_entity(publisher)
         return publisher
 
     def create_subscription(
@@ -154,7 +156,7 @@ class Node:
         def on_close() -> None:
             channel.remove_subscription(subscription)
             self.graph.release_topic(channel)
-            self._hide(subscription)
+            self.remove_entity(subscription)
 
         def on_failure(error: BaseException) -> None:
             self._record_failure(f"handler of {channel.name}", error, "its message is lost")
@@ -163,7 +165,7 @@ class Node:
             channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, from_node, queue
         )
         channel.add_subscription(subscription)
-        self._show(subscription)
+        self.add_entity(subscription)
         if callback is not None:
             run = subscription.run_concurrently if concurrent else subscription.run_in_turn
             self._start(partial(run, callback))
@@ -203,7 +205,7 @@ class Node:
         def on_close() -> None:
             slot.set_server(None)
             self.graph.release_service_slot(slot)
-            self._hide(service)
+            self.remove_entity(service)
 
         service = Service(
             name,
@@ -217,7 +219,7 @@ class Node:
             reports=ServiceReports(self.full_name, name, self.graph.failures, self.graph.service_counts),
         )
         slot.set_server(service)
-        self._show(service)
+        self.add_entity(service)
         return service
 
     def create_client(self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str) -> Client[RequestT, ResponseT]:
@@ -232,10 +234,10 @@ class Node:
 
         def on_close() -> None:
             self.graph.release_service_slot(slot)
-            self._hide(client)
+            self.remove_entity(client)
 
         client = Client(slot, srv_type, self.full_name, on_close)
-        self._show(client)
+        self.add_entity(client)
         return client
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
@@ -269,6 +271,16 @@ class Node:
     def get_logger(self) -> FilteringBoundLogger:
         """Return :attr:`log`."""
         return self.log
+
+    def add_entity(self, entity: GraphEntity) -> None:
+        """Show *entity* on the graph; it closes with the node."""
+        self._entities[id(entity)] = entity
+        self.graph.add_endpoint(entity, entity.info)
+
+    def remove_entity(self, entity: GraphEntity) -> None:
+        """Remove a closed *entity* from the graph. Idempotent."""
+        self._entities.pop(id(entity), None)
+        self.graph.remove_endpoint(entity)
 
     def resolve_name(self, name: str, kind: str = "topic name") -> str:
         """Return the full name of *name*, as seen from this node."""
@@ -347,8 +359,12 @@ class Node:
         return True
 
     async def _end_handlers(self, handlers: asyncio.TaskGroup) -> None:
-        for entity in tuple(self._entities.values()):
-            if isinstance(entity, Service):
+        entities = tuple(self._entities.values())
+        for entity in entities:
+            if entity.info.kind in _ACTION_ENDS:
+                entity.close()  # first, so that those that wait for results receive them
+        for entity in entities:
+            if isinstance(entity, Service) and not entity.is_closed:
                 entity.cancel_handlers()
         with anyio.CancelScope(shield=True):  # the group would cancel the handlers without regard to their shields
             await handlers.__aexit__(None, None, None)
@@ -380,14 +396,6 @@ class Node:
 
     def _record_check_failure(self, name: str, error: Exception) -> None:
         self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
-
-    def _show(self, entity: GraphEntity) -> None:
-        self._entities[id(entity)] = entity
-        self.graph.add_endpoint(entity, entity.info)
-
-    def _hide(self, entity: GraphEntity) -> None:
-        self._entities.pop(id(entity), None)
-        self.graph.remove_endpoint(entity)
 
     def _announce_parameter(self, kind: Literal["new", "changed"], parameter: Parameter) -> None:
         message = (parameter.to_message(),)

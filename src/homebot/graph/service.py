@@ -186,10 +186,10 @@ class Service(Generic[RequestT, ResponseT]):
         for run in tuple(self._runs):
             run.scope.cancel()
 
-    def close(self) -> None:
+    def close(self, *, finish: bool = False) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
 
-        A handler that closes its own server still answers. Idempotent.
+        A handler that closes its own server still answers; with *finish* all handlers at work do. Idempotent.
         """
         if self.is_closed:
             return
@@ -198,7 +198,7 @@ class Service(Generic[RequestT, ResponseT]):
         if on_close is not None:
             on_close()
         own = next(calling_runs(), None)
-        for run in tuple(self._runs):
+        for run in () if finish else tuple(self._runs):
             if run is not own:
                 run.scope.cancel()
                 run.end_call(ServiceGoneError(self.service_name))

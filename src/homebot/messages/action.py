@@ -12,7 +12,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Int8, Message, ServiceType
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ActionType"]
+__all__ = ["ActionType", "SendGoalType"]
 
 GoalT = TypeVar("GoalT", bound=Message)
 ResultT = TypeVar("ResultT", bound=Message)
@@ -34,9 +34,10 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
 
     # The derived types have fields of a type that only the instance knows, so their classes are typed as messages.
     @cached_property
-    def SendGoal(self) -> ServiceType[Any, Any]:  # noqa: N802 - ROS's name
+    def SendGoal(self) -> "SendGoalType":  # noqa: N802 - ROS's name
         """The service that takes a goal: ``goal_id``, ``goal``; ``accepted``, ``stamp``."""
-        return self._service("SendGoal", {"goal_id": UUID, "goal": self.Goal}, {"accepted": bool, "stamp": Time})
+        service = self._service("SendGoal", {"goal_id": UUID, "goal": self.Goal}, {"accepted": bool, "stamp": Time})
+        return SendGoalType(service.ros_type, service.Request, service.Response, self)
 
     @cached_property
     def GetResult(self) -> ServiceType[Any, Any]:  # noqa: N802 - ROS's name
@@ -61,3 +62,14 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
         return new_class(
             ros_type.rpartition("/")[2], (Message,), {"ros_type": ros_type}, lambda names: names.update(body)
         )
+
+
+@dataclass(frozen=True)
+class SendGoalType(ServiceType[Any, Any]):
+    """The type of the service that takes goals: it leads from a service on the graph to its action.
+
+    Attributes:
+        action_type: The type of the action.
+    """
+
+    action_type: ActionType[Any, Any, Any]

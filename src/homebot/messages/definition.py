@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
 from pydantic.fields import FieldInfo
@@ -16,8 +16,11 @@ from pydantic.fields import FieldInfo
 from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
 
-__all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types"]
+__all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types", "zero_message"]
 
+MessageT = TypeVar("MessageT", bound=Message)
+
+_ZEROS = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
 _PRIMITIVES: dict[object, str] = {bool: "bool", int: "int64", float: "float64", str: "string"}
 
 
@@ -67,6 +70,16 @@ def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
     return tuple(_definition(message_type, name, field) for name, field in message_type.model_fields.items())
 
 
+@lru_cache(maxsize=1024)
+def zero_message(message_type: type[MessageT]) -> MessageT:
+    """Return the message as ROS makes it without arguments: every field has its default, or is zero or empty."""
+    fields = {field.name: _zero(field) for field in fields_of(message_type)}
+    defaults = {
+        name: field.get_default() for name, field in message_type.model_fields.items() if not field.is_required()
+    }
+    return message_type(**(fields | defaults))
+
+
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
     """Return every message type that *message_type* holds, at any depth, each once, in order of first use."""
     return tuple(dict.fromkeys(_walk(message_type)))
@@ -79,6 +92,19 @@ def definition_text(message_type: type[Message]) -> str:
         package, _, name = nested.ros_type.split("/")
         sections.append(f"{'=' * 80}\nMSG: {package}/{name}\n{_body(nested)}")
     return "".join(sections)
+
+
+def _zero(field: FieldDefinition) -> object:
+    if field.is_bytes:
+        return bytes(field.size or 0)
+    zero: object = 0
+    if field.message is not None:
+        zero = zero_message(field.message)
+    elif field.choices is not None:
+        zero = next(iter(field.choices))
+    elif field.ros_type in _ZEROS:
+        zero = _ZEROS[field.ros_type]
+    return (zero,) * (field.size or 0) if field.is_array else zero
 
 
 def _body(message_type: type[Message]) -> str:

@@ -1,0 +1,13 @@
+"""Actions: goals that take time, report feedback and can be cancelled, as in ROS 2.
+
+An action NAME is five hidden endpoints below ``NAME/_action``: the services ``send_goal``, ``cancel_goal`` and
+``get_result``, and the topics ``feedback`` and ``status``. Loaded when used.
+"""
+
+from homebot.graph.actions.action_client import ActionClient
+from homebot.graph.actions.action_server import ActionServer, Preemption
+from homebot.graph.actions.client_goal import ClientGoal
+from homebot.graph.actions.goal_state import GoalState
+from homebot.graph.actions.server_goal import ServerGoal
+
+__all__ = ["ActionClient", "ActionServer", "ClientGoal", "GoalState", "Preemption", "ServerGoal"]

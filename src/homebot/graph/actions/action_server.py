@@ -1,0 +1,295 @@
+"""The end of an action that executes its goals.
+
+Source: ROS 2, rclpy ``action/server.py``, rcl_action ``action_server.c``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from enum import StrEnum
+from functools import partial
+from typing import Any, Final, Generic, TypeVar
+
+import anyio
+
+from homebot.graph.actions.goal_state import GoalState, endpoint_name
+from homebot.graph.actions.server_goal import ServerGoal, check_type
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.node import Node
+from homebot.graph.qos import qos_profile_latched
+from homebot.messages.action import ActionType
+from homebot.messages.action_msgs import (
+    CancelGoal,
+    CancelGoalRequest,
+    CancelGoalResponse,
+    GoalInfo,
+    GoalStatus,
+    GoalStatusArray,
+)
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.definition import zero_message
+from homebot.messages.message import Message
+from homebot.messages.unique_identifier_msgs import UUID
+from homebot.support.isolation import crash_of, is_end_of, uncancel
+from homebot.support.time_limits import TimeLimits
+
+__all__ = ["ActionServer", "Preemption"]
+
+GoalT = TypeVar("GoalT", bound=Message)
+ResultT = TypeVar("ResultT", bound=Message)
+FeedbackT = TypeVar("FeedbackT", bound=Message)
+
+MAX_ACTIVE: Final = 256
+MAX_ENDED: Final = 256
+_NO_ID: Final = bytes(16)
+
+NO_TERMINAL_STATE: Final = "graph.goal_without_end"
+
+
+class Preemption(StrEnum):
+    """The rule for a goal that arrives while another one is active."""
+
+    REJECT = "reject"
+    ABORT = "abort"
+    QUEUE = "queue"
+
+
+class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
+    """Executes the goals of one action; at most 256 are active at once.
+
+    *execute* ends its goal by ``succeed``, ``abort`` or ``canceled`` and returns the result. Without one of these the
+    goal is ABORTED with a warning; after an exception it is ABORTED with an empty result, and the failure is counted.
+    A result is kept for *result_timeout* and until it was asked for, the last 256 at most.
+
+    Args:
+        node: The node that executes the goals while it runs.
+        name: The name of the action; relative, absolute, or private (``~/name``).
+        execute: A coroutine function for each goal.
+        on_goal: Returns whether to accept a goal; by default all are accepted.
+        on_cancel: Returns whether to accept the cancellation of a goal, whose execution then ends by itself; by default
+            a cancellation is accepted and cancels the execution.
+        preemption: The rule for a goal that arrives while another one is active; by default both are executed.
+        result_timeout: Seconds after the end of a goal.
+
+    Attributes:
+        refused: Number of goals rejected because 256 were active.
+        lost_results: Number of results dropped unread because 256 newer ones were kept.
+
+    Raises:
+        InvalidNameError: *name* is not a legal name.
+        DuplicateNameError: Another server has the name.
+        TypeMismatchError: The action is of another type.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        action_type: ActionType[GoalT, ResultT, FeedbackT],
+        name: str,
+        execute: Callable[[ServerGoal[GoalT, ResultT, FeedbackT]], Awaitable[ResultT | None]],
+        *,
+        on_goal: Callable[[GoalT], bool] | None = None,
+        on_cancel: Callable[[ServerGoal[GoalT, ResultT, FeedbackT]], bool] | None = None,
+        preemption: Preemption | None = None,
+        result_timeout: float = 10.0,
+    ) -> None:
+        self.refused = 0
+        self.lost_results = 0
+        self._node = node
+        self._type = action_type
+        self._execute = execute
+        self._on_goal = on_goal
+        self._on_cancel = on_cancel
+        self._preemption = preemption
+        self._result_timeout = result_timeout
+        self._goals: dict[bytes, ServerGoal[GoalT, ResultT, FeedbackT]] = {}  # in order of acceptance
+        self._expiries = TimeLimits()
+        self._expired: set[bytes] = set()  # with a result that was not asked for
+        self._turn = None if preemption is None else anyio.Lock()
+        self._closed = False
+        name = node.resolve_name(name, "action name")
+        self.info = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, name, action_type.ros_type)
+        endpoint = partial(endpoint_name, name)
+        self._sending = node.create_service(action_type.SendGoal, endpoint("send_goal"), self._accept, concurrent=True)
+        self._canceling = node.create_service(CancelGoal, endpoint("cancel_goal"), self._cancel, concurrent=True)
+        self._results = node.create_service(
+            action_type.GetResult, endpoint("get_result"), self._answer, concurrent=True, cancel_with_caller=True
+        )
+        self._feedback = node.create_publisher(action_type.FeedbackMessage, endpoint("feedback"))
+        self._status = node.create_publisher(GoalStatusArray, endpoint("status"), qos_profile_latched)
+        node.add_entity(self)
+
+    @property
+    def action_name(self) -> str:
+        """Full name of the action."""
+        return self.info.name
+
+    @property
+    def goals(self) -> tuple[ServerGoal[GoalT, ResultT, FeedbackT], ...]:
+        """The active goals, in order of acceptance."""
+        return tuple(goal for goal in self._goals.values() if goal.is_active)
+
+    def close(self) -> None:
+        """Leave the graph: active goals are ABORTED, and whoever waits for their results is answered. Idempotent."""
+        if self._closed:
+            return
+        for goal in self.goals:
+            goal.revoke()
+        self._closed = True
+        self._results.close(finish=True)
+        for end in (self._sending, self._canceling, self._feedback, self._status):
+            end.close()
+        self._node.remove_entity(self)
+
+    def _accept(self, request: Any) -> Message:  # the types of the request and the response are made by the action type
+        stamp = Time.from_seconds(self._node.graph.clock.now())
+        accepted = self._is_acceptable(request.goal_id.uuid) and (self._on_goal is None or self._on_goal(request.goal))
+        if accepted:
+            if self._preemption is Preemption.ABORT:
+                for goal in self.goals:
+                    goal.revoke()
+            info = GoalInfo.of_checked(goal_id=request.goal_id, stamp=stamp)
+            goal = ServerGoal(self._type, request.goal, info, self._publish_states, self._publish_feedback)
+            self._goals[request.goal_id.uuid] = goal
+            self._publish_states()
+            self._node.create_task(partial(self._run, goal))
+        response: Message = self._type.SendGoal.Response.of_checked(accepted=accepted, stamp=stamp)
+        return response
+
+    def _is_acceptable(self, goal_id: bytes) -> bool:
+        active = len(self.goals)
+        if active >= MAX_ACTIVE:
+            self.refused += 1
+            return False
+        return goal_id not in self._goals and not (active and self._preemption is Preemption.REJECT)
+
+    def _cancel(self, request: CancelGoalRequest) -> CancelGoalResponse:
+        goal_id, stamp = request.goal_info.goal_id.uuid, request.goal_info.stamp
+        named = self._goals.get(goal_id)
+        at = (stamp.sec, stamp.nanosec)
+        if goal_id != _NO_ID and at == (0, 0):
+            if named is None:
+                return _cancel_response(CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID)
+            if not named.state.can_become(GoalState.CANCELING):
+                return _cancel_response(CancelGoalResponse.ERROR_GOAL_TERMINATED)
+            selected = [named]
+        else:
+            selected = [
+                goal
+                for goal in self._goals.values()
+                if goal.state.can_become(GoalState.CANCELING)
+                and (at == (0, 0) or (goal.info.stamp.sec, goal.info.stamp.nanosec) <= at or goal is named)
+            ]
+        canceling = [goal.info for goal in selected if self._cancel_goal(goal)]
+        is_rejected = selected and not canceling
+        code = CancelGoalResponse.ERROR_REJECTED if is_rejected else CancelGoalResponse.ERROR_NONE
+        return _cancel_response(code, *canceling)
+
+    def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
+        """Cancel *goal* if its server agrees; return whether it does."""
+        is_waiting = self._turn is not None and goal.state is GoalState.ACCEPTED
+        if self._on_cancel is not None and not is_waiting and not self._on_cancel(goal):
+            return False
+        goal.change_state(GoalState.CANCELING)
+        if self._on_cancel is None or is_waiting:
+            goal.scope.cancel()
+        return True
+
+    async def _answer(self, request: Any) -> Message:  # as above
+        goal = self._goals.get(request.goal_id.uuid)
+        if goal is None:
+            return self._result_response(GoalState.UNKNOWN, zero_message(self._type.Result))
+        result = await goal.wait_for_result()
+        goal.is_answered = True
+        if request.goal_id.uuid in self._expired:
+            self._forget(request.goal_id.uuid)
+        return self._result_response(goal.state, result)
+
+    def _result_response(self, state: GoalState, result: ResultT) -> Message:
+        response: Message = self._type.GetResult.Response.of_checked(status=int(state), result=result)
+        return response
+
+    async def _run(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
+        """Execute *goal*; whatever happens, it ends and has a result."""
+        result: ResultT | None = None
+        try:
+            with goal.scope:
+                if self._turn is None:
+                    result = await self._run_isolated(goal)
+                else:
+                    async with self._turn:
+                        result = await self._run_isolated(goal)
+            if goal.scope.cancel_called and goal.is_cancel_requested:
+                goal.canceled(result)
+            elif goal.is_active:
+                self._node.log.warning(
+                    NO_TERMINAL_STATE,
+                    message=f"the execution of a goal of {self.action_name} returned without succeed(), abort() or "
+                    "canceled(); it counts as aborted",
+                )
+                goal.abort(result)
+        finally:
+            if goal.is_active:  # the node ends
+                goal.revoke()
+            goal.finish(result)
+            self._keep(goal)
+
+    async def _run_isolated(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> ResultT | None:
+        """Return the result of the execution; a failure aborts the goal."""
+        task = asyncio.current_task()
+        try:
+            if goal.scope.cancel_called:
+                return None
+            if goal.state is GoalState.ACCEPTED:
+                goal.change_state(GoalState.EXECUTING)
+            return check_type(await self._execute(goal), self._type.Result)
+        except BaseException as exc:  # every failure but the end of this task
+            if is_end_of(task, exc):
+                raise
+            if isinstance(exc, asyncio.CancelledError):
+                uncancel()
+            crash = crash_of(self._node.full_name, exc)
+            self._node.graph.failures.record(
+                self._node.full_name, f"execution of {self.action_name}", crash, "its goal is aborted"
+            )
+            if goal.is_active:
+                goal.abort(zero_message(self._type.Result))
+            return None
+
+    def _keep(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
+        """Keep the result of an ended *goal* for a while."""
+        if self._closed:
+            return
+        self._expiries.set(self._result_timeout, partial(self._expire, goal.goal_id.uuid))
+        ended = [one for one in self._goals.values() if not one.is_active]
+        if len(ended) > MAX_ENDED:
+            self.lost_results += not ended[0].is_answered
+            self._forget(ended[0].goal_id.uuid)
+
+    def _expire(self, goal_id: bytes) -> None:
+        goal = self._goals.get(goal_id)
+        if goal is not None and goal.is_answered:
+            self._forget(goal_id)
+        elif goal is not None:
+            self._expired.add(goal_id)
+
+    def _forget(self, goal_id: bytes) -> None:
+        self._expired.discard(goal_id)
+        self._goals.pop(goal_id, None)
+        self._publish_states()
+
+    def _publish_states(self) -> None:
+        if self._closed:
+            return
+        states = tuple(
+            GoalStatus.of_checked(goal_info=goal.info, status=int(goal.state)) for goal in self._goals.values()
+        )
+        self._status.publish(GoalStatusArray.of_checked(status_list=states))
+
+    def _publish_feedback(self, goal_id: UUID, feedback: FeedbackT) -> None:
+        self._feedback.publish(self._type.FeedbackMessage.of_checked(goal_id=goal_id, feedback=feedback))
+
+
+def _cancel_response(code: int, *goals: GoalInfo) -> CancelGoalResponse:
+    return CancelGoalResponse.of_checked(return_code=code, goals_canceling=goals)

@@ -1,0 +1,156 @@
+"""A goal at its server."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import anyio
+
+from homebot.errors import TypeMismatchError, UsageError
+from homebot.graph.actions.goal_state import GoalState
+from homebot.messages.action import ActionType
+from homebot.messages.action_msgs import GoalInfo
+from homebot.messages.definition import zero_message
+from homebot.messages.message import Message
+from homebot.messages.unique_identifier_msgs import UUID
+
+__all__ = ["ServerGoal", "check_type"]
+
+GoalT = TypeVar("GoalT", bound=Message)
+ResultT = TypeVar("ResultT", bound=Message)
+FeedbackT = TypeVar("FeedbackT", bound=Message)
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
+    """An accepted goal, as its server executes it.
+
+    Attributes:
+        request: The goal message.
+        info: Its id and the time of its acceptance.
+        state: Its state; the server publishes each change.
+        scope: The cancel scope of its execution.
+    """
+
+    def __init__(
+        self,
+        action_type: ActionType[GoalT, ResultT, FeedbackT],
+        request: GoalT,
+        info: GoalInfo,
+        on_change: Callable[[], None],
+        on_feedback: Callable[[UUID, FeedbackT], None],
+    ) -> None:
+        """Use :class:`homebot.graph.actions.ActionServer` instead."""
+        self.request = request
+        self.info = info
+        self.state = GoalState.ACCEPTED
+        self.scope = anyio.CancelScope()
+        self.is_answered = False
+        self._type = action_type
+        self._on_change = on_change
+        self._on_feedback = on_feedback
+        self._is_revoked = False
+        self._result: ResultT | None = None
+        self._outcome: asyncio.Future[ResultT] = asyncio.get_running_loop().create_future()
+
+    @property
+    def goal_id(self) -> UUID:
+        """The id that its client chose."""
+        return self.info.goal_id
+
+    @property
+    def is_active(self) -> bool:
+        """True until it has ended."""
+        return not self.state.is_terminal
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        """True if a request to cancel it was accepted."""
+        return self.state is GoalState.CANCELING
+
+    def publish_feedback(self, feedback: FeedbackT) -> None:
+        """Publish *feedback* to the clients; ignored after the end of the goal.
+
+        Raises:
+            TypeMismatchError: *feedback* is not of the action's feedback type.
+        """
+        check_type(feedback, self._type.Feedback)
+        if self.is_active:
+            self._on_feedback(self.goal_id, feedback)
+
+    def succeed(self, result: ResultT | None = None) -> None:
+        """End the goal as SUCCEEDED.
+
+        Args:
+            result: By default the message that the execution returns.
+
+        Raises:
+            TypeMismatchError: *result* is not of the action's result type.
+            UsageError: The goal has ended already. Nothing is raised if the server ended it.
+        """
+        self._end(GoalState.SUCCEEDED, result)
+
+    def abort(self, result: ResultT | None = None) -> None:
+        """End the goal as ABORTED; see :meth:`succeed`."""
+        self._end(GoalState.ABORTED, result)
+
+    def canceled(self, result: ResultT | None = None) -> None:
+        """End the goal as CANCELED; see :meth:`succeed`.
+
+        Raises:
+            UsageError: No request to cancel it was accepted.
+        """
+        self._end(GoalState.CANCELED, result)
+
+    # The methods below are for the server.
+
+    def change_state(self, state: GoalState) -> None:
+        """Enter *state*.
+
+        Raises:
+            UsageError: It cannot follow the present one.
+        """
+        if not self.state.can_become(state):
+            raise UsageError(f"a goal that is {self.state.name} cannot become {state.name}")
+        self.state = state
+        self._on_change()
+
+    def revoke(self) -> None:
+        """Abort the goal on the server's behalf, and cancel its execution."""
+        if self.is_active:
+            self._is_revoked = True
+            self.state = GoalState.ABORTED
+            self.finish(None)
+            self._on_change()
+        self.scope.cancel()
+
+    def finish(self, result: ResultT | None) -> None:
+        """Fix the result of an ended goal: the one it ended with, else *result*, else an empty one."""
+        if not self._outcome.done():
+            self._outcome.set_result(self._result or result or zero_message(self._type.Result))
+
+    async def wait_for_result(self) -> ResultT:
+        """Return the result when the goal has ended."""
+        return await asyncio.shield(self._outcome)
+
+    def _end(self, state: GoalState, result: ResultT | None) -> None:
+        check_type(result, self._type.Result)
+        if self._is_revoked:
+            return
+        self._result = result
+        self.change_state(state)
+        if result is not None:
+            self.finish(result)
+
+
+def check_type(message: MessageT | None, message_type: type[MessageT]) -> MessageT | None:
+    """Return *message* if it is of *message_type*, or None.
+
+    Raises:
+        TypeMismatchError: It is something else.
+    """
+    if message is None or type(message) is message_type:
+        return message
+    raise TypeMismatchError(f"expected a {message_type.ros_type}, got a {type(message).__name__}")
