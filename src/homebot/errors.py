@@ -262,10 +262,9 @@ class ServiceTimeoutError(ServiceError, TimeoutError):
 
 
 class GoalError(ServiceError):
-    """A goal of an action ended without success.
+    """A goal of an action ended without success; ``service`` is the name of the action.
 
     Attributes:
-        service: Full name of the action.
         result: The result message, as far as the server came; None without one.
     """
 

@@ -7,7 +7,7 @@ __all__ = ["RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "Whe
 
 
 class RobotPose(Message):
-    """Where a robot is, as on ``/robots/poses``.
+    """The position of a robot, as on ``/robots/poses``.
 
     Attributes:
         robot: Its name.
