@@ -20,6 +20,8 @@
     [places.rooms.Hall]              # rooms, and devices in them
     floor = "Downstairs"
 
+    [robots.rosie]                   # one table a robot: where its pose comes from
+
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
 The table of a gateway or an app belongs to that plug-in: :func:`parse_settings` checks it with
@@ -132,6 +134,7 @@ class Config(BaseModel):
         discovery: The table ``[discovery]``: how long devices are kept.
         control: The table ``[control]``: how commands are carried out.
         places: The table ``[places]``: rooms and the owner's statements about devices.
+        robots: The tables ``[robots.NAME]``, by name.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
@@ -146,6 +149,7 @@ class Config(BaseModel):
     discovery: Table = Field(default_factory=dict)
     control: Table = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
+    robots: dict[str, Table] = Field(default_factory=dict)
     thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
@@ -176,7 +180,8 @@ def load_tables(path: Path) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, places, thing_directory",
+                "unknown key; known are home, gateways, apps, door, discovery, control, places, robots, "
+                "thing_directory",
             )
     return tables
 
@@ -193,7 +198,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
         ConfigError: A key is unknown or a value invalid; the message names *source*, the key and the reason.
     """
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
-    for section, names in (("gateways", config.gateways), ("apps", config.apps)):
+    for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
         for name in names:
             try:
                 validate_node_name(name)

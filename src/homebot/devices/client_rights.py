@@ -11,11 +11,13 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
-from homebot.errors import UsageError
+from homebot.errors import InvalidNameError, UsageError
+from homebot.names import validate_node_name
 from homebot.support.similar import did_you_mean
 
 __all__ = [
     "ALL_RIGHTS",
+    "ALL_ROBOTS",
     "HARMLESS",
     "LOCAL_CLIENT",
     "LOCAL_RIGHTS",
@@ -38,7 +40,10 @@ OWNER_CLIENT = "owner"
 HARMLESS = "harmless"
 """In place of a query: every device but those that always ask."""
 
-_KNOWN = "known are read, act: QUERY, act: harmless, act: all, manage, raw"
+ALL_ROBOTS = "all"
+"""In place of a robot's name: every robot."""
+
+_KNOWN = "known are read, act: QUERY, act: harmless, act: all, manage, raw, robot: NAME"
 
 _ANY = And(())
 
@@ -58,6 +63,15 @@ class Right(Enum):
     RAW = "raw"
     """Speak as homebot's own parts, and to gateways, below every check."""
 
+    ROBOT = "robot"
+    """Be a robot: publish its pose and all below its name."""
+
+
+_NEEDS = {
+    Right.ACT: "needs a query, or all: 'act: light in hall'",
+    Right.ROBOT: "needs the name of a robot: 'robot: rosie'",
+}
+
 
 class ClientRights(NamedTuple):
     """The rights of one client.
@@ -71,6 +85,7 @@ class ClientRights(NamedTuple):
         act_scope: The last two as they were written, for commands; empty for all that does not always ask.
         manages: Whether it has :attr:`Right.MANAGE`.
         is_raw: Whether it has :attr:`Right.RAW`.
+        robots: The names of the robots that it may be; :data:`ALL_ROBOTS` for any.
     """
 
     reads: bool = False
@@ -79,6 +94,7 @@ class ClientRights(NamedTuple):
     act_scope: tuple[str, ...] = ()
     manages: bool = False
     is_raw: bool = False
+    robots: tuple[str, ...] = ()
 
     def has(self, right: Right) -> bool:
         """Return whether *right* is among them; to act, on any device."""
@@ -91,6 +107,12 @@ class ClientRights(NamedTuple):
                 return self.manages
             case Right.RAW:
                 return self.is_raw
+            case Right.ROBOT:
+                return bool(self.robots)
+
+    def may_be(self, robot: str) -> bool:
+        """Return whether it may be *robot*; with an empty name, any."""
+        return bool(self.robots) and (not robot or robot in self.robots or ALL_ROBOTS in self.robots)
 
     def may_command(self, device: Device, part: DevicePart, *, asks: bool) -> bool:
         """Return whether *part* of *device*, which always *asks* or does not, may be commanded."""
@@ -130,7 +152,9 @@ class ClientRights(NamedTuple):
 LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(_ANY,), manages=True)
 """Those of a client without a token: it commands every device but those that always ask."""
 
-ALL_RIGHTS = ClientRights(reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True)
+ALL_RIGHTS = ClientRights(
+    reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True, robots=(ALL_ROBOTS,)
+)
 """Those of the one token that has no name of its own."""
 
 SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
@@ -160,9 +184,10 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         if right is None:
             hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
             raise UsageError(f"{text!r} is no right; {hint}")
-        if bool(query) is not (right is Right.ACT):
-            problem = "needs a query, or all: 'act: light in hall'" if right is Right.ACT else "takes no query"
-            raise UsageError(f"{text!r}: {word} {problem}")
+        if bool(query) is not (right in _NEEDS):
+            raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
+        if right is Right.ROBOT:
+            _check_robot(text, query)
         found.setdefault(right, []).append(query)
     wanted = found.get(Right.ACT, [])
     return ClientRights(
@@ -172,6 +197,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         act_scope=tuple(f"act: {query}" for query in wanted),
         manages=Right.MANAGE in found,
         is_raw=Right.RAW in found,
+        robots=tuple(found.get(Right.ROBOT, ())),
     )
 
 
@@ -183,6 +209,13 @@ def without_taught_room(device: Device) -> Device:
     """
     conventions = {one.convention for one in device.facts if one.name == "area"} if device.area else set()
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
+
+
+def _check_robot(text: str, name: str) -> None:
+    try:
+        validate_node_name(name)
+    except InvalidNameError as exc:
+        raise UsageError(f"{text!r}: {exc}") from exc
 
 
 def _parse(text: str) -> Query:

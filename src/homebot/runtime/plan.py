@@ -27,6 +27,8 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
+    from homebot.devices.robot_owners import RobotOwners
+    from homebot.robots import RobotSettings
 
 __all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
@@ -59,7 +61,7 @@ APPS = "homebot.apps"
 
 _DOORS = "control.presence_guard.doors"
 
-OWN_NODES = frozenset({"homebot", "control", "discovery", "rosapi", "rosbridge_websocket", "thing_directory"})
+OWN_NODES = frozenset({"homebot", "control", "discovery", "robots", "rosapi", "rosbridge_websocket", "thing_directory"})
 
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
@@ -94,6 +96,7 @@ class Plan:
             full names of their nodes.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         places: The rooms and the owner's statements about devices.
+        robots: The settings of the robots that have a table.
     """
 
     home: str
@@ -105,6 +108,16 @@ class Plan:
     thing_directory: DirectoryBridgeSettings | None = None
     places: Places = NO_PLACES
     grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    robots: Mapping[str, RobotSettings] = field(default_factory=dict)
+
+    def robot_owners(self) -> RobotOwners:
+        """Return the robots that a table or the right of a token names, and what is theirs."""
+        return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
+
+    @property
+    def names_robots(self) -> bool:
+        """True if a table or the right of a token names a robot."""
+        return bool(self.robots or self.door.robots())
 
 
 def make_plan(config: Config) -> Plan:
@@ -124,6 +137,7 @@ def make_plan(config: Config) -> Plan:
         thing_directory=_thing_directory(config),
         places=_places(config),
         grants=dict(_grants(config)),
+        robots=_robots(config),
     )
 
 
@@ -135,6 +149,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
         partial(_door, config),
         partial(_thing_directory, config),
         partial(_places, config),
+        partial(_robots, config),
     ]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
@@ -312,6 +327,21 @@ def _places(config: Config) -> Places:
         return NO_PLACES
 
     return read_places(config.places, config.home.name, config.source, "configuration")
+
+
+def _robots(config: Config) -> Mapping[str, RobotSettings]:
+    if not config.robots:
+        return {}
+    from homebot.robots import RobotSettings  # noqa: PLC0415 - only with a table
+
+    for name in sorted(OWN_NODES & config.robots.keys()):
+        raise ConfigError(
+            config.source, f"robots.{name}", "is the name of one of homebot's own nodes; give the robot another name"
+        )
+    return {
+        name: parse_settings(RobotSettings, table, config.source, f"robots.{name}", config.folder)
+        for name, table in config.robots.items()
+    }
 
 
 def _access(

@@ -1,6 +1,6 @@
 """The runtime: builds the graph from a configuration, starts everything in order, stops it in reverse.
 
-The order is: broker (where it is ours), gateways, directory, apps, door, directory of things, simulated house.
+The order is: broker (where it is ours), gateways, directory, apps, robots, door, directory of things, simulated house.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
+from homebot.devices.names import POSE_TOPICS
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
-from homebot.graph import Graph, Node, RosoutFeed
+from homebot.graph import EntityKind, Graph, Node, RosoutFeed
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
+    from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.run_recording import RunRecording
@@ -221,6 +223,7 @@ class Runtime:
         if self._record_into is not None:
             yield "", "recorder", self._record(self._record_into)
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
+        yield "", "robots", self._track_robots
         if self._with_door:
             yield "", "door", self._open_door
         if self._plan.thing_directory is not None:
@@ -339,9 +342,35 @@ class Runtime:
             task_status.started()
             await anyio.sleep_forever()
 
+    async def _track_robots(self, *, task_status: TaskStatus[None]) -> None:
+        """Track robots, where none is named from when the first publishes its pose."""
+        plan = self._plan
+        if not plan.names_robots:
+            task_status.started()
+            await self._first_pose_topic()
+        from homebot.robots.tracker import RobotTracker  # noqa: PLC0415 - few houses have a robot
+
+        async with Node(self.graph, "robots") as node:
+            tracker = RobotTracker(node, plan.robot_owners(), plan.robots)
+            await run_as(node.full_name, partial(tracker.serve, task_status=task_status))
+
+    async def _first_pose_topic(self) -> None:
+        def has_pose(entity: EndpointInfo) -> bool:
+            if entity.kind is not EntityKind.PUBLISHER or entity.name.rpartition("/")[2] not in POSE_TOPICS:
+                return False
+            return self._plan.robot_owners().of_topic(entity.name) is not None
+
+        with self.graph.watch() as changes:
+            if any(map(has_pose, self.graph.get_endpoints(kind=EntityKind.PUBLISHER))):
+                return
+            async for change in changes:
+                if has_pose(change.entity):
+                    return
+
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
-            self.door = Door(node, self._plan.door, self._network_services.publish, self._local_rights)
+            announce = self._network_services.publish
+            self.door = Door(node, self._plan.door, announce, self._local_rights, self._plan.robot_owners)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 

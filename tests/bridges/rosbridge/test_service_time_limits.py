@@ -13,6 +13,7 @@ from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import ALL_RIGHTS
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
+from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Graph, Node
 from homebot.messages import Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
@@ -32,7 +33,7 @@ async def answer_of(service: str, timeout: float = 0.0) -> object:
     async with Node(graph, "blind") as blind, Node(graph, "door") as door:
         blind.create_service(Trigger, service, slow)
         op = CallService(op="call_service", service=service, timeout=timeout)
-        await call_service(door, op, ServerTurns(), ClientAccess("local", ALL_RIGHTS), frames.append)
+        await call_service(door, op, ServerTurns(), ClientAccess("local", ALL_RIGHTS, RobotOwners()), frames.append)
     (frame,) = frames
     return (json.loads(frame) if isinstance(frame, str) else frame)["values"]
 

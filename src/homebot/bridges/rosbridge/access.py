@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from homebot.bridges.client_error_log import short_text
 from homebot.bridges.rosbridge.protocol import (
@@ -23,7 +23,7 @@ from homebot.bridges.rosbridge.protocol import (
     PublishOperation,
     SubscribeOperation,
 )
-from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights, Right, issuer_of_client
+from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
 from homebot.devices.names import (
     COMMAND_DEVICES,
     EXPLAIN_DEVICE,
@@ -43,10 +43,14 @@ from homebot.devices.names import (
     RELEASE_LEASE,
     RENEW_LEASE,
     SEND_TEXT,
+    WHERE_IS_ROBOT,
 )
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
 from homebot.messages.message import Message
+
+if TYPE_CHECKING:
+    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
 
@@ -61,6 +65,7 @@ _OWN: Final = frozenset(
         "homebot",
         "network_services",
         "parameter_events",
+        "robots",
         "rosapi",
         "rosbridge_websocket",
         "rosout",
@@ -83,10 +88,12 @@ _READING: Final = frozenset(
         GET_UNAPPROVED,
         QUERY_DEVICES,
         READ_JOURNAL,
+        WHERE_IS_ROBOT,
         "/subscribe_to_mqtt_topic",
     }
 )
 _ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
+_SEVERAL: Final = "?"
 _LONGEST_ORIGIN: Final = 100
 _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
@@ -113,18 +120,20 @@ class ClientAccess:
     Attributes:
         name: The name of its token, or ``local`` without one.
         rights: Its rights.
+        owners: The robots of the house, and what is theirs.
         page: The origin of the web page, if it is one that ``allowed_origins`` does not name and has no token: it may
-            neither manage homebot nor pass for its parts.
+            neither manage homebot nor pass for its parts, nor be a robot.
     """
 
     name: str
     rights: ClientRights
+    owners: RobotOwners
     page: str = ""
 
     @classmethod
-    def of_page(cls, origin: str, name: str, rights: ClientRights) -> ClientAccess:
+    def of_page(cls, origin: str, name: str, rights: ClientRights, owners: RobotOwners) -> ClientAccess:
         """Return the access of a page that no token and no configuration vouches for."""
-        return cls(name, rights._replace(manages=False, is_raw=False), origin)
+        return cls(name, rights._replace(manages=False, is_raw=False, robots=()), owners, origin)
 
     @property
     def issuer(self) -> str:
@@ -156,9 +165,9 @@ class ClientAccess:
         """
         match op:
             case PublishOperation() | Advertise():
-                right = right_to_publish(resolve(op.topic))
+                right = self._right_to_publish(resolve(op.topic))
             case AdvertiseService():
-                right = right_to_publish(resolve(op.service))
+                right = self._right_to_publish(resolve(op.service))
             case CallService():
                 right = right_to_call(resolve(op.service))
             case SubscribeOperation():
@@ -168,8 +177,39 @@ class ClientAccess:
         if not self.rights.has(right):
             raise MissingRightError(right, self._problem(right))
 
-    def _problem(self, right: Right) -> str:
-        wanted = "act: harmless" if right is Right.ACT else right.value
+    def check_robot(self, topic: str, message: Message) -> None:
+        """Refuse *message* on *topic*, a full name, if it is of a robot that the client may not be.
+
+        Raises:
+            MissingRightError: The message has a frame or a robot that is not the client's; names it.
+        """
+        own = self.owners.names if self.rights.may_be(ALL_ROBOTS) else self.rights.robots
+        if foreign := self.owners.foreign(topic, message, own):
+            raise MissingRightError(
+                Right.ROBOT, f"{foreign} is not of the robot {' or '.join(own) or 'of this client'}"
+            )
+
+    def _right_to_publish(self, name: str) -> Right:
+        """Return the right to publish that the client needs; that to be the robot of *name* is checked.
+
+        Raises:
+            MissingRightError: It is a robot's that the client may not be.
+        """
+        right = right_to_publish(name)
+        robot = self.owners.of_topic(name)
+        if right is Right.RAW or robot is None:
+            return right
+        if robot == _SEVERAL:
+            problem = f"this house has several robots ({', '.join(self.owners.names)}); publish below /NAME"
+            raise MissingRightError(Right.ROBOT, problem)
+        if not self.rights.may_be(robot):
+            raise MissingRightError(Right.ROBOT, self._problem(Right.ROBOT, robot))
+        return Right.ROBOT
+
+    def _problem(self, right: Right, robot: str = "") -> str:
+        wanted = {Right.ACT: "act: harmless", Right.ROBOT: f"robot: {robot or self.owners.names[0]}"}.get(
+            right, right.value
+        )
         if self.page:
             client = f"a web page from {self.page[:_LONGEST_ORIGIN]}"
             advice = f'add "{self.page[:_LONGEST_ORIGIN]}" to allowed_origins, in the table [door] of homebot.toml'

@@ -85,6 +85,7 @@ class Publications:
         Raises:
             TypeMismatchError: The message does not fit the topic.
             PeerError: There is no such topic.
+            MissingRightError: The message is of a robot that the client may not be.
         """
         publication = self._topics.get(op.topic)
         if publication is not None:
@@ -92,6 +93,8 @@ class Publications:
         else:
             message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
             message, missing = self._message(message_type, op)
+        self._access.check_robot(self._node.resolve_name(op.topic), message)
+        if publication is None:
             publication = self._open(op.topic, "", latched=op.latch)
         publication.publisher.publish(message)
         return missing

@@ -39,6 +39,7 @@ from homebot.support.addresses import is_loopback
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.session import ClientSession
+    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["Door"]
 
@@ -61,6 +62,7 @@ class Door:
         settings: Address and access rules.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
+        owners: Returns the robots of the house, and what is theirs; by default those that the tokens name.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
@@ -72,6 +74,7 @@ class Door:
         settings: DoorSettings,
         announce: Callable[[NetworkService], None] = lambda _: None,
         local_rights: ClientRights = LOCAL_RIGHTS,
+        owners: Callable[[], RobotOwners] | None = None,
     ) -> None:
         self._rights = settings.rights(local_rights)
         if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
@@ -89,7 +92,15 @@ class Door:
         self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
         refusals = Refusals(node, self._error_log)
         self._shared = SharedState(
-            node, settings, self._turns, self._backlog, self._expected, self._counters, self._error_log, refusals
+            node,
+            settings,
+            self._turns,
+            self._backlog,
+            self._expected,
+            self._counters,
+            self._error_log,
+            refusals,
+            owners or settings.robot_owners,
         )
         self._sessions: dict[ServerConnection, ClientSession] = {}
         self._names: WeakKeyDictionary[ServerConnection, str] = WeakKeyDictionary()

@@ -90,7 +90,8 @@ class ClientSession:
         self.refused = 0
         self._reads_png = reads_png
         self._shared = shared
-        self._access = ClientAccess.of_page(page, name, rights) if page else ClientAccess(name, rights)
+        owners = shared.owners()
+        self._access = ClientAccess.of_page(page, name, rights, owners) if page else ClientAccess(name, rights, owners)
         self._node = shared.node
         self._settings = shared.settings
         self._turns = shared.turns

@@ -2,14 +2,18 @@
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Final, Self, TypeAlias
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Final, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
 from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import value_errors
-from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, ALL_ROBOTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
 from homebot.support.addresses import is_loopback
+
+if TYPE_CHECKING:
+    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["ClientToken", "DoorSettings", "Scope"]
 
@@ -94,6 +98,17 @@ class DoorSettings(AccessSettings):
         """Return every token by its name; that of the ``token`` is ``owner``."""
         named = {name: one.token for name, one in self.tokens.items()}
         return named if self.token is None else {OWNER_CLIENT: self.token, **named}
+
+    def robots(self) -> tuple[str, ...]:
+        """Return the names of the robots that tokens may be, each once."""
+        named = (robot for one in self.tokens.values() for robot in read_scope(one.scope).robots)
+        return tuple(dict.fromkeys(one for one in named if one != ALL_ROBOTS))
+
+    def robot_owners(self, tables: Mapping[str, tuple[str, ...]] = MappingProxyType({})) -> "RobotOwners":
+        """Return the robots that tokens may be or that have *tables*, with their frames, and what is theirs."""
+        from homebot.devices.robot_owners import RobotOwners  # noqa: PLC0415 - with the first client
+
+        return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})
 
     def rights(self, local: ClientRights) -> Mapping[str, ClientRights]:
         """Return the rights of each client by its name; without ``local`` where every client has to show a token.

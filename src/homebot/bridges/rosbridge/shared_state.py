@@ -20,6 +20,7 @@ from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.provided_services import ProvidedServices
+    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
 
@@ -93,6 +94,7 @@ class SharedState:
         counters: The counters.
         error_log: Logs mistakes of clients.
         refusals: Records requests without the right.
+        owners: Returns the robots of the house, and what is theirs.
         providers: The connection that provides each service, by its full name.
     """
 
@@ -104,6 +106,7 @@ class SharedState:
     counters: DoorCounters
     error_log: ClientErrorLog
     refusals: Refusals
+    owners: Callable[[], RobotOwners]
     providers: dict[str, ProvidedServices] = field(default_factory=dict)
 
     def publish_left(self, issuer: str) -> None:

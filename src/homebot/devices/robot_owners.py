@@ -1,0 +1,86 @@
+"""Ownership of topics and coordinate frames by the robots of a house. Pure.
+
+A robot with the name ``rosie`` owns all topics below ``/rosie``, and all frames below ``rosie/``. The sole robot of a
+house also owns the topics without a namespace on which robots state their poses, and all frames without a slash.
+The frame ``map`` is the house's: no robot says where it lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Final, final
+
+from homebot.messages.message import Message
+
+__all__ = ["DEFAULT_ROBOT", "MAP", "SHARED_TOPICS", "RobotOwners"]
+
+DEFAULT_ROBOT: Final = "robot"
+"""The name of the robot in a house that names none."""
+
+MAP: Final = "map"
+"""The frame of the house, in which places are stated."""
+
+SHARED_TOPICS: Final = frozenset({"/tf", "/tf_static"})
+"""Topics of all robots: each may state its own frames there."""
+
+_SOLE_TOPICS: Final = frozenset({"/amcl_pose", "/initialpose", "/odom"})
+_SOLE_NAMESPACE: Final = "/robot/"
+
+
+@final
+class RobotOwners:
+    """The robots of a house, and what is theirs.
+
+    Args:
+        frames: The frames on ``/tf`` of each robot that do not begin with its name, by robot.
+
+    Attributes:
+        names: The names of the robots, sorted.
+        sole: The name of the one robot; empty where there are several.
+    """
+
+    def __init__(self, frames: Mapping[str, Iterable[str]] | None = None) -> None:
+        self.names = tuple(sorted(frames or ())) or (DEFAULT_ROBOT,)
+        self.sole = self.names[0] if len(self.names) == 1 else ""
+        self._by_frame = {frame: robot for robot, names in (frames or {}).items() for frame in names}
+
+    def of_topic(self, topic: str) -> str | None:
+        """Return the robot that owns *topic*, a full name; empty if each robot may use it, None if it is no robot's.
+
+        The topics of a sole robot are nobody's where there are several: their owner is ``?``.
+        """
+        if topic in SHARED_TOPICS:
+            return ""
+        if topic in _SOLE_TOPICS:
+            return self.sole or "?"
+        first = topic.split("/", 2)[1]
+        if first in self.names:
+            return first
+        return (self.sole or "?") if topic.startswith(_SOLE_NAMESPACE) else None
+
+    def of_frame(self, frame: str) -> str:
+        """Return the robot that owns *frame*; empty if it is no robot's."""
+        frame = frame.removeprefix("/")
+        first, slash, _ = frame.partition("/")
+        if slash and first in self.names:
+            return first
+        if frame in self._by_frame:
+            return self._by_frame[frame]
+        return "" if slash or frame == MAP else self.sole
+
+    def foreign(self, topic: str, message: Message, robots: Iterable[str]) -> str:
+        """Return the robot or the frame in *message* on *topic* that is of none of *robots*; empty without one."""
+        owner = self.of_topic(topic)
+        if owner is None:
+            return ""
+        own = frozenset(robots)
+        for transform in getattr(message, "transforms", ()):
+            child = transform.child_frame_id.removeprefix("/")
+            if child == MAP or (self.of_frame(child) not in own and not (owner and self._is_plain(child))):
+                return f"the frame {child[:100]!r}"
+        stated = getattr(message, "robot", owner) if owner else ""
+        return f"the robot {stated[:100]!r}" if stated and stated not in own else ""
+
+    def _is_plain(self, frame: str) -> bool:
+        """Return whether *frame* names no robot, so that it is of the robot in whose namespace it is stated."""
+        return frame.partition("/")[0] not in self.names and frame not in self._by_frame

@@ -1,0 +1,45 @@
+"""Settings of one robot: a table ``[robots.NAME]``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
+
+__all__ = ["RobotSettings"]
+
+_Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
+_Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
+
+
+class RobotSettings(BaseModel):
+    """The keys of a table ``[robots.NAME]``; an empty one is enough for a robot that publishes its own pose.
+
+    Attributes:
+        frames: The frames that it states on ``/tf`` which do not begin with its name and a slash; a sole robot needs
+            none.
+        floor: The floor that it is on; a house with one floor needs none.
+        limit: Seconds for which a pose of ``/NAME/pose`` or of MQTT counts.
+        topic: An MQTT topic with its pose as JSON: ``x``, ``y``, and any of ``yaw``, ``error``, ``floor`` and
+            ``limit``; or ``room`` alone.
+        vacuum: The MQTT topic of a vacuum cleaner with Valetudo: ``valetudo/NAME``.
+        segments: The rooms of the segments on its map, by their ids.
+        map_transform: x, y and yaw of the frame of its map, ``NAME/map``, in the house's frame ``map``.
+        gateway: The gateway that brings ``topic`` and ``vacuum``.
+        motion_sensors: The names or ids of motion sensors that detect only this robot: it is in their room.
+        tag_reader: The NFC reader on the robot: it is in the room that each tag it reads says.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    frames: tuple[str, ...] = ()
+    floor: str = ""
+    limit: Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)] = 5.0
+    topic: str = ""
+    vacuum: str = ""
+    segments: Mapping[str, str] = Field(default_factory=dict)
+    map_transform: tuple[_Metres, _Metres, _Radians] | None = None
+    gateway: str = "mqtt"
+    motion_sensors: tuple[str, ...] = ()
+    tag_reader: str = ""

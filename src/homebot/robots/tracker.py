@@ -1,0 +1,216 @@
+"""The tracker of robots: the node ``/robots``.
+
+It publishes on ``/robots/poses`` the best that is known of each robot's place, and answers ``/robots/where``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.devices.robot_owners import RobotOwners
+from homebot.graph import Node, qos_profile_latched
+from homebot.messages.builtin_interfaces import Time
+from homebot.robots.evidence import TF_LIMIT, PoseEvidence
+from homebot.robots.frames import RobotFrames
+from homebot.robots.pose_topics import PoseTopics
+from homebot.robots.robot import TrackedRobot
+from homebot.robots.rooms import RobotRooms
+from homebot.robots.settings import RobotSettings
+from homebot.support.similar import did_you_mean
+
+__all__ = ["RobotTracker"]
+
+UNSURE = "robots.unsure"
+EXPIRED = "robots.expired"
+
+_TF_ERROR: Final = 0.2
+"""Metres by which a position by frames may be wrong."""
+
+_PACE: Final = 0.1
+_MOVED: Final = 0.1
+_TURNED: Final = 0.2
+"""Least seconds, metres and radians from one published pose to the next."""
+
+
+class RobotTracker:
+    """Knows where each robot is.
+
+    Args:
+        node: Its node.
+        owners: The robots, and what is theirs.
+        settings: The tables of those that have one.
+        rooms: The rooms of the house.
+
+    Attributes:
+        owners: The robots, and what is theirs.
+        settings: The table of each robot.
+        rooms: The rooms of the house.
+        frames: The frames of the robots.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        owners: RobotOwners,
+        settings: Mapping[str, RobotSettings] | None = None,
+        rooms: RobotRooms | None = None,
+    ) -> None:
+        self.owners = owners
+        self.settings = {name: (settings or {}).get(name) or RobotSettings() for name in owners.names}
+        self.rooms = rooms or RobotRooms()
+        self.frames = RobotFrames(owners)
+        self._node = node
+        self._clock = node.graph.clock
+        self._robots = {name: TrackedRobot(name) for name in owners.names}
+        self._published: dict[str, RobotPose] = {}
+        self._changed = anyio.Event()
+        self._poses = node.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
+        node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self.where)
+        PoseTopics(self, node).open()
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Publish poses as they change, until cancelled."""
+        task_status.started()
+        while True:
+            now = self._clock.monotonic()
+            self._changed = anyio.Event()
+            next_change = min(self._publish_change(robot, now) for robot in self._robots.values())
+            with anyio.move_on_after(None if math.isinf(next_change) else max(0.0, next_change - now)):
+                await self._changed.wait()
+            await anyio.sleep(_PACE)
+
+    def where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
+        """Answer the service: where a robot is, or was, and how old that is."""
+        name = request.robot or self.owners.sole
+        robot = self._robots.get(name)
+        known = ", ".join(self.owners.names)
+        if robot is None:
+            hint = did_you_mean(name, self.owners.names, f"robots are {known}")
+            problem = f"there is no robot {name[:100]!r}; {hint}" if name else f"say which robot: {known}"
+            return WhereIsRobotResponse(success=False, message=problem)
+        now = self._clock.monotonic()
+        self._place_by_frames(name)
+        evidence = robot.best(now)
+        if evidence is None:
+            return WhereIsRobotResponse(success=False, message=f"nothing has told yet where {name} is")
+        pose = self._pose(robot, evidence, now)
+        age = max(0.0, now - evidence.received_at)
+        problem = "" if pose.counts else f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
+        if pose.counts and robot.unsure_because:
+            problem = f"{name} is not sure where it is: {robot.unsure_because}"
+        return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
+
+    def add(self, robot: str, evidence: PoseEvidence) -> None:
+        """Take *evidence* of where *robot* is."""
+        tracked = self._robots[robot]
+        was = tracked.unsure_because
+        tracked.add(evidence)
+        self._report_unsure(tracked, was)
+        self._changed.set()
+
+    def add_room(self, robot: str, source: str, room: str, limit: float) -> None:
+        """Take the statement of *source* that *robot* is in *room*, which counts for *limit* seconds."""
+        now, error = self._clock.monotonic(), self.rooms.error_in(room)
+        self.add(robot, PoseEvidence(source, now, limit, error, room=room))
+
+    def add_life(self, robot: str) -> None:
+        """Take a message of *robot* as a sign that it lives; its frames may have changed."""
+        self._robots[robot].alive_at = self._clock.monotonic()
+        self._changed.set()
+
+    def make_unsure(self, robot: str, reason: str) -> None:
+        """Doubt the poses of *robot* until some are consistent."""
+        tracked = self._robots[robot]
+        was = tracked.unsure_because
+        tracked.make_unsure(reason)
+        self._report_unsure(tracked, was)
+        self._changed.set()
+
+    def drop(self, robot: str, source: str) -> None:
+        """End the evidence of *source* of where *robot* is."""
+        self._robots[robot].drop(source)
+        self._changed.set()
+
+    def floor_of(self, robot: str) -> str:
+        """Return the floor that *robot* is on; empty where that is not stated."""
+        return self.rooms.floor_of(self.settings[robot].floor)
+
+    def _place_by_frames(self, robot: str) -> None:
+        found = self.frames.pose_of(robot, self.settings[robot].frames)
+        if found is None:
+            return
+        position, received_at = found
+        last = self._robots[robot].last_of("/tf")
+        if last is not None and (last.received_at, last.position) == (received_at, position):
+            return
+        sigma = self._robots[robot].sigma
+        self.add(
+            robot,
+            PoseEvidence(
+                "/tf", received_at, TF_LIMIT, max(_TF_ERROR, sigma), position, floor=self.floor_of(robot), sigma=sigma
+            ),
+        )
+
+    def _publish_change(self, robot: TrackedRobot, now: float) -> float:
+        """Publish where *robot* is if that changed; return when it may change next by itself."""
+        self._place_by_frames(robot.name)
+        evidence = robot.best(now)
+        if evidence is not None:
+            pose, before = self._pose(robot, evidence, now), self._published.get(robot.name)
+            if before is None or _differs(pose, before):
+                self._published[robot.name] = pose
+                self._poses.publish(pose)
+                if not pose.counts:
+                    self._node.log.info(
+                        EXPIRED,
+                        message=f"{robot.name}'s pose no longer counts (limit {pose.limit:g} s)",
+                        robot=robot.name,
+                    )
+        return robot.next_change(now)
+
+    def _pose(self, robot: TrackedRobot, evidence: PoseEvidence, now: float) -> RobotPose:
+        """Return *evidence* as a message."""
+        at, room, is_nearest = evidence.position, evidence.room, evidence.is_nearest_room
+        if at is not None and not room:
+            before = self._published.get(robot.name)
+            found = self.rooms.room_at(at, evidence.floor, before.room if before is not None else "")
+            room, is_nearest = (found.room, found.is_nearest) if found is not None else ("", False)
+        x, y, yaw = at or (0.0, 0.0, 0.0)
+        return RobotPose(
+            robot=robot.name,
+            room=room,
+            is_nearest_room=is_nearest,
+            floor=evidence.floor,
+            has_position=at is not None,
+            x=x,
+            y=y,
+            yaw=yaw,
+            error=evidence.error,
+            source=evidence.source,
+            received_at=Time.from_seconds(self._clock.now() - max(0.0, now - evidence.received_at)),
+            limit=evidence.limit,
+            counts=evidence.expires_at(robot.alive_at) > now,
+            is_sure=not robot.unsure_because,
+        )
+
+    def _report_unsure(self, robot: TrackedRobot, was: str) -> None:
+        if robot.unsure_because and not was:
+            text = f"{robot.name} is not sure where it is: {robot.unsure_because}"
+            self._node.log.warning(UNSURE, message=text, robot=robot.name)
+
+
+def _differs(pose: RobotPose, before: RobotPose) -> bool:
+    """Return whether *pose* is worth a message after *before*."""
+    words = ("room", "is_nearest_room", "floor", "has_position", "source", "limit", "counts", "is_sure")
+    if any(getattr(pose, word) != getattr(before, word) for word in words):
+        return True
+    moved, turned = math.dist((pose.x, pose.y), (before.x, before.y)), abs(pose.yaw - before.yaw)
+    has_new_error = not 0.5 < pose.error / (before.error or 1) < 2
+    return moved >= _MOVED or min(turned, math.tau - turned) >= _TURNED or has_new_error

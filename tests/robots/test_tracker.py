@@ -1,0 +1,263 @@
+"""Where robots are, by all that is heard of them, in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from tests.devices.test_robot_owners import tf
+
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotPose, RobotRoom, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.devices.robot_owners import RobotOwners
+from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile, Subscription
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.geometry_msgs import (
+    Point,
+    Pose,
+    PoseStamped,
+    PoseWithCovariance,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    Twist,
+    TwistWithCovariance,
+    Vector3,
+)
+from homebot.messages.message import Message
+from homebot.messages.nav_msgs import Odometry
+from homebot.messages.std_msgs.header import Header
+from homebot.messages.tf2_msgs import TFMessage
+from homebot.places.polygon import Polygon
+from homebot.places.room_shapes import RoomShape
+from homebot.robots import RobotSettings, RobotTracker
+from homebot.robots.rooms import RobotRooms
+
+pytestmark = pytest.mark.virtual_time
+
+HALL, KITCHEN = Polygon([(0, 0), (4, 0), (4, 5), (0, 5)]), Polygon([(4, 0), (8, 0), (8, 5), (4, 5)])
+ROOMS = RobotRooms([RoomShape("Hall", "", HALL), RoomShape("Kitchen", "", KITCHEN)])
+ALL = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+STILL = Vector3(x=0.0, y=0.0, z=0.0)
+
+
+class House:
+    """A graph with a tracker, a robot's node, and the poses that are published."""
+
+    def __init__(self, graph: Graph, robot: Node, poses: Subscription[RobotPose]) -> None:
+        self.graph, self.robot, self.poses = graph, robot, poses
+        self.publishers: dict[str, Publisher[Message]] = {}
+        self.where = robot.create_client(WhereIsRobot, WHERE_IS_ROBOT)
+
+    async def say(self, topic: str, message: Message) -> None:
+        if topic not in self.publishers:
+            self.publishers[topic] = self.robot.create_publisher(type(message), topic)
+        self.publishers[topic].publish(message)
+        await anyio.sleep(0.15)
+
+    def news(self) -> list[RobotPose]:
+        found = []
+        while (pose := self.poses.mailbox.take()) is not None:
+            assert isinstance(pose, RobotPose)
+            found.append(pose)
+        return found
+
+    async def ask(self, robot: str = "") -> WhereIsRobotResponse:
+        return await self.where.call(WhereIsRobotRequest(robot=robot))
+
+
+@asynccontextmanager
+async def house(*robots: str, settings: dict[str, RobotSettings] | None = None) -> AsyncIterator[House]:
+    graph = Graph()
+    owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()))
+    async with Node(graph, "robots") as node, Node(graph, "a_robot") as robot, anyio.create_task_group() as tasks:
+        tracker = RobotTracker(node, owners, settings, ROOMS)
+        await tasks.start(tracker.serve)
+        yield House(graph, robot, robot.create_subscription(RobotPose, ROBOT_POSES, None, ALL))
+        tasks.cancel_scope.cancel()
+
+
+def pose(x: float, y: float) -> Pose:
+    return Pose(position=Point(x=x, y=y, z=0.0), orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=1.0))
+
+
+def header(frame: str = "map", stamp: float = 0.0) -> Header:
+    return Header(stamp=Time.from_seconds(stamp), frame_id=frame)
+
+
+def stamped(x: float, y: float, frame: str = "map", stamp: float = 0.0) -> PoseStamped:
+    return PoseStamped(header=header(frame, stamp), pose=pose(x, y))
+
+
+def amcl(x: float, y: float, sigma: float = 0.1) -> PoseWithCovarianceStamped:
+    covariance = [0.0] * 36
+    covariance[0] = covariance[7] = sigma**2
+    return PoseWithCovarianceStamped(
+        header=header(), pose=PoseWithCovariance(pose=pose(x, y), covariance=tuple(covariance))
+    )
+
+
+def odometry(x: float) -> Odometry:
+    return Odometry(
+        header=header("odom"),
+        child_frame_id="base_link",
+        pose=PoseWithCovariance(pose=pose(x, 0.0), covariance=(0.0,) * 36),
+        twist=TwistWithCovariance(twist=Twist(linear=STILL, angular=STILL), covariance=(0.0,) * 36),
+    )
+
+
+def moved(message: TFMessage, x: float, y: float) -> TFMessage:
+    """*message* with the first transform moved."""
+    first = message.transforms[0]
+    shifted = first.transform.model_copy(update={"translation": Vector3(x=x, y=y, z=0.0)})
+    return TFMessage(transforms=(first.model_copy(update={"transform": shifted}), *message.transforms[1:]))
+
+
+async def test_a_pose_in_map_gives_the_room_and_is_published_once() -> None:
+    async with house() as one:
+        await one.say("/robot/pose", stamped(1, 1))
+        await one.say("/robot/pose", stamped(1.02, 1))
+        [known] = one.news()
+        assert (known.robot, known.room, known.x, known.source) == ("rosie", "Hall", 1.0, "/robot/pose")
+        await one.say("/rosie/pose", stamped(5, 1))
+        assert (await one.ask()).pose[0].room == "Hall"  # both count, and are of the same error
+        await anyio.sleep(5)
+        assert [(told.room, told.source) for told in one.news()][-2:] == [("Kitchen", "/rosie/pose")] * 2
+
+
+async def test_a_chain_of_transforms_counts_for_two_seconds_and_expires_once() -> None:
+    async with house() as one:
+        chain = tf("map>odom", "odom>base_link")
+        await one.say("/tf", moved(chain, 5, 2))
+        assert [(told.room, told.x, told.source, told.counts) for told in one.news()] == [("Kitchen", 5.0, "/tf", True)]
+        await anyio.sleep(1.5)
+        assert one.news() == []
+        await anyio.sleep(10)
+        assert [(told.room, told.counts) for told in one.news()] == [("Kitchen", False)]
+        answer = await one.ask("rosie")
+        assert (answer.success, answer.message) == (False, "rosie's pose is 12 s old (limit 2 s)")
+        assert answer.pose[0].room == "Kitchen"
+
+
+async def test_half_a_chain_that_is_still_received_gives_no_place() -> None:
+    async with house() as one:
+        await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 5, 2))
+        for _ in range(20):
+            await one.say("/tf", tf("odom>base_link"))
+        assert [told.counts for told in one.news()] == [True, False]
+
+
+async def test_odometry_alone_gives_no_place() -> None:
+    async with house() as one:
+        await one.say("/tf", tf("odom>base_link"))
+        await one.say("/robot/pose", stamped(1, 1, "odom"))
+        await one.say("/odom", odometry(1.0))
+        assert (await one.ask()).message == "nothing has told yet where rosie is"
+
+
+async def test_a_static_frame_of_the_robot_s_map_gives_a_place() -> None:
+    async with house() as one:
+        await one.say("/tf_static", moved(tf("map>rosie/map"), 4, 0))
+        await one.say("/rosie/pose", stamped(1, 1, "map"))
+        await one.say("/robot/pose", stamped(1, 1, "rosie/map"))
+        await anyio.sleep(2.5)
+        assert {(told.source, told.x) for told in one.news()} == {("/rosie/pose", 1.0)}
+        await anyio.sleep(2.4)
+        await one.say("/robot/pose", stamped(1, 1, "rosie/map"))
+        assert (await one.ask()).pose[0].x == 5.0
+
+
+async def test_a_parked_robot_counts_while_it_lives_and_no_longer_once_its_odometry_moved() -> None:
+    async with house() as one:
+        await one.say("/amcl_pose", amcl(1, 1))
+        for _ in range(30):
+            await anyio.sleep(2)
+            await one.say("/odom", odometry(7.0))
+        assert [told.counts for told in one.news()] == [True]
+        await one.say("/odom", odometry(7.3))
+        assert [told.counts for told in one.news()] == [False]
+        await one.say("/amcl_pose", amcl(1.3, 1))
+        assert [told.counts for told in one.news()] == [True]
+        await anyio.sleep(9.7)
+        assert one.news() == []
+        await anyio.sleep(0.5)
+        assert [told.counts for told in one.news()] == [False]
+
+
+async def test_the_smaller_error_wins_after_two_seconds() -> None:
+    async with house() as one:
+        await one.say("/robot/pose", stamped(1, 1))
+        for _ in range(12):
+            await one.say("/amcl_pose", amcl(5, 1, 0.05))
+        assert {told.source for told in one.news()} == {"/robot/pose"}
+        await anyio.sleep(0.5)
+        assert [told.source for told in one.news()] == ["/amcl_pose"]
+
+
+async def test_a_robot_that_is_carried_away_is_unsure_until_three_poses_are_consistent() -> None:
+    async with house() as one:
+        await one.say("/robot/pose", stamped(1, 1))
+        await one.say("/robot/pose", stamped(6, 1))
+        assert [(told.room, told.is_sure) for told in one.news()] == [("Hall", True), ("Kitchen", False)]
+        assert "jumped by 5.0 m" in (await one.ask()).message
+        for _ in range(2):
+            await one.say("/robot/pose", stamped(6, 1))
+        assert one.news() == []
+        await one.say("/robot/pose", stamped(6, 1))
+        assert [told.is_sure for told in one.news()] == [True]
+        await one.say("/initialpose", amcl(1, 1))
+        assert [told.is_sure for told in one.news()] == [False]
+
+
+async def test_a_robot_that_drives_fast_is_sure() -> None:
+    async with house() as one:
+        for step in range(8):
+            await one.say("/robot/pose", stamped(step * 0.7, 1))
+        assert all(told.is_sure for told in one.news())
+
+
+async def test_an_uncertain_localization_is_unsure() -> None:
+    async with house() as one:
+        await one.say("/amcl_pose", amcl(1, 1, 1.5))
+        assert [told.is_sure for told in one.news()] == [False]
+
+
+async def test_a_stamp_far_ahead_of_our_clock_is_refused() -> None:
+    async with house() as one:
+        now = one.graph.clock.now()
+        await one.say("/robot/pose", stamped(1, 1, stamp=now + 20))
+        chain = tf("map>odom", "odom>base_link")
+        ahead = tuple(each.model_copy(update={"header": header("map", now + 20)}) for each in chain.transforms[:1])
+        await one.say("/tf", TFMessage(transforms=(*ahead, *chain.transforms[1:])))
+        assert one.news() == []
+
+
+async def test_a_room_alone_is_no_position() -> None:
+    async with house() as one:
+        await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
+        await one.say("/rosie/room", RobotRoom(robot="bob", room="Kitchen"))
+        [known] = one.news()
+        assert (known.room, known.has_position, known.limit) == ("Hall", False, 600.0)
+        assert known.error == pytest.approx(3.2, abs=0.01)
+
+
+async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:
+    async with house("bob", "rosie") as one:
+        await one.say("/rosie/tf", moved(tf("map>odom", "odom>base_link"), 5, 2))
+        await one.say("/tf", moved(tf("map>bob/odom", "bob/odom>bob/base_link"), 1, 2))
+        await one.say("/tf", moved(tf("map>bob/odom", "odom>map"), 7, 2))
+        await one.say("/robot/pose", stamped(7, 1))
+        assert {(told.robot, told.room) for told in one.news()} == {("rosie", "Kitchen"), ("bob", "Hall")}
+        assert (await one.ask()).message == "say which robot: bob, rosie"
+        assert (await one.ask("rosi")).message == "there is no robot 'rosi'; did you mean rosie?"
+
+
+async def test_in_a_doorway_the_robot_stays_in_its_room() -> None:
+    async with house() as one:
+        await one.say("/robot/pose", stamped(3.8, 1))
+        for x in (4.05, 3.95, 4.1, 3.9, 4.15):
+            await one.say("/robot/pose", stamped(x, 1))
+        assert {told.room for told in one.news()} == {"Hall"}
+        await one.say("/robot/pose", stamped(4.3, 1))
+        assert [told.room for told in one.news()] == ["Kitchen"]
