@@ -7,7 +7,9 @@ import random
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from homebot.bridges.rosbridge.protocol import FrameError, Operation, parse_frame
+from tests.bridges.frames import parse_frame
+
+from homebot.bridges.rosbridge.protocol import FrameError, Operation
 from homebot.devices import RawMessage
 from homebot.devices.gateway_messages import Command
 from homebot.errors import TypeMismatchError

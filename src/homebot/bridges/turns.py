@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
-from typing import final
+from collections.abc import Callable, Generator
+from typing import TypeVar, final
 
 from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["ServerTurns"]
+
+T = TypeVar("T")
 
 
 @final
@@ -32,6 +34,16 @@ class ServerTurns:
         waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.defer(lambda: _wake(waiter))
         await waiter
+
+    async def run(self, steps: Generator[None, None, T]) -> T:
+        """Return the result of *steps*, each of which is work of its own."""
+        while True:
+            try:
+                next(steps)
+            except StopIteration as end:
+                result: T = end.value
+                return result
+            await self.turn()
 
 
 def _wake(waiter: asyncio.Future[None]) -> bool:

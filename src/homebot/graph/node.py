@@ -38,7 +38,7 @@ from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
-from homebot.graph.publisher import Publisher
+from homebot.graph.publisher import History, Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
 from homebot.graph.service import Handler, Service
 from homebot.graph.subscription import Callback, Expiring, Subscription
@@ -95,12 +95,20 @@ class Node:
             self.full_name, parameters or {}, self._announce_parameter, self._record_check_failure
         )
 
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: QoSLike = 10) -> Publisher[MessageT]:
+    def create_publisher(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        qos_profile: QoSLike = 10,
+        *,
+        history: History[MessageT] | None = None,
+    ) -> Publisher[MessageT]:
         """Return a publisher of *msg_type* on *topic*.
 
         Args:
             topic: The name; relative, absolute, or private (``~/name``).
             qos_profile: The quality of service that is offered; a number is the depth of its history.
+            history: Keeps the messages for late joiners in its own way.
 
         Raises:
             InvalidNameError: *topic* is not a legal name.
@@ -117,7 +125,7 @@ class Node:
             self.graph.release_topic(channel)
             self.remove_entity(publisher)
 
-        publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
+        publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, history)
         channel.add_publisher(publisher)
         self.add_entity(publisher)
         return publisher

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from operator import attrgetter
-from typing import Generic, NoReturn, TypeVar
+from typing import Generic, NoReturn, Protocol, TypeVar
 
 from homebot.clock import Clock
 from homebot.errors import ClosedError, TypeMismatchError
@@ -15,9 +15,19 @@ from homebot.graph.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import Expiring, Subscription
 from homebot.messages.message import Message
 
-__all__ = ["Publisher"]
+__all__ = ["History", "Publisher"]
 
 MessageT = TypeVar("MessageT", bound=Message)
+
+
+class History(Protocol[MessageT]):
+    """The messages that a publisher keeps for late joiners; iterated oldest first."""
+
+    def append(self, item: MessageT | Expiring[MessageT], /) -> None:
+        """Add *item* at the end."""
+        ...
+
+    def __iter__(self) -> Iterator[MessageT | Expiring[MessageT]]: ...
 
 
 class Publisher(Generic[MessageT]):
@@ -36,6 +46,7 @@ class Publisher(Generic[MessageT]):
         qos: QoSProfile,
         clock: Clock,
         on_close: Callable[[], None],
+        history: History[MessageT] | None = None,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_publisher` instead."""
         self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
@@ -47,7 +58,7 @@ class Publisher(Generic[MessageT]):
         self._clock = clock
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
         self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
-        self._history = _history(message_type, qos)
+        self._history = _history(message_type, qos) if history is None else history
         self._is_plain = not qos.lifespan
         self._is_keyed = message_type.key_field is not None
         self._closed = False
@@ -185,9 +196,7 @@ class Publisher(Generic[MessageT]):
         )
 
 
-def _history(
-    message_type: type[MessageT], qos: QoSProfile
-) -> deque[MessageT | Expiring[MessageT]] | KeyedQueue[MessageT | Expiring[MessageT]] | None:
+def _history(message_type: type[MessageT], qos: QoSProfile) -> History[MessageT] | None:
     if qos.durability is DurabilityPolicy.VOLATILE:
         return None
     if message_type.key_field is None:

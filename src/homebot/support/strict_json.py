@@ -16,15 +16,19 @@ class DuplicateKeyError(ValueError):
     """A JSON object has a key twice."""
 
 
-def parse_strict(text: str | bytes) -> object:
+def parse_strict(text: str | bytes, build: Callable[[dict[str, Any]], object] | None = None) -> object:
     """Parse *text*.
+
+    Args:
+        build: Returns the value of each object; by default that is the dictionary itself.
 
     Raises:
         DuplicateKeyError: A key is there twice.
         ValueError: It is no JSON.
         RecursionError: It is nested too deep.
     """
-    value: object = json.loads(text, object_pairs_hook=_reject_duplicates)
+    hook = _reject_duplicates if build is None else lambda pairs: build(_reject_duplicates(pairs))
+    value: object = json.loads(text, object_pairs_hook=hook)
     return value
 
 

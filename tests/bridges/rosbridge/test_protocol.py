@@ -8,7 +8,9 @@ from contextlib import suppress
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.bridges.frames import parse_frame
 
+from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.protocol import (
     CallService,
     FrameError,
@@ -18,7 +20,6 @@ from homebot.bridges.rosbridge.protocol import (
     SubscribeOperation,
     action_refusal,
     encode_frame,
-    parse_frame,
     publish_frame,
     service_failure,
     service_success,
@@ -85,10 +86,14 @@ def test_a_whole_number_may_be_written_with_a_point() -> None:
         ('{"op": "publish", "topic": "/t", "msg": ' + '{"a":' * 200 + "1" + "}" * 201, "nested more than 100 deep"),
         ("[" * 10_000, "nested more than 100 deep"),
         ("[" * 100_000, "holds more than 20,000 values"),
-        (
-            '{"op": "publish", "topic": "/t", "msg": {"data": [' + "0," * 20_000 + "0]}}",
-            "holds more than 20,000 values",
-        ),
+        ('{"op": "publish", "msg": {"data": [' + "0," * 20_000 + '""]}}', "holds more than 20,000 values"),
+        ('{"op": "publish", "msg": {"data": [' + "[0,0]," * 20_000 + "0]}}", "holds more than 20,000 values"),
+        ('{"op": "publish", "msg": {"data": [' + "0," * 1_000_000 + "0]}}", "holds more than 1,000,000 numbers"),
+        ('{"data": [' + "0," * 70_000 + "]}", "is not JSON"),
+        ('{"data": [' + "0," * 70_000 + " ]}", "is not JSON"),
+        ('{"data": [' + "0," * 70_000 + ",0]}", "is not JSON"),
+        ('{"data": [' + "0" * 70_000 + "]}", "is not JSON"),
+        ('{"a": {"n\\u0075mbers": 0}, "data": [' + "0," * 70_000 + "0]}", "is not JSON"),
         ('{"op": "subscribe", "topic": "/' + "t" * 600 + '"}', "field 'topic': .*at most 500 characters"),
         ('{"op": "subscribe", "topic": "/t", "id": "' + "i" * 1001 + '"}', "field 'id.*at most 1000 characters"),
         (
@@ -104,6 +109,29 @@ def test_a_whole_number_may_be_written_with_a_point() -> None:
 def test_a_bad_frame_is_refused_with_the_field_and_its_value(text: str, problem: str) -> None:
     with pytest.raises(FrameError, match=problem):
         parse_frame(text)
+
+
+def test_a_large_frame_is_read_in_steps_as_json_reads_it() -> None:
+    """A raw image that is no base64, a map, and what looks like numbers inside texts."""
+    image = [number % 256 for number in range(640 * 480 * 3)]
+    cells = [-1, 0, 100] * 8000
+    text = json.dumps(
+        {
+            "op": "publish",
+            "topic": "/t",
+            "msg": {
+                "image": {"data": image},
+                "map": [cells, [1.5e3, -0.25] * 5000],
+                "text": str(cells) + '"\\',
+                "numbers": {"numbers": [0]},
+                "empty": [],
+            },
+        }
+    )
+    assert sum(1 for _ in protocol.parse_frame(text)) > 50
+    op = parse_frame(text)
+    assert isinstance(op, PublishOperation)
+    assert op.msg == json.loads(text)["msg"]
 
 
 def test_a_bad_call_can_still_be_answered() -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import anyio
+import pytest
 from structlog.testing import capture_logs
+from tests.bridges.conftest import OpenHouse
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import DoorSettings, publications
 from homebot.devices import RawMessage
-from homebot.graph import qos_profile_latched, qos_profile_sensor_data
+from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched, qos_profile_sensor_data
 from homebot.messages import Int32, String, Time
 
 
@@ -213,3 +215,45 @@ async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_
         while not frames[-1]["msg"]["data"].startswith("59 "):
             frames.append(await slow.receive())
         assert sum(frame.get("lost", 0) for frame in frames) == 60 - len(frames) > 0
+
+
+KEEPING = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(open_house: OpenHouse) -> None:
+    """Nothing that was delivered expires; a reader that comes later gets the messages of the last second alone."""
+    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+        await robot.send("advertise", topic="/goals", type="std_msgs/String")
+        await robot.settle()
+        busy = app.create_subscription(String, "/goals")
+        await robot.send("publish", topic="/goals", msg={"data": "kitchen"})
+        await robot.settle()
+        await anyio.sleep(1.1)
+        late = app.create_subscription(String, "/goals", qos_profile=KEEPING)
+        assert busy.take() == String(data="kitchen")
+        assert (busy.expired, late.take()) == (0, None)
+
+
+async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(
+    open_house: OpenHouse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One message a second is checked at once, so that a client learns of its mistakes."""
+    checked: list[object] = []
+    real = publications.message_from_client
+    monkeypatch.setattr(
+        publications, "message_from_client", lambda kind, values: checked.append(values) or real(kind, values)
+    )
+    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+        await robot.send("advertise", topic="/count", type="std_msgs/Int32")
+        for number in (*range(20), "no number"):
+            await robot.send("publish", id="p", topic="/count", msg={"data": number})
+        await robot.settle()
+        assert len(checked) == 1
+        late = app.create_subscription(Int32, "/count", qos_profile=KEEPING)
+        assert [message.data for message in (late.take() for _ in range(9)) if message] == list(range(11, 20))
+        remark = await robot.receive()
+        assert (remark["op"], remark["id"]) == ("status", "p")
+        assert "'data'" in remark["msg"]
+        await robot.send("publish", topic="/count", msg={"data": 21})
+        await robot.settle()
+        assert late.take() == Int32(data=21)

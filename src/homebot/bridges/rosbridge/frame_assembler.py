@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from typing import Final, final
 
 from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, parse_frame
@@ -25,19 +26,21 @@ class FrameAssembler:
         self._limit = limit
         self._open: dict[Identifier, _Collected] = {}
 
-    def read(self, frame: str) -> Operation | None:
+    def read(self, frame: str) -> Generator[None, None, Operation | None]:
         """Return the operation that *frame* asks for; None where it is a fragment, and others are to come.
+
+        Between two steps others may have a turn.
 
         Raises:
             FrameError: It is no operation, or a fragment that does not fit; those that came before it are forgotten.
         """
-        op = parse_frame(frame)
+        op = yield from parse_frame(frame)
         if not isinstance(op, Fragment):
             return op
         whole = self._collect(op)
         if whole is None:
             return None
-        op = parse_frame(whole)
+        op = yield from parse_frame(whole)
         if isinstance(op, Fragment):
             raise FrameError("a fragment cannot be made of fragments", op.op, op.id)
         return op

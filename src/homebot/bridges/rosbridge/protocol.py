@@ -9,16 +9,16 @@ Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from homebot.bridges.rosbridge.json_pieces import MAX_NESTING, RefusedJsonError, parse_in_pieces
 from homebot.errors import PeerError
 from homebot.messages.json import JsonObject, message_to_text, validation_problem
 from homebot.messages.message import Message
-from homebot.support.strict_json import DuplicateKeyError, parse_strict
+from homebot.support.strict_json import DuplicateKeyError
 
 __all__ = [
     "ActionOperation",
@@ -57,9 +57,6 @@ Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]
 Frame: TypeAlias = "JsonObject | str"
 """A frame on its way to a client: a JSON object, or its text where it was written at once."""
 
-MAX_VALUES = 20_000  # a megabyte of text is read in 3 ms, but one of empty lists in 250 ms
-MAX_NESTING = 100  # no message of a house is this deep, and code that walks a value may recurse
-_STRING = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _NAMES = ("service", "action", "topic")
 _ACTION_ABORTED = 6  # action_msgs/msg/GoalStatus STATUS_ABORTED
 
@@ -247,14 +244,16 @@ class Fragment(Operation, ops=("fragment",)):
     total: Annotated[int, Field(ge=1, le=1000)]
 
 
-def parse_frame(text: str) -> Operation:
+def parse_frame(text: str) -> Generator[None, None, Operation]:
     """Return the operation that the frame *text* asks for; a field that is null counts as left out, and 1.0 is 1.
+
+    Between two steps others may have a turn.
 
     Raises:
         FrameError: It is not a JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
             field is missing or wrong; the message names the field and its value.
     """
-    value = _load(text)
+    value = yield from _load(text)
     if not isinstance(value, dict):
         raise FrameError(f"is not a JSON object: {text[:60]!r}")
     fields = {name: _as_whole(item) for name, item in value.items() if item is not None}
@@ -332,49 +331,14 @@ def _as_whole(item: Any) -> Any:
     return int(item) if isinstance(item, float) and item.is_integer() else item
 
 
-def _load(text: str) -> object:
-    _check_size(text)
+def _load(text: str) -> Generator[None, None, object]:
     try:
-        value = parse_strict(text)
+        return (yield from parse_in_pieces(text))
     except RecursionError:
         raise FrameError(f"is nested more than {MAX_NESTING} deep") from None
     except DuplicateKeyError as exc:
         raise FrameError(f"is ambiguous: {exc}") from exc
+    except RefusedJsonError as exc:
+        raise FrameError(str(exc)) from exc
     except ValueError as exc:
         raise FrameError(f"is not JSON: {exc}") from exc
-    if text.count("[") + text.count("{") > MAX_NESTING:
-        _check_nesting(value)
-    if "\\ud" in text or "\\uD" in text:
-        _check_unicode(value)
-    return value
-
-
-def _check_size(text: str) -> None:
-    """Count the separators of values before parsing: the time of parsing depends on their number."""
-    if _separators(text) >= MAX_VALUES and _separators(_STRING.sub("", text)) >= MAX_VALUES:
-        raise FrameError(f"holds more than {MAX_VALUES:,} values; send bytes as base64 text")
-
-
-def _separators(text: str) -> int:
-    return text.count(",") + text.count("[") + text.count("{")
-
-
-def _check_nesting(value: object) -> None:
-    level, depth = [value], 0
-    while level:
-        depth += 1
-        if depth > MAX_NESTING:
-            raise FrameError(f"is nested more than {MAX_NESTING} deep")
-        level = [
-            item
-            for parent in level
-            for item in (parent.values() if isinstance(parent, dict) else parent if isinstance(parent, list) else ())
-            if isinstance(item, dict | list)
-        ]
-
-
-def _check_unicode(value: object) -> None:
-    try:
-        json.dumps(value, ensure_ascii=False).encode()
-    except UnicodeEncodeError as exc:
-        raise FrameError("contains half of a surrogate pair, which is not Unicode") from exc

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
-from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
+from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError, right_to_publish
 from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
+from homebot.bridges.rosbridge.recent_messages import RecentMessages, TopicHistory
 from homebot.bridges.rosbridge.types import (
     message_from_client,
     message_type_of_topic,
@@ -19,15 +22,17 @@ from homebot.messages.message import Message
 __all__ = ["Publications"]
 
 # As the original bridge: one offer that fits every request, and a client that subscribes a moment late misses nothing.
-_QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=1.0)
+_QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(slots=True)
 class _Publication:
     publisher: Publisher[Message]
     message_type: type[Message]
+    history: TopicHistory | None
+    """None of a latched topic."""
+
     ids: set[Identifier] = field(default_factory=set)
-    latched: bool = False
 
 
 class Publications:
@@ -36,11 +41,14 @@ class Publications:
     Args:
         node: The node that publishes in the client's stead.
         access: The client's identity, used as the issuer of messages.
+        on_unfit: Called with the request and the problem where a message turns out wrong when a reader comes.
     """
 
-    def __init__(self, node: Node, access: ClientAccess) -> None:
+    def __init__(self, node: Node, access: ClientAccess, on_unfit: Callable[[PublishOperation, str], None]) -> None:
         self._node = node
         self._access = access
+        self._on_unfit = on_unfit
+        self._recent = RecentMessages(node.graph.clock)
         self._topics: dict[str, _Publication] = {}
         self._ids = 0
 
@@ -77,10 +85,11 @@ class Publications:
         if op.id is None or not publication.ids:
             self._close(op.topic)
 
-    def publish(self, op: PublishOperation) -> tuple[str, ...]:
-        """Publish a message, and return the fields that it lacked; a topic that exists need not be advertised.
+    def publish(self, op: PublishOperation, size: int) -> tuple[str, ...]:
+        """Publish a message, which came in a frame of *size* characters, and return the fields that it lacked.
 
-        On homebot's own topics a message has to have all fields.
+        A topic that exists need not be advertised. On homebot's own topics a message has to have all fields. Of a
+        stream that nobody reads one message a second is checked.
 
         Raises:
             TypeMismatchError: The message does not fit the topic.
@@ -88,14 +97,16 @@ class Publications:
             MissingRightError: The message is of a robot that the client may not be.
         """
         publication = self._topics.get(op.topic)
-        if publication is not None:
-            message, missing = self._message(publication.message_type, op)
-        else:
-            message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
-            message, missing = self._message(message_type, op)
-        self._access.check_robot(self._node.resolve_name(op.topic), message)
         if publication is None:
+            self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), ""), op)
             publication = self._open(op.topic, "", latched=op.latch)
+        history = publication.history
+        if history is not None and not publication.publisher.subscription_count and not history.is_due():
+            self._recent.add(op, size)
+            return ()
+        message, missing = self._message(publication.message_type, op)
+        if history is not None:
+            self._recent.add(op, size)
         publication.publisher.publish(message)
         return missing
 
@@ -107,13 +118,16 @@ class Publications:
         return True
 
     def _message(self, message_type: type[Message], op: PublishOperation) -> tuple[Message, tuple[str, ...]]:
-        values = self._access.stamped(message_type, op.msg)
+        name, values = self._node.resolve_name(op.topic), self._access.stamped(message_type, op.msg)
+        missing: tuple[str, ...] = ()
         try:
-            return message_from_client(message_type, values), ()
+            message = message_from_client(message_type, values)
         except TypeMismatchError:
-            if right_to_publish(self._node.resolve_name(op.topic)) is Right.RAW:
+            if right_to_publish(name) is Right.RAW:
                 raise
-        return partial_message_from_client(message_type, values)
+            message, missing = partial_message_from_client(message_type, values)
+        self._access.check_robot(name, message)
+        return message, missing
 
     def _close(self, topic: str) -> None:
         publication = self._topics.pop(topic)
@@ -123,11 +137,21 @@ class Publications:
     def _open(self, topic: str, ros_type: str, *, latched: bool) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)
         present = self._topics.get(topic)
-        if present is not None and (present.latched or not latched):
+        if present is not None and (present.history is None or not latched):
             return present
-        publisher = self._node.create_publisher(message_type, topic, qos_profile_latched if latched else _QOS)
-        opened = _Publication(publisher, message_type, present.ids if present else set(), latched)
+        clock, read = self._node.graph.clock, partial(self._late_message, message_type)
+        history = None if latched else TopicHistory(topic, self._recent, read, clock)
+        qos = qos_profile_latched if latched else _QOS
+        publisher = self._node.create_publisher(message_type, topic, qos, history=history)
+        opened = _Publication(publisher, message_type, history, present.ids if present else set())
         if present is not None:
             present.publisher.close()
         self._topics[topic] = opened
         return opened
+
+    def _late_message(self, message_type: type[Message], op: PublishOperation) -> Message | None:
+        try:
+            return self._message(message_type, op)[0]
+        except (MissingRightError, TypeMismatchError) as exc:
+            self._on_unfit(op, str(exc))
+            return None

@@ -260,8 +260,8 @@ class Door:
             connection.has_arrived()
         name = self._names[connection]
         rights, page = self._rights[name], self._unnamed_page(connection)
-        address, reads_png = _address_of(connection), not _is_roslibpy(connection)
-        session = ClientSession(self._shared, name, rights, page, address, send, cut, reads_png=reads_png)
+        address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
+        session = ClientSession(self._shared, name, rights, page, address, send, cut, is_roslibpy=is_roslibpy)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))
@@ -314,7 +314,7 @@ def _json_object(frame: bytes) -> str | None:
 
 
 def _is_roslibpy(connection: ServerConnection) -> bool:
-    """Return whether the client is roslibpy, to 2.1 at least: it offers to ask for PNG, and cannot read it."""
+    """Return whether the client is roslibpy, which (to 2.1 at least) reads neither PNG nor ``status`` frames."""
     agent = connection.request.headers.get("User-Agent", "") if connection.request is not None else ""
     return agent.startswith("AutobahnPython/")
 

@@ -69,7 +69,8 @@ class ClientSession:
         client: Name of the client in the log.
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
         cut: Ends the connection at once.
-        reads_png: Whether the client can read PNG frames; otherwise it receives JSON.
+        is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
+            unless it asks for them with ``set_level``: it raises an exception for each.
 
     Attributes:
         refused: Frames and requests of the client that were refused.
@@ -85,10 +86,10 @@ class ClientSession:
         send: Callable[[str | bytes], Awaitable[None]],
         cut: Callable[[], None],
         *,
-        reads_png: bool,
+        is_roslibpy: bool,
     ) -> None:
         self.refused = 0
-        self._reads_png = reads_png
+        self._reads_png = not is_roslibpy
         self._shared = shared
         owners = shared.owners()
         self._access = ClientAccess.of_page(page, name, rights, owners) if page else ClientAccess(name, rights, owners)
@@ -98,7 +99,7 @@ class ClientSession:
         self._client = client
         self._outbox = Outbox(send, cut, shared.turns, _ANSWERS)
         self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
-        self._level: Level = "error"
+        self._level: Level = "none" if is_roslibpy else "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)
 
@@ -108,7 +109,7 @@ class ClientSession:
         node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
             holdings = _Holdings(
-                Publications(node, self._access),
+                Publications(node, self._access, self._report_type_mismatch),
                 Subscriptions(
                     node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_type_mismatch
                 ),
@@ -147,12 +148,12 @@ class ClientSession:
                 await anyio.sleep(wait)
             await self._outbox.room()
             await self._turns.turn()
-            self._handle(frame, holdings)
+            await self._handle(frame, holdings)
 
-    def _handle(self, frame: str, holdings: _Holdings) -> None:
+    async def _handle(self, frame: str, holdings: _Holdings) -> None:
         self._shared.counters.frames += 1
         try:
-            op = self._assembler.read(frame)
+            op = await self._turns.run(self._assembler.read(frame))
         except FrameError as exc:
             error_text = (
                 f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
@@ -164,7 +165,7 @@ class ClientSession:
             return
         try:
             self._check(op)
-            self._do(op, holdings)
+            self._do(op, holdings, len(frame))
         except MissingRightError as exc:
             self.refused += 1
             self._shared.counters.requests_refused += 1
@@ -190,12 +191,12 @@ class ClientSession:
                 raise PeerError(problem) from None
             raise
 
-    def _do(self, op: Operation, holdings: _Holdings) -> None:
+    def _do(self, op: Operation, holdings: _Holdings, size: int) -> None:
         match op:
             case PublishOperation():
                 if op.topic not in holdings.publications:
                     self._check_room(holdings)
-                if missing := holdings.publications.publish(op):
+                if missing := holdings.publications.publish(op, size):
                     text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
                     self._remark("warning", text, op.id)
             case CallService():
@@ -280,9 +281,9 @@ class ClientSession:
         )
         self._remark("error", problem, None)
 
-    def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
-        """Report that a topic came which the client waited for, and that it is of another type than expected."""
-        error_text = f": {_refusal(op.op, op.name, problem)}, now that it exists"
+    def _report_type_mismatch(self, op: SubscribeOperation | PublishOperation, problem: str) -> None:
+        """Report that *op* is refused after all: the topic it waited for is of another type, or its message unfit."""
+        error_text = f": {_refusal(op.op, op.name, problem)}, now that it is used"
         self._log_error(error_text, op.op, problem, event="door.late_topic_unfit")
         self._remark("error", problem, op.id)
 

@@ -70,7 +70,7 @@ class DoorSettings(AccessSettings):
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
     tokens: Mapping[str, ClientToken] = Field(default_factory=dict)
     scope: Scope | None = None
-    max_frame_bytes: Count = 1_048_576
+    max_frame_bytes: Count = 6_291_456
     queue_depth: Count = 1000
     max_waiting_bytes: Count = 8_388_608
     max_waiting_bytes_of_all: Count = 33_554_432
