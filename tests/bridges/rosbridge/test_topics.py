@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import anyio
@@ -10,10 +11,12 @@ from structlog.testing import capture_logs
 from tests.bridges.conftest import OpenHouse
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings, publications
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.types import message_from_client
 from homebot.devices import RawMessage
 from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched, qos_profile_sensor_data
 from homebot.messages import Int32, String, Time
+from homebot.messages.message import Message
 
 
 async def test_a_client_reads_the_messages_of_a_node(open_house: Any) -> None:
@@ -239,10 +242,12 @@ async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(
 ) -> None:
     """One message a second is checked at once, so that a client learns of its mistakes."""
     checked: list[object] = []
-    real = publications.message_from_client
-    monkeypatch.setattr(
-        publications, "message_from_client", lambda kind, values: checked.append(values) or real(kind, values)
-    )
+
+    def check(kind: type[Message], values: Mapping[str, object]) -> Message:
+        checked.append(values)
+        return message_from_client(kind, values)
+
+    monkeypatch.setattr("homebot.bridges.rosbridge.publications.message_from_client", check)
     async with open_house() as house, house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/count", type="std_msgs/Int32")
         for number in (*range(20), "no number"):
