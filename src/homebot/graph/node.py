@@ -125,7 +125,12 @@ class Node:
             self.graph.release_topic(channel)
             self.remove_entity(publisher)
 
-        publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, history)
+        def on_failure(error: BaseException) -> None:
+            self._record_failure(f"event handler of {channel.name}", error, "its event is lost")
+
+        publisher = Publisher(
+            channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, history
+        )
         channel.add_publisher(publisher)
         self.add_entity(publisher)
         return publisher

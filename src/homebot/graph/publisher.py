@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from operator import attrgetter
-from typing import Generic, NoReturn, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, TypeVar
 
 from homebot.clock import Clock
 from homebot.errors import ClosedError, TypeMismatchError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
-from homebot.graph.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from homebot.graph.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import Expiring, Subscription
 from homebot.messages.message import Message
 
 __all__ = ["History", "Publisher"]
 
+if TYPE_CHECKING:
+    from homebot.graph.qos_events import (
+        EventWatcher,
+        LivelinessLostStatus,
+        MatchedStatus,
+        OfferedDeadlineMissedStatus,
+    )
+
 MessageT = TypeVar("MessageT", bound=Message)
+StatusT = TypeVar("StatusT", "MatchedStatus", "OfferedDeadlineMissedStatus", "LivelinessLostStatus")
 
 
 class History(Protocol[MessageT]):
@@ -46,6 +56,7 @@ class Publisher(Generic[MessageT]):
         qos: QoSProfile,
         clock: Clock,
         on_close: Callable[[], None],
+        on_failure: Callable[[BaseException], None],
         history: History[MessageT] | None = None,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_publisher` instead."""
@@ -59,7 +70,10 @@ class Publisher(Generic[MessageT]):
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
         self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
         self._history = _history(message_type, qos) if history is None else history
-        self._is_plain = not qos.lifespan
+        self._is_plain = not (qos.lifespan or qos.deadline or qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC)
+        self.on_failure = on_failure
+        self.watchers: tuple[EventWatcher[Any], ...] = ()
+        self._asserted_at = -math.inf
         self._is_keyed = message_type.key_field is not None
         self._closed = False
 
@@ -95,7 +109,7 @@ class Publisher(Generic[MessageT]):
         if type(message) is not self._message_type:
             self._reject(message)
         if not self._is_plain:
-            self._publish_expiring(message)
+            self._publish_watched(message)
             return
         if self._history is not None:
             self._history.append(message)
@@ -147,17 +161,54 @@ class Publisher(Generic[MessageT]):
             self._is_plain = False
             self._history = None
             mailboxes = self._mailboxes
+            for watcher in self.watchers:
+                watcher.close()
             on_close, self._on_close = self._on_close, None  # breaks a reference cycle
             if on_close is not None:
                 on_close()
             for mailbox in mailboxes:
                 mailbox.admit_senders()
 
+    def on_event(self, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
+        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; present matches count."""
+        self.watchers += (status.watch(self, callback),)
+
+    def assert_liveliness(self) -> None:
+        """Show that the publisher is alive, as a message does; only MANUAL_BY_TOPIC needs it.
+
+        Raises:
+            ClosedError: The publisher was closed.
+        """
+        self._check_open()
+        self._record_activity(is_message=False)
+
+    def is_lively(self) -> bool:
+        """Return whether the publisher asserted its liveliness within its lease."""
+        lease = self.qos.liveliness_lease_duration or math.inf
+        return self._clock.monotonic() - self._asserted_at < lease
+
+    def matched_ends(self) -> tuple[Subscription[MessageT], ...]:
+        """Return the matched subscriptions."""
+        return self._subscriptions
+
     def connect(self, subscriptions: tuple[Subscription[MessageT], ...]) -> None:
         """Publish to *subscriptions* from now on; called by the topic."""
-        self._subscriptions = subscriptions
+        before, self._subscriptions = self._subscriptions, subscriptions
         self._mailboxes = tuple(subscription.mailbox for subscription in subscriptions)
         self.subscription_count = len(subscriptions)
+        if self.watchers or any(one.watchers for one in (*before, *subscriptions)):
+            for one in before:
+                if one not in subscriptions:
+                    self._report_match(one, -1)
+            for one in subscriptions:
+                if one not in before:
+                    self._report_match(one, 1)
+
+    def _report_match(self, subscription: Subscription[MessageT], change: int) -> None:
+        for watcher in self.watchers:
+            watcher.on_match(subscription, change)
+        for watcher in subscription.watchers:
+            watcher.on_match(self, change)
 
     def replay(self, subscription: Subscription[MessageT]) -> None:
         """Queue the history for *subscription*, oldest first; called by the topic."""
@@ -167,14 +218,26 @@ class Publisher(Generic[MessageT]):
             mailbox.put(item)
         mailbox.lost = lost  # a shorter queue than the history is no loss
 
-    def _publish_expiring(self, message: MessageT) -> None:
-        if self._closed:
-            raise ClosedError(f"the publisher of {self.info.node} on {self.info.name} is closed")
-        item = Expiring(message, self._clock.monotonic() + self.qos.lifespan)
+    def _publish_watched(self, message: MessageT) -> None:
+        """Publish *message* with a lifespan, a deadline or as a sign of life."""
+        self._check_open()
+        lifespan = self.qos.lifespan
+        item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message
         if self._history is not None:
             self._history.append(item)
         for mailbox in self._mailboxes:
             mailbox.put(item)
+        self._record_activity(is_message=True)
+
+    def _record_activity(self, *, is_message: bool) -> None:
+        self._asserted_at = self._clock.monotonic()
+        for watchers in (self.watchers, *(one.watchers for one in self._subscriptions)):
+            for watcher in watchers:
+                watcher.on_activity(self, is_message=is_message)
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise ClosedError(f"the publisher of {self.info.node} on {self.info.name} is closed")
 
     def _kept(self) -> Iterator[MessageT | Expiring[MessageT]]:
         now = self._clock.monotonic()

@@ -71,9 +71,9 @@ class QoSProfile:
         history: KEEP_LAST drops the oldest of ``depth`` and counts it; KEEP_ALL is bounded at 65,536.
         durability: TRANSIENT_LOCAL publishers replay their last ``depth`` messages to late TRANSIENT_LOCAL joiners.
         lifespan: Seconds after which a message is no longer delivered; 0 is for ever.
-        deadline: Longest gap between messages, in seconds; 0 is any. Takes part in matching only.
-        liveliness: AUTOMATIC or MANUAL_BY_TOPIC. Takes part in matching only.
-        liveliness_lease_duration: Seconds; 0 is for ever. Takes part in matching only.
+        deadline: Longest gap between messages, in seconds; 0 is any. Longer ones are events (``on_event``).
+        liveliness: AUTOMATIC, or MANUAL_BY_TOPIC by messages and ``assert_liveliness()``.
+        liveliness_lease_duration: Seconds after which a MANUAL_BY_TOPIC publisher is not alive; 0 is for ever.
     """
 
     depth: int = 10

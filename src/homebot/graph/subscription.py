@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Hashable, Iterator
+from collections.abc import Awaitable, Callable, Hashable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Final, Generic, TypeAlias, TypeVar, final
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar, final
 
 import anyio
 import anyio.lowlevel
@@ -22,7 +22,17 @@ from homebot.support.isolation import is_end_of
 
 __all__ = ["OTHERS", "Callback", "Expiring", "Subscription", "key_of"]
 
+if TYPE_CHECKING:
+    from homebot.graph.qos_events import (
+        EventWatcher,
+        LivelinessChangedStatus,
+        MatchedStatus,
+        RequestedDeadlineMissedStatus,
+        TopicEnd,
+    )
+
 MessageT = TypeVar("MessageT", bound=Message)
+StatusT = TypeVar("StatusT", "MatchedStatus", "RequestedDeadlineMissedStatus", "LivelinessChangedStatus")
 T = TypeVar("T")
 
 Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
@@ -77,7 +87,9 @@ class Subscription(Generic[MessageT]):
         self.unbegun = 0
         self._is_keyed = message_type.key_field is not None
         self._on_close: Callable[[], None] | None = on_close
-        self._on_failure = on_failure
+        self.on_failure = on_failure
+        self.watchers: tuple[EventWatcher[Any], ...] = ()
+        self.find_publishers: Callable[[], Sequence[TopicEnd]] = tuple  # set by the topic while it is connected
         self._closed = False
         self._is_abandoned = False  # the callback loop has ended and unread messages are useless
         self._clock = clock
@@ -123,6 +135,14 @@ class Subscription(Generic[MessageT]):
             if (message := self._unexpired(item)) is not None:
                 return message
 
+    def on_event(self, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
+        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; present matches count."""
+        self.watchers += (status.watch(self, callback),)
+
+    def matched_ends(self) -> Sequence[TopicEnd]:
+        """Return the matched publishers."""
+        return self.find_publishers()
+
     def __aiter__(self) -> Subscription[MessageT]:
         return self
 
@@ -137,6 +157,8 @@ class Subscription(Generic[MessageT]):
         if not self._closed:
             self._closed = True
             # The callback refers to the subscription: without this the cycle keeps all unread messages in memory.
+            for watcher in self.watchers:
+                watcher.close()
             on_close, self._on_close = self._on_close, None
             if on_close is not None:
                 on_close()
@@ -174,7 +196,7 @@ class Subscription(Generic[MessageT]):
                     except BaseException as exc:  # every failure but the end of this task
                         if is_end_of(task, exc):
                             raise
-                        self._on_failure(exc)
+                        self.on_failure(exc)
                 else:
                     await anyio.lowlevel.checkpoint()
         except ClosedError:
@@ -185,7 +207,7 @@ class Subscription(Generic[MessageT]):
     async def run_concurrently(self, callback: Callback[MessageT]) -> None:
         """Call *callback* in one task for each message, at most ``depth`` of them at a time."""
         try:
-            await _ConcurrentRun(self, callback, self._on_failure).run()
+            await _ConcurrentRun(self, callback, self.on_failure).run()
         finally:
             self._abandon()
 
@@ -204,7 +226,7 @@ class Subscription(Generic[MessageT]):
                 except BaseException as exc:  # as of a callback
                     if is_end_of(task, exc):
                         raise
-                    self._on_failure(exc)
+                    self.on_failure(exc)
                 if mailbox.waiting:
                     await anyio.lowlevel.checkpoint()
         except ClosedError:

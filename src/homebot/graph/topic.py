@@ -61,6 +61,7 @@ class Topic:
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every matching publisher and replay their history."""
         self.subscriptions.append(subscription)
+        subscription.find_publishers = lambda: [one for one in self.publishers if _fit(one, subscription)]
         for publisher in self.publishers:
             if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
                 continue
@@ -78,6 +79,7 @@ class Topic:
         """Disconnect *subscription* if it is connected."""
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
+            subscription.find_publishers = tuple
             for publisher in self.publishers:
                 self._connect(publisher)
 

@@ -1,0 +1,264 @@
+"""Events of quality of service: matched ends, missed deadlines, and liveliness. Loaded when used.
+
+A status counts from the request for it; its changes are those since the last call of its callback.
+
+Sources: DDS 1.4, section 2.2.4.1 (communication status); ROS 2, rmw ``events_statuses``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextvars import Context
+from dataclasses import dataclass
+from typing import Any, Final, Generic, Protocol, Self, TypeVar
+
+from homebot.graph.qos import LivelinessPolicy, QoSProfile
+
+__all__ = [
+    "EventWatcher",
+    "LivelinessChangedStatus",
+    "LivelinessLostStatus",
+    "MatchedStatus",
+    "OfferedDeadlineMissedStatus",
+    "QosStatus",
+    "RequestedDeadlineMissedStatus",
+    "TopicEnd",
+]
+
+StatusT = TypeVar("StatusT", bound="QosStatus")
+
+
+class TopicEnd(Protocol):
+    """A publisher or a subscription."""
+
+    qos: QoSProfile
+    on_failure: Callable[[BaseException], None]
+
+    def matched_ends(self) -> Sequence[TopicEnd]:
+        """Return the other ends that it matches."""
+
+
+class QosStatus:
+    """Base of the statuses."""
+
+    __slots__ = ()
+
+    @classmethod
+    def watch(cls, end: TopicEnd, callback: Callable[[Self], None]) -> EventWatcher[Self]:
+        """Return a watcher of *end* that calls back with statuses of this kind."""
+        watcher: EventWatcher[Self] = _WATCHERS[cls](end, cls, callback)
+        for one in end.matched_ends():
+            watcher.on_match(one, 1)
+        return watcher
+
+
+@dataclass(frozen=True, slots=True)
+class MatchedStatus(QosStatus):
+    """The number of matched ends of a topic: all so far, and those that match now."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+    current_count: int = 0
+    current_count_change: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedDeadlineMissedStatus(QosStatus):
+    """The number of deadlines in which a publisher did not publish, counted from its first message."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class RequestedDeadlineMissedStatus(QosStatus):
+    """The number of deadlines in which a subscription received nothing, counted from its first message."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LivelinessLostStatus(QosStatus):
+    """The number of leases in which a publisher with MANUAL_BY_TOPIC asserted nothing."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LivelinessChangedStatus(QosStatus):
+    """The number of matched publishers that are alive, and that are not since their lease ended.
+
+    A publisher with MANUAL_BY_TOPIC counts from its first assertion.
+    """
+
+    alive_count: int = 0
+    not_alive_count: int = 0
+    alive_count_change: int = 0
+    not_alive_count_change: int = 0
+
+
+class EventWatcher(Generic[StatusT]):
+    """Counts the events of one end of a topic, and calls back with each new status.
+
+    The callback runs in the next turn of the event loop, once for all events until then.
+    """
+
+    def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
+        """Use ``on_event`` of a publisher or a subscription instead."""
+        self._end = end
+        self._status = status
+        self._callback = callback
+        self._counts: Counter[str] = Counter()
+        self._changes: Counter[str] = Counter()
+        self._is_closed = False
+
+    def on_match(self, end: TopicEnd, change: int) -> None:
+        """Handle a match with *end* (1), or its end (-1)."""
+
+    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:
+        """Handle a message or another assertion of liveliness by *publisher*."""
+
+    def close(self) -> None:
+        """Call back no more."""
+        self._is_closed = True
+
+    def _count(self, **changes: int) -> None:
+        if not self._changes:
+            asyncio.get_running_loop().call_soon(self._report, context=Context())
+        for name, change in changes.items():
+            self._counts[name] += change
+            self._changes[f"{name}_change"] += change
+
+    def _report(self) -> None:
+        changes, self._changes = self._changes, Counter()
+        if self._is_closed:
+            return
+        try:
+            self._callback(self._status(**self._counts, **changes))
+        except Exception as exc:  # noqa: BLE001 - recorded as the failure of its node
+            self._end.on_failure(exc)
+
+
+class _MatchWatcher(EventWatcher[StatusT]):
+    def on_match(self, end: TopicEnd, change: int) -> None:  # noqa: ARG002 - all ends count alike
+        self._count(total_count=max(change, 0), current_count=change)
+
+
+class _DeadlineWatcher(EventWatcher[StatusT]):
+    def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
+        super().__init__(end, status, callback)
+        self._timer = _IdleTimer(end.qos.deadline, lambda: self._count(total_count=1))
+
+    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - of any publisher
+        if is_message:
+            self._timer.restart()
+
+    def close(self) -> None:
+        super().close()
+        self._timer.stop()
+
+
+class _LivelinessWatcher(EventWatcher[StatusT]):
+    """Counts the publishers that are alive: those that a subscription matches, or one whose own lease it watches."""
+
+    def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
+        super().__init__(end, status, callback)
+        self._alive: dict[TopicEnd, bool] = {}
+        self._timers: dict[TopicEnd, _IdleTimer] = {}
+
+    def on_match(self, end: Any, change: int) -> None:
+        if change < 0:
+            self._remove(end)
+        elif end.qos.liveliness is LivelinessPolicy.AUTOMATIC or end.is_lively():
+            self.on_activity(end, is_message=False)
+
+    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - either asserts
+        was_alive = self._alive.get(publisher)
+        self._alive[publisher] = True
+        if not was_alive:
+            self._on_alive(was_lost=was_alive is False)
+        lease = publisher.qos.liveliness_lease_duration
+        if lease and publisher.qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC:
+            timer = self._timers.get(publisher)
+            if timer is None:
+                timer = self._timers[publisher] = _IdleTimer(lease, lambda: self._expire(publisher))
+            timer.restart()
+
+    def close(self) -> None:
+        super().close()
+        for timer in self._timers.values():
+            timer.stop()
+
+    def _expire(self, publisher: TopicEnd) -> None:
+        self._timers.pop(publisher).stop()
+        self._alive[publisher] = False
+        self._on_lost()
+
+    def _remove(self, publisher: TopicEnd) -> None:
+        if publisher in self._timers:
+            self._timers.pop(publisher).stop()
+        was_alive = self._alive.pop(publisher, None)
+        if was_alive is not None:
+            self._count(**{"alive_count" if was_alive else "not_alive_count": -1})
+
+    def _on_alive(self, *, was_lost: bool) -> None:
+        self._count(alive_count=1, not_alive_count=-was_lost)
+
+    def _on_lost(self) -> None:
+        self._count(alive_count=-1, not_alive_count=1)
+
+
+class _LeaseWatcher(_LivelinessWatcher[StatusT]):
+    """Counts the leases that a publisher let pass."""
+
+    def on_match(self, end: Any, change: int) -> None:
+        pass
+
+    def _on_alive(self, *, was_lost: bool) -> None:
+        pass
+
+    def _on_lost(self) -> None:
+        self._count(total_count=1)
+
+
+class _IdleTimer:
+    """Calls back after each *seconds* without a restart; for 0 never. A restart is cheap: it moves no timer."""
+
+    def __init__(self, seconds: float, on_idle: Callable[[], None]) -> None:
+        self._seconds = seconds
+        self._on_idle = on_idle
+        self._due = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def restart(self) -> None:
+        if self._seconds:
+            loop = asyncio.get_running_loop()
+            self._due = loop.time() + self._seconds
+            if self._timer is None:
+                self._timer = loop.call_at(self._due, self._ring, context=Context())
+
+    def stop(self) -> None:
+        self._seconds = 0.0
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _ring(self) -> None:
+        loop = asyncio.get_running_loop()
+        if is_idle := loop.time() >= self._due:
+            self._due += self._seconds
+        self._timer = loop.call_at(self._due, self._ring, context=Context())
+        if is_idle:
+            self._on_idle()
+
+
+_WATCHERS: Final[dict[type[object], type[EventWatcher[Any]]]] = {
+    MatchedStatus: _MatchWatcher,
+    OfferedDeadlineMissedStatus: _DeadlineWatcher,
+    RequestedDeadlineMissedStatus: _DeadlineWatcher,
+    LivelinessLostStatus: _LeaseWatcher,
+    LivelinessChangedStatus: _LivelinessWatcher,
+}
