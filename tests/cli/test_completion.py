@@ -38,7 +38,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("line", "found"),
     [
-        ("homebot to", {"topic"}),
+        ("homebot to", {"token", "topic"}),
         ("homebot topic ", {"echo", "hz", "info", "list", "pub"}),
         ("homebot --door localhost:9090 ser", {"service"}),
         ("homebot devices --js", {"--json"}),

@@ -49,6 +49,7 @@ COMMANDS: Final = {
     "record": "record the house, for a replay",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
+    "token": "make a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
     "node": "list and inspect nodes",
@@ -73,8 +74,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 an MQTT broker and nothing else
 
-All commands but `run`, `replay`, `broker` and `config` connect to a running homebot, by default on 127.0.0.1:9090. See
-`homebot COMMAND --help` for the options of each.
+All commands but `run`, `replay`, `broker`, `config` and `token` connect to a running homebot, by default on
+127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

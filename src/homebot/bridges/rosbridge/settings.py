@@ -10,14 +10,28 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, mo
 from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import value_errors
 from homebot.devices.client_rights import ALL_RIGHTS, ALL_ROBOTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
+from homebot.errors import UsageError
 from homebot.support.addresses import is_loopback
 
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["ClientToken", "DoorSettings", "Scope"]
+__all__ = ["ClientToken", "DoorSettings", "Scope", "check_token_name"]
 
 _NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+def check_token_name(name: str) -> None:
+    """Check that a token can have this *name*.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    if not _NAME.fullmatch(name) or name in {LOCAL_CLIENT, OWNER_CLIENT}:
+        raise UsageError(
+            f"a token cannot be called {name[:64]!r}: use letters, digits, - and _, but not {LOCAL_CLIENT} or "
+            f"{OWNER_CLIENT}"
+        )
 
 
 def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
@@ -83,11 +97,8 @@ class DoorSettings(AccessSettings):
     @model_validator(mode="after")
     def _check_tokens(self) -> Self:
         for name in self.tokens:
-            if not _NAME.fullmatch(name) or name in {LOCAL_CLIENT, OWNER_CLIENT}:
-                raise ValueError(
-                    f"a token cannot be called {name[:64]!r}: use letters, digits, - and _, but not {LOCAL_CLIENT} or "
-                    f"{OWNER_CLIENT}"
-                )
+            with value_errors():
+                check_token_name(name)
         by_secret: dict[str, str] = {}
         for name, token in self.all_tokens().items():
             if (other := by_secret.setdefault(token.get_secret_value(), name)) != name:
