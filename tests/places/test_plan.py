@@ -18,7 +18,10 @@ HOUSE = (
     HouseRoom("Bed room", "Upstairs", ("hall",)),
 )
 NAMES = st.sampled_from(["Hall", "hall", "Kitchen", "Attic", "Upstairs", "upstairs", "Home", "outside"])
-ROOMS = st.lists(st.builds(HouseRoom, NAMES, st.one_of(st.just(""), NAMES), st.lists(NAMES, max_size=2).map(tuple)))
+FLOORS = st.one_of(st.just(""), NAMES)
+ROOMS = st.lists(
+    st.builds(HouseRoom, NAMES, FLOORS, st.lists(NAMES, max_size=2).map(tuple), st.just(())),
+)
 
 
 def test_a_room_is_on_its_floor_and_in_the_home() -> None:

@@ -74,7 +74,7 @@ def test_a_written_file_is_read_as_it_was() -> None:
         OwnerFact("name", "Lämp ' \x7f".replace("\x7f", "7"), "import", 0.0),
         OwnerFact("tag", "a.b", "import", 0.0),
     )
-    text = places_text("Home", rooms, [("lights/lamp", facts, ("mac:aa",)), ("other\x7f", facts[:1], ())])
+    text = places_text(HousePlan("Home", rooms), [("lights/lamp", facts, ("mac:aa",)), ("other\x7f", facts[:1], ())])
     assert text.count("doors") == 1
     read = read_places(table(text), "Home", "a file", "import")
     assert HousePlan("Home", read.rooms).rooms == (*rooms, HouseRoom("Attic"))
@@ -82,9 +82,9 @@ def test_a_written_file_is_read_as_it_was() -> None:
 
 
 def test_half_a_surrogate_pair_is_written_as_a_question_mark() -> None:
-    text = places_text("Home", (), [("lamp\ud800", (OwnerFact("tag", "x", "command", 0.0),), ())])
+    text = places_text(HousePlan("Home"), [("lamp\ud800", (OwnerFact("tag", "x", "command", 0.0),), ())])
     assert '"lamp?"' in text
 
 
 def test_the_name_of_the_home_is_readable_in_the_file() -> None:
-    assert places_text("Ümläut 🏠", (), []).startswith("# Rooms and devices of Ümläut 🏠, for ")
+    assert places_text(HousePlan("Ümläut 🏠")).startswith("# Rooms and devices of Ümläut 🏠, for ")

@@ -123,7 +123,7 @@ def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
     return merged._replace(parts=tuple(parts))
 
 
-_VALUES: Final = ("area", "name", "tag", "taught_area")
+_VALUES: Final = ("area", "position", "name", "tag", "taught_area")
 
 
 def with_stated_facts(

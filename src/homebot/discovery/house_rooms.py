@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import final
 
 from homebot.errors import ConfigError, RefusedError
-from homebot.places import OUTSIDE, HousePlan, HouseRoom
+from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -20,42 +20,46 @@ class HouseRooms:
     Args:
         home: The name of the home.
         configured: The rooms of the configuration.
+        doors: The doors of the configuration.
 
     Attributes:
-        plan: All rooms.
-        imported: Those that were imported.
+        plan: All rooms and doors.
+        imported: The rooms that were imported.
+        imported_doors: The doors that were imported.
     """
 
-    __slots__ = ("_configured", "imported", "plan")
+    __slots__ = ("_configured", "imported", "imported_doors", "plan")
 
-    def __init__(self, home: str, configured: Iterable[HouseRoom]) -> None:
-        self.plan = self._configured = HousePlan(home, configured)
+    def __init__(self, home: str, configured: Iterable[HouseRoom], doors: Iterable[HouseDoor] = ()) -> None:
+        self.plan = self._configured = HousePlan(home, configured, doors=doors)
         self.imported: tuple[HouseRoom, ...] = ()
+        self.imported_doors: tuple[HouseDoor, ...] = ()
 
-    def add(self, rooms: Iterable[HouseRoom], source: str) -> None:
-        """Import *rooms*.
+    def add(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> None:
+        """Import *rooms* and *doors*.
 
         Raises:
             ConfigError: They do not fit the plan; nothing was added.
         """
-        added = tuple(rooms)
-        self.plan = self.plan.with_rooms(added, source)
+        added, added_doors = tuple(rooms), tuple(doors)
+        self.plan = self.plan.with_rooms(added, source, added_doors)
         self.imported = HousePlan(self.plan.home, (*self.imported, *added), source).rooms
+        self.imported_doors = tuple({fold(one.name): one for one in (*self.imported_doors, *added_doors)}.values())
 
-    def restore(self, rooms: tuple[HouseRoom, ...], source: str) -> None:
-        """Take over the *imported* rooms of an earlier run.
+    def restore(self, rooms: tuple[HouseRoom, ...], source: str, doors: tuple[HouseDoor, ...] = ()) -> None:
+        """Take over the imported *rooms* and *doors* of an earlier run.
 
         Raises:
             ConfigError: Some do not fit the configuration any more; they are remembered, and not in the plan.
         """
-        self.imported = rooms
+        self.imported, self.imported_doors = rooms, doors
         problem: ConfigError | None = None
         try:
-            self.plan = self.plan.with_rooms(rooms, source)
+            self.plan = self.plan.with_rooms(rooms, source, doors)
         except ConfigError:
-            for room in rooms:
+            for added, further in [*(((room,), ()) for room in rooms), *(((), (door,)) for door in doors)]:
                 try:
-                    self.plan = self.plan.with_rooms((room,), source)
+                    self.plan = self.plan.with_rooms(added, source, further)
                 except ConfigError as exc:
                     problem = exc
         if problem is not None:
@@ -68,7 +72,7 @@ class HouseRooms:
             RefusedError: No import stated it, or the configuration does.
         """
         self._check_imported(name, f"removing the room {name!r}")
-        self._change(one for one in self.imported if fold(one.name) != fold(name))
+        self._change((one for one in self.imported if fold(one.name) != fold(name)), self.imported_doors)
 
     def rename(self, name: str, new: str, *, is_stated: bool) -> None:
         """Give an imported room another name.
@@ -87,7 +91,11 @@ class HouseRooms:
             self._check_imported(name, order)
         if fold(new) != fold(name) and self.plan.room(new) is not None:
             raise RefusedError(order, f"there is a room {new!r} already")
-        self._change(_renamed(one, name, new) for one in self.imported)
+        doors = [
+            one._replace(rooms=(_spelled(one.rooms[0], name, new), _spelled(one.rooms[1], name, new)))
+            for one in self.imported_doors
+        ]
+        self._change((_renamed(one, name, new) for one in self.imported), doors)
 
     def _check_imported(self, name: str, order: str) -> None:
         """Refuse *order* where the room *name* is not one that an import alone stated."""
@@ -97,15 +105,20 @@ class HouseRooms:
             known = [one.name for one in self.imported]
             raise RefusedError(order, f"no import stated it; {did_you_mean(name, known, 'see `homebot places list`')}")
 
-    def _change(self, rooms: Iterable[HouseRoom]) -> None:
-        """Make *rooms* the imported ones; a door to a room that is gone goes with it."""
+    def _change(self, rooms: Iterable[HouseRoom], doors: Iterable[HouseDoor]) -> None:
+        """Make *rooms* and *doors* the imported ones; a door to a room that is gone goes with it."""
         changed = tuple(rooms)
         known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
         changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
-        self.plan = self._configured.with_rooms(changed, "the imported rooms")
-        self.imported = changed
+        joined = tuple(one for one in doors if known.issuperset(map(fold, one.rooms)))
+        self.plan = self._configured.with_rooms(changed, "the imported rooms", joined)
+        self.imported, self.imported_doors = changed, joined
 
 
 def _renamed(room: HouseRoom, name: str, new: str) -> HouseRoom:
-    doors = tuple(new if fold(door) == fold(name) else door for door in room.doors)
-    return room._replace(name=new if fold(room.name) == fold(name) else room.name, doors=doors)
+    doors = tuple(_spelled(door, name, new) for door in room.doors)
+    return room._replace(name=_spelled(room.name, name, new), doors=doors)
+
+
+def _spelled(room: str, name: str, new: str) -> str:
+    return new if fold(room) == fold(name) else room

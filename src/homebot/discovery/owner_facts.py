@@ -22,7 +22,7 @@ from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.owner_records import places_record, read_places_record
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
-from homebot.places import HousePlan, HouseRoom, OwnerFact, Places
+from homebot.places import HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
 from homebot.support.folding import fold
 
 __all__ = ["MAX_STATEMENTS", "OwnerFacts"]
@@ -79,7 +79,7 @@ class OwnerFacts:
 
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
-        self.rooms = HouseRooms(home, given.rooms)
+        self.rooms = HouseRooms(home, given.rooms, given.doors)
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
         self._configured = {
@@ -216,13 +216,13 @@ class OwnerFacts:
         statements = dict.fromkeys(self._by_name[name] for name in names if name in self._by_name)
         return _once(sorted((fact for statement in statements for fact in statement.facts), key=_rank))
 
-    def import_rooms(self, rooms: Iterable[HouseRoom], source: str) -> None:
-        """Add *rooms* to the plan.
+    def import_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> None:
+        """Add *rooms* and *doors* to the plan.
 
         Raises:
             ConfigError: They do not fit the plan; nothing was added.
         """
-        self.rooms.add(rooms, source)
+        self.rooms.add(rooms, source, doors)
         self.is_unsaved = True
 
     def remove_room(self, name: str) -> None:
@@ -308,6 +308,7 @@ class OwnerFacts:
         return places_record(
             [(one.facts, one.keys, one.names) for one in self._statements()],
             self.rooms.imported,
+            self.rooms.imported_doors,
             self._known_as,
             self.approvals,
         )
@@ -328,7 +329,7 @@ class OwnerFacts:
         self.approvals.restore(read.approvals)
         self.is_empty = self.is_empty and not self.approvals
         try:
-            self.rooms.restore(read.rooms, "the index file")
+            self.rooms.restore(read.rooms, "the index file", read.doors)
         except ConfigError as exc:
             raise WireError(f"rooms that do not fit: {exc}", record[:100].encode(errors="replace")) from exc
 
@@ -362,10 +363,10 @@ def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:
         yield from source.sighting.identifiers
 
 
-_ORDER: Mapping[str, int] = {"area": 0, "name": 1, "tag": 2, "taught_area": 3}
+_ORDER: Mapping[str, int] = {"area": 0, "position": 1, "name": 2, "tag": 3, "taught_area": 4}
 
 
-_SINGLE = frozenset({"area", "taught_area"})
+_SINGLE = frozenset({"area", "position", "taught_area"})
 
 
 def _rank(fact: OwnerFact) -> tuple[bool, float]:
@@ -373,7 +374,7 @@ def _rank(fact: OwnerFact) -> tuple[bool, float]:
 
 
 def _once(facts: Iterable[OwnerFact]) -> _Facts:
-    """Return the first room, and each alias and tag once, in this order of kinds."""
+    """Return the first room and position, and each alias and tag once, in this order of kinds."""
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
         found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import WireError
-from homebot.places import HouseRoom, OwnerFact
+from homebot.places import HouseDoor, HouseRoom, OwnerFact
 
 __all__ = ["PlacesRecord", "places_record", "read_places_record"]
 
@@ -38,6 +38,7 @@ class PlacesRecord(BaseModel):
 
     statements: tuple[_StatementRecord, ...] = ()
     rooms: tuple[HouseRoom, ...] = ()
+    doors: tuple[HouseDoor, ...] = ()
     known_as: tuple[tuple[str, str, str], ...] = ()
     approvals: tuple[ApprovalRecord, ...] = ()
 
@@ -45,6 +46,7 @@ class PlacesRecord(BaseModel):
 def places_record(
     statements: Iterable[tuple[tuple[OwnerFact, ...], Iterable[SourceKey], Iterable[str]]],
     rooms: Iterable[HouseRoom],
+    doors: Iterable[HouseDoor],
     known_as: Mapping[SourceKey, str],
     approvals: ApprovalRegistry,
 ) -> str:
@@ -53,6 +55,7 @@ def places_record(
     Args:
         statements: Facts, with the announcements and the names that they are stated of.
         rooms: The imported rooms.
+        doors: The imported doors.
         known_as: The name of each announcement in the configuration.
         approvals: The approved parts.
     """
@@ -61,7 +64,8 @@ def places_record(
             {"facts": [fact._asdict() for fact in facts], "announcements": list(keys), "names": list(names)}
             for facts, keys, names in statements
         ],
-        "rooms": [{"name": one.name, "floor": one.floor, "doors": one.doors} for one in rooms],
+        "rooms": [one._asdict() for one in rooms],
+        "doors": [one._asdict() for one in doors],
         "known_as": [[*key, name] for key, name in known_as.items()],
         "approvals": approvals.records(),
     }

@@ -26,7 +26,7 @@ class Imported:
 
     Attributes:
         added: Rooms and devices of which something is new, as text.
-        kept: Rooms of devices that were stated before and are others in the file, as text.
+        kept: Rooms and positions of devices that were stated before and are others in the file, as text.
     """
 
     added: tuple[str, ...]
@@ -68,7 +68,7 @@ class PlacesExchange:
                 devices.append((entry.id, facts, entry.hardware()))
         unknown = ((name, _exported(facts)) for name, facts in owner.unknown(known))
         devices += [(name, facts, ()) for name, facts in unknown if facts]
-        return places_text(owner.plan.home, owner.plan.rooms, sorted(devices, key=lambda one: one[0]))
+        return places_text(owner.plan, sorted(devices, key=lambda one: one[0]))
 
     def apply(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
         """Take over the content of a places file: all of it or, if it does not fit, nothing.
@@ -88,9 +88,10 @@ class PlacesExchange:
         by_identifier = yield from self._by_identifier(frozenset(name for names in places.devices for name in names))
         owner.check_room(sum(self._count(names, by_identifier) for names in places.devices))
         before = owner.plan
-        if places.rooms:
-            owner.import_rooms(places.rooms, SOURCE)
-        added = [f"room {room.name}" for room in places.rooms if before.room(room.name) != owner.plan.room(room.name)]
+        if places.rooms or places.doors:
+            owner.import_rooms(places.rooms, SOURCE, places.doors)
+        added = [f"door {door.name}" for door in places.doors if door not in before.doors]
+        added += [f"room {room.name}" for room in places.rooms if before.room(room.name) != owner.plan.room(room.name)]
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
@@ -194,7 +195,7 @@ def parse_places(text: str, home: str, now: float) -> Places:
 
 
 def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
-    return tuple(fact for fact in facts if fact.name in {"area", "name", "tag"})
+    return tuple(fact for fact in facts if fact.name in {"area", "position", "name", "tag"})
 
 
 def _places_table(text: str) -> Mapping[str, object]:
@@ -224,19 +225,20 @@ def _merge(
         stated: The statements before.
         new: The facts of the file.
         in_use: All that is stated of it, in the configuration too.
-        kept: Is given the room that was kept, as text.
-        replaces: Whether the room of the file wins.
+        kept: Is given the room and position that were kept, as text.
+        replaces: Whether those of the file win.
     """
     known = {(fact.name, fold(fact.value)) for fact in in_use}
-    room = next((fact.value for fact in in_use if fact.name == "area"), "")
+    single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}
     found = list(stated)
     for fact in new:
         if (fact.name, fold(fact.value)) in known:
             continue
-        if fact.name == "area" and room:
+        if fact.name in single:
             if not replaces:
-                kept.append(f"{device} stays in {room}; the file says {fact.value}")
+                where = "in" if fact.name == "area" else "at"
+                kept.append(f"{device} stays {where} {single[fact.name]}; the file says {fact.value}")
                 continue
-            found = [one for one in found if one.name != "area"]
+            found = [one for one in found if one.name != fact.name]
         found.append(fact)
     return tuple(found)

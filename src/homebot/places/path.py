@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
-from typing import NamedTuple, TypeAlias, final
+from typing import NamedTuple, Protocol, TypeAlias, final
 
 from homebot.places.polygon import Point
-from homebot.places.room_paths import RoomPaths
 
-__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Place", "Route"]
+__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Paths", "Place", "Route"]
 
 HALF_HOP = 2.0
 """Metres between a door and a place in a room whose shape is not known."""
@@ -69,6 +68,13 @@ Crossing: TypeAlias = Callable[[str], float]
 """The metres that going through a door costs: 0 if it is open, infinite if it is locked."""
 
 
+class Paths(Protocol):
+    """Ways inside a room."""
+
+    def distance(self, start: Point, end: Point) -> float:
+        """Return metres between two points."""
+
+
 @dataclass(slots=True, eq=False)
 class _Gate:
     """One way through a door, as seen from one of its rooms.
@@ -103,7 +109,7 @@ class PathFinder:
         doorways: The doors.
     """
 
-    def __init__(self, shapes: Mapping[str, RoomPaths], doorways: Iterable[Doorway]) -> None:
+    def __init__(self, shapes: Mapping[str, Paths], doorways: Iterable[Doorway]) -> None:
         self._shapes = shapes
         self._gates: dict[str, list[_Gate]] = {}
         self._targets: dict[str, Place] = {}

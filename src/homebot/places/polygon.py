@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import UsageError
+from homebot.places.plan import Point
 
-__all__ = ["Point", "Polygon"]
+__all__ = ["Edge", "Point", "Polygon"]
 
-Point: TypeAlias = tuple[float, float]
 Edge: TypeAlias = tuple[Point, Point]
 
 LEAST_AREA = 0.01
@@ -76,11 +76,15 @@ class Polygon:
         """Return metres from the point to the nearest edge."""
         return math.sqrt(min(_squared_distance(x, y, edge) for edge in self.edges()))
 
+    def nearest_edge(self, x: float, y: float) -> Edge:
+        """Return the edge that is nearest to a point."""
+        return min(self.edges(), key=lambda one: _squared_distance(x, y, one))
+
     def nearest_inside(self, x: float, y: float, margin: float = 0.001) -> Point:
-        """Return the point itself if it is inside, otherwise the nearest one that is inside by *margin* metres."""
-        if self.contains(x, y):
+        """Return the point itself if it is inside by *margin* metres, otherwise the nearest one that is."""
+        if self.contains(x, y) and self.border_distance(x, y) >= margin:
             return x, y
-        edge = min(self.edges(), key=lambda one: _squared_distance(x, y, one))
+        edge = self.nearest_edge(x, y)
         px, py = _foot(x, y, edge)
         (x1, y1), (x2, y2) = edge
         length = math.hypot(x2 - x1, y2 - y1)

@@ -69,10 +69,14 @@ class RoomShapes:
 
     def room_at(self, x: float, y: float, level: str = "") -> RoomAt | None:
         """Return the smallest room on the floor *level* that holds a point, else the nearest within 0.5 m."""
-        near = [*self._cells.get((level, floor(x), floor(y)), ()), *(one for one in self._large if one.floor == level)]
+        near = self.near(x, y, level)
         inside = [one for one in near if one.polygon.contains(x, y)]
         if inside:
             return RoomAt(min(inside, key=lambda one: (one.polygon.area, one.room)).room)
         distances = [(one.polygon.border_distance(x, y), one.room) for one in near]
         distance, room = min(distances, default=(NEARBY + 1, ""))
         return RoomAt(room, is_nearest=True, distance=distance) if distance <= NEARBY else None
+
+    def near(self, x: float, y: float, level: str = "") -> list[RoomShape]:
+        """Return the polygons on the floor *level* that may hold a point, or be within 0.5 m of it."""
+        return [*self._cells.get((level, floor(x), floor(y)), ()), *(one for one in self._large if one.floor == level)]

@@ -5,18 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Annotated, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
-from homebot.places.facts import FactName, OwnerFact, Places
-from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom
+from homebot.places.facts import OWNER_ERROR, FactName, OwnerFact, Places, Position, read_position
+from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom, Point, Rings, door_name
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["DeviceSettings", "PlacesSettings", "RoomSettings", "check_name", "read_places"]
+__all__ = [
+    "DeviceSettings",
+    "DoorSettings",
+    "PlacesSettings",
+    "RoomSettings",
+    "check_floor",
+    "check_name",
+    "read_places",
+]
 
 _LONGEST = 100
+_NUMBER = "#"
 _MOST = 50
 """Doors of a room, and aliases, tags or identifiers of a device."""
 
@@ -53,18 +62,72 @@ _Names: TypeAlias = Annotated[tuple[_Name, ...], Field(max_length=_MOST)]
 _OptionalName: TypeAlias = Annotated[str, AfterValidator(_name_or_none)]
 
 
+def _tuples(value: object) -> object:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def _areas(value: object) -> object:
+    """Return the polygons of a room from corners, from rings as in a GeoJSON Polygon, or from several of these."""
+    depth, inner = 0, value
+    while isinstance(inner, list) and inner:
+        depth, inner = depth + 1, inner[0]
+    if not 2 <= depth <= _POLYGONS and value != []:
+        raise ValueError("is no list of corners [x, y] in metres, of such rings (then holes), or of polygons of rings")
+    for _ in range(_POLYGONS - depth if value else 0):
+        value = [value]
+    return _tuples(value)
+
+
+def _ends(value: object) -> object:
+    """Return the ends of a door, or its centre, as points."""
+    is_centre = isinstance(value, list) and len(value) == 2 and not isinstance(value[0], list)
+    return _tuples([value] if is_centre else value)
+
+
+_POLYGONS = 4
+_Areas: TypeAlias = Annotated[tuple[Rings, ...], BeforeValidator(_areas)]
+_Ends: TypeAlias = Annotated[tuple[Point, ...], BeforeValidator(_ends), Field(max_length=2)]
+_Metres: TypeAlias = Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)]
+
+
 class RoomSettings(BaseModel):
     """The table ``[places.rooms.NAME]``.
 
     Attributes:
         floor: The floor that the room is on.
         doors: The rooms that a door joins it to; it is enough to name a door at one of its ends.
+        polygon: Its corners ``[x, y]`` in metres; with holes a list of rings, and of several areas a list of these.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     floor: _OptionalName = ""
     doors: _Names = ()
+    polygon: _Areas = ()
+
+
+class DoorSettings(BaseModel):
+    """The table ``[[places.doors]]``, or ``[places.doors.NAME]``.
+
+    Attributes:
+        name: Its name; by default the names of its rooms.
+        rooms: The two rooms; one may be ``outside``.
+        position: Its two ends ``[[x, y], [x, y]]`` in metres, or its centre ``[x, y]``.
+        width: Metres of a door with a centre.
+        contact: The device that reports whether it is open, by id or name.
+        lock: The device that locks it, by id or name.
+        cost: Metres that going through it counts besides the way; by default 10 between two floors.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: _OptionalName = ""
+    rooms: tuple[_Name, _Name]
+    position: _Ends = ()
+    width: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = WIDTH
+    contact: _OptionalName = ""
+    lock: _OptionalName = ""
+    cost: _Metres | None = None
 
 
 class DeviceSettings(BaseModel):
@@ -72,6 +135,9 @@ class DeviceSettings(BaseModel):
 
     Attributes:
         room: The room that the device is in.
+        at: Its position ``[x, y]`` in metres.
+        error: Metres by which that may be wrong.
+        floor: The floor of that; not needed where one floor alone has polygons.
         aliases: Further names of the device; the first is the one that is shown.
         tags: Words by which it is found.
         identifiers: Hardware addresses, as ``homebot show`` prints them. With these the device is known by any of them
@@ -81,6 +147,9 @@ class DeviceSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     room: _OptionalName = ""
+    at: Annotated[Point | None, BeforeValidator(_tuples)] = None
+    error: _Metres = OWNER_ERROR
+    floor: _OptionalName = ""
     aliases: _Names = ()
     tags: _Names = ()
     identifiers: Annotated[tuple[str, ...], Field(max_length=_MOST)] = ()
@@ -91,12 +160,14 @@ class PlacesSettings(BaseModel):
 
     Attributes:
         rooms: The rooms by name.
+        doors: The doors of which more is known than their rooms.
         devices: The owner's statements, by device id or hardware address.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     rooms: dict[str, RoomSettings] = Field(default_factory=dict)
+    doors: Annotated[dict[str, DoorSettings], Field(max_length=4000)] = Field(default_factory=dict)
     devices: dict[str, DeviceSettings] = Field(default_factory=dict)
 
 
@@ -113,9 +184,13 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
     Raises:
         ConfigError: A key is unknown or a value invalid; names *source*, the key, and the value.
     """
+    doors = table.get("doors")
+    if isinstance(doors, list):  # an array of tables, in which the number of a door stands for its name
+        table = {**table, "doors": {f"{_NUMBER}{index}": door for index, door in enumerate(doors, 1)}}
     settings = parse_settings(PlacesSettings, table, source, "places")
     rooms = _rooms(settings.rooms, source)
-    plan = HousePlan(home, rooms, source)
+    house_doors = _doors(settings.doors, source)
+    plan = HousePlan(home, rooms, source, house_doors)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
     names: dict[str, str] = {}
     for name, device in settings.devices.items():
@@ -125,6 +200,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         room = _room(device.room, plan, source, f"{key}.room") if device.room else ""
         stated: list[tuple[FactName, Iterable[str]]] = [
             ("area", (room,) if room else ()),
+            ("position", _position(device, plan, source, key)),
             ("name", device.aliases),
             ("tag", device.tags),
         ]
@@ -136,7 +212,30 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         devices[known_by] = tuple(
             OwnerFact(kind, value, stated_by, now) for kind, values in stated for value in _distinct(values)
         )
-    return Places(rooms, devices)
+    return Places(rooms, devices, house_doors)
+
+
+def _position(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> tuple[str, ...]:
+    if device.at is None:
+        return ()
+    try:
+        position = Position(device.at[0], device.at[1], check_floor(device.floor, plan), device.error)
+        return (read_position(position.text).text,)
+    except UsageError as exc:
+        raise ConfigError(source, f"{key}.{'floor' if device.floor else 'at'}", str(exc)) from exc
+
+
+def check_floor(name: str, plan: HousePlan) -> str:
+    """Return the floor *name* as the plan spells it; an empty one as it is.
+
+    Raises:
+        UsageError: The plan has floors, and not that one.
+    """
+    floors = {fold(floor): floor for floor in plan.floors}
+    if name and floors and fold(name) not in floors:
+        hint = did_you_mean(name, plan.floors, f"floors are {', '.join(plan.floors)}")
+        raise UsageError(f"there is no floor {name!r}; {hint}")
+    return floors.get(fold(name), name)
 
 
 def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
@@ -160,8 +259,27 @@ def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, 
         first = spellings.setdefault(fold(spelled), spelled)
         if first != spelled:
             raise ConfigError(source, f"places.rooms.{name}", f"is the same room as {first!r}")
-        found.append(HouseRoom(spelled, room.floor, room.doors))
+        found.append(HouseRoom(spelled, room.floor, room.doors, room.polygon))
     return tuple(found)
+
+
+def _doors(tables: Mapping[str, DoorSettings], source: str) -> tuple[HouseDoor, ...]:
+    found: dict[str, HouseDoor] = {}
+    for key, door in tables.items():
+        name = door_name(door.rooms) if key.startswith(_NUMBER) else key
+        name = stated = door.name or name
+        number = 1
+        while fold(name) in found:
+            if door.name or not key.startswith(_NUMBER):
+                raise ConfigError(source, f"places.doors.{key}", f"is the same door as {found[fold(name)].name!r}")
+            number += 1
+            name = f"{stated} {number}"
+        try:
+            name = check_name(name)
+        except UsageError as exc:
+            raise ConfigError(source, f"places.doors.{key}", str(exc)) from exc
+        found[fold(name)] = HouseDoor(name, door.rooms, door.position, door.width, door.contact, door.lock, door.cost)
+    return tuple(found.values())
 
 
 def _distinct(values: Iterable[str]) -> tuple[str, ...]:

@@ -6,35 +6,35 @@ Source of the syntax: TOML 1.0, https://toml.io/en/v1.0.0.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
-from homebot.places.facts import OwnerFact
-from homebot.places.plan import OUTSIDE, HouseRoom
+from homebot.places.facts import OWNER_ERROR, OwnerFact, position_of
+from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
 
 __all__ = ["places_text"]
 
 
-def places_text(
-    home: str, rooms: Iterable[HouseRoom], devices: Iterable[tuple[str, tuple[OwnerFact, ...], tuple[str, ...]]]
-) -> str:
+def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, ...], tuple[str, ...]]] = ()) -> str:
     """Return the text of a places file.
 
     Args:
-        home: The name of the home.
-        rooms: The rooms; those that devices are in are added.
+        plan: The rooms and doors; rooms that devices are in are added.
         devices: Id, facts and hardware addresses of each device.
     """
     listed = tuple(devices)
-    known = {fold(room.name): room for room in rooms}
+    known = {fold(room.name): room for room in plan.rooms}
     for _, facts, _ in listed:
         for fact in facts:
             if fact.name == "area" and fold(fact.value) != OUTSIDE:
                 known.setdefault(fold(fact.value), HouseRoom(fact.value))
-    lines = [f"# Rooms and devices of {_text(home)[1:-1]}, for `homebot places import` or a homebot.toml."]
-    written: set[frozenset[str]] = set()
+    lines = [f"# Rooms and devices of {_text(plan.home)[1:-1]}, for `homebot places import` or a homebot.toml."]
+    doors = [door for door in plan.doors if not door.is_plain]
+    written = {frozenset(map(fold, door.rooms)) for door in doors}
     for room in known.values():
         lines += _room(room, written)
+    for door in doors:
+        lines += _door(door)
     for device_id, facts, identifiers in listed:
         lines += _device(device_id, facts, identifiers)
     return "\n".join(lines) + "\n"
@@ -50,13 +50,38 @@ def _room(room: HouseRoom, written: set[frozenset[str]]) -> Iterator[str]:
     if doors:
         written.update(frozenset((fold(door), fold(room.name))) for door in doors)
         yield f"doors = {_texts(doors)}"
+    if room.polygons:
+        several: object = room.polygons if len(room.polygons) > 1 else room.polygons[0]
+        yield f"polygon = {json.dumps(room.polygons[0][0] if several == room.polygons[0][:1] else several)}"
 
 
-def _device(device_id: str, facts: Iterable[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
+def _door(door: HouseDoor) -> Iterator[str]:
+    yield ""
+    yield f"[places.doors.{_text(door.name)}]"
+    yield f"rooms = {_texts(door.rooms)}"
+    if door.position:
+        yield f"position = {json.dumps(door.position if len(door.position) > 1 else door.position[0])}"
+    if door.width != WIDTH:
+        yield f"width = {door.width!r}"
+    if door.contact:
+        yield f"contact = {_text(door.contact)}"
+    if door.lock:
+        yield f"lock = {_text(door.lock)}"
+    if door.cost is not None:
+        yield f"cost = {door.cost!r}"
+
+
+def _device(device_id: str, facts: Collection[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
     yield ""
     yield f"[places.devices.{_text(device_id)}]"
     values = {name: [fact.value for fact in facts if fact.name == name] for name in ("area", "name", "tag")}
     yield from (f"room = {_text(room)}" for room in values["area"])
+    if (position := position_of(facts)) is not None:
+        yield f"at = [{position.x!r}, {position.y!r}]"
+        if position.error != OWNER_ERROR:
+            yield f"error = {position.error!r}"
+        if position.floor:
+            yield f"floor = {_text(position.floor)}"
     if values["name"]:
         yield f"aliases = {_texts(values['name'])}"
     if values["tag"]:

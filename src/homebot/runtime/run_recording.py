@@ -11,7 +11,7 @@ from anyio.abc import TaskStatus
 from homebot.apps import App
 from homebot.control import ControlSettings
 from homebot.graph import Node
-from homebot.places.text import places_text
+from homebot.places import HousePlan, places_text
 from homebot.recording.lines import RecordedApp
 from homebot.recording.recorder import RunFacts
 from homebot.recording.recording_file import LineSink
@@ -66,4 +66,4 @@ def _places(plan: Plan) -> str:
     if not places.rooms and not places.devices:
         return ""
     devices = ((names[0], facts, names) for names, facts in places.devices.items())
-    return places_text(plan.home, places.rooms, devices)
+    return places_text(HousePlan(plan.home, places.rooms, doors=places.doors), devices)
