@@ -78,10 +78,9 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
     @asynccontextmanager
     async def opened(settings: DoorSettings | None = None) -> AsyncIterator[House]:
         graph = Graph()
-        node = Node(graph, "rosbridge_websocket")
-        door = Door(node, settings or DoorSettings(port=0))
-        RosApi(Node(graph, "rosapi"))
-        async with anyio.create_task_group() as tasks:
+        async with Node(graph, "rosbridge_websocket") as node, anyio.create_task_group() as tasks:
+            door = Door(node, settings or DoorSettings(port=0))
+            RosApi(Node(graph, "rosapi"))
             await tasks.start(door.run)
             yield House(graph, door, node)
             tasks.cancel_scope.cancel()

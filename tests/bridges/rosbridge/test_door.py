@@ -235,14 +235,6 @@ async def test_a_frame_that_cannot_be_taken_ends_that_connection(
         await good.settle()
 
 
-async def test_goals_are_answered_with_a_clear_no(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("send_action_goal", id="g:1", action="/clean", action_type="x/action/Y", args={})
-        answer = await peer.receive()
-        assert (answer["op"], answer["id"], answer["result"], answer["status"]) == ("action_result", "g:1", False, 6)
-        assert "actions are not supported" in answer["values"]
-
-
 async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, max_entities=2)) as house, house.peer() as peer:
         await peer.send("set_level", level="error")

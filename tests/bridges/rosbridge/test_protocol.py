@@ -18,7 +18,7 @@ from homebot.bridges.rosbridge.protocol import (
     PublishOperation,
     ServiceResponse,
     SubscribeOperation,
-    action_refusal,
+    action_failure,
     encode_frame,
     publish_frame,
     service_failure,
@@ -153,7 +153,14 @@ def test_frames_out_have_the_fields_that_clients_read() -> None:
         '{"op":"service_response","service":"/s","values":"no","result":false}'
     )
     assert encode_frame(status_frame("error", "bad", 3)) == '{"op":"status","level":"error","msg":"bad","id":3}'
-    assert action_refusal("/a", "g", "no")["status"] == 6
+    assert action_failure("/a", "g", "no") == {
+        "op": "action_result",
+        "action": "/a",
+        "id": "g",
+        "values": "no",
+        "status": 0,
+        "result": False,
+    }
     assert publish_frame('/"', String(data=""), lost=2) == '{"op":"publish","topic":"/\\"","msg":{"data":""},"lost":2}'
 
 

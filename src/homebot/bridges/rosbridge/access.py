@@ -17,10 +17,12 @@ from typing import TYPE_CHECKING, Final
 from homebot.bridges.client_error_log import short_text
 from homebot.bridges.rosbridge.protocol import (
     Advertise,
+    AdvertiseAction,
     AdvertiseService,
     CallService,
     Operation,
     PublishOperation,
+    SendActionGoal,
     SubscribeOperation,
 )
 from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
@@ -170,6 +172,10 @@ class ClientAccess:
                 right = self._right_to_publish(resolve(op.service))
             case CallService():
                 right = right_to_call(resolve(op.service))
+            case SendActionGoal():
+                right = right_to_call(resolve(op.action))
+            case AdvertiseAction():
+                right = right_to_publish(resolve(op.action))
             case SubscribeOperation():
                 right = Right.READ
             case _:  # ends earlier operations, or concerns the client alone

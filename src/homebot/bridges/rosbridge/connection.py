@@ -40,6 +40,7 @@ class DoorConnection(ServerConnection):
         self._arriving = arriving
         self._holds: set[str] = set()
         self._is_lost = False
+        self._is_heard = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Begin to read."""
@@ -57,6 +58,7 @@ class DoorConnection(ServerConnection):
 
     def data_received(self, data: bytes) -> None:
         """Handle *data* now or at the next turn; until then nothing more is read."""
+        self._is_heard = True
         if self._turns.has_time():
             super().data_received(data)
             return
@@ -78,6 +80,14 @@ class DoorConnection(ServerConnection):
         self._is_lost = True
         self._arriving.pop(self, None)
         super().connection_lost(exc)
+
+    def is_excused(self) -> bool:
+        """Return whether the client was heard since the last call, or is not being read from: it may say what it likes.
+
+        A client that does not read is no excuse: nor does one that has vanished.
+        """
+        was_heard, self._is_heard = self._is_heard, False
+        return was_heard or not self._holds <= {"writing"}
 
     def has_arrived(self) -> None:
         """Record that the connection has a session."""

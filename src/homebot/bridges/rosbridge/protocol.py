@@ -21,11 +21,15 @@ from homebot.messages.message import Message
 from homebot.support.strict_json import DuplicateKeyError
 
 __all__ = [
+    "ActionFeedback",
     "ActionOperation",
+    "ActionResult",
     "Advertise",
+    "AdvertiseAction",
     "AdvertiseService",
     "AuthOperation",
     "CallService",
+    "CancelActionGoal",
     "Compression",
     "Fragment",
     "Frame",
@@ -34,14 +38,20 @@ __all__ = [
     "Level",
     "Operation",
     "PublishOperation",
+    "SendActionGoal",
     "ServiceResponse",
     "SetLevel",
     "Status",
     "SubscribeOperation",
     "Unadvertise",
+    "UnadvertiseAction",
     "UnadvertiseService",
     "UnsubscribeOperation",
-    "action_refusal",
+    "action_cancellation",
+    "action_failure",
+    "action_feedback",
+    "action_goal",
+    "action_result",
     "encode_frame",
     "parse_frame",
     "publish_frame",
@@ -58,7 +68,6 @@ Frame: TypeAlias = "JsonObject | str"
 """A frame on its way to a client: a JSON object, or its text where it was written at once."""
 
 _NAMES = ("service", "action", "topic")
-_ACTION_ABORTED = 6  # action_msgs/msg/GoalStatus STATUS_ABORTED
 
 _LONGEST_ID = 1000
 Name = Annotated[str, Field(min_length=1, max_length=500)]
@@ -211,21 +220,59 @@ class Status(Operation, ops=("status",)):
     msg: str = ""
 
 
-class ActionOperation(
-    Operation,
-    ops=(
-        "send_action_goal",
-        "cancel_action_goal",
-        "action_feedback",
-        "action_result",
-        "action_status",
-        "advertise_action",
-        "unadvertise_action",
-    ),
-):
-    """Anything about actions."""
+class ActionOperation(Operation):
+    """Anything about an action."""
 
     action: Name
+
+
+class SendActionGoal(ActionOperation, ops=("send_action_goal",)):
+    """A goal for an action.
+
+    Attributes:
+        args: The fields of the goal.
+        feedback: Whether the client wants the feedback.
+    """
+
+    action_type: str = ""
+    args: dict[str, Any] = Field(default_factory=dict)
+    feedback: bool = False
+
+
+class CancelActionGoal(ActionOperation, ops=("cancel_action_goal",)):
+    """The client wants its goal with this id no more."""
+
+
+class ActionFeedback(ActionOperation, ops=("action_feedback",)):
+    """Feedback of a goal that the client executes."""
+
+    values: dict[str, Any] = Field(default_factory=dict)
+
+
+class ActionResult(ActionOperation, ops=("action_result",)):
+    """The end of a goal that the client executes; ``values`` is a text where ``result`` is false.
+
+    Attributes:
+        status: 4 succeeded, 5 canceled, 6 aborted.
+    """
+
+    values: Any = None
+    status: int = 0
+    result: bool = False
+
+
+class ActionStatus(ActionOperation, ops=("action_status",)):
+    """The state of a goal that the client executes; the server of the action knows it."""
+
+
+class AdvertiseAction(ActionOperation, ops=("advertise_action",)):
+    """The client executes the goals of an action."""
+
+    type: Name
+
+
+class UnadvertiseAction(ActionOperation, ops=("unadvertise_action",)):
+    """The client executes them no more."""
 
 
 class Fragment(Operation, ops=("fragment",)):
@@ -314,10 +361,32 @@ def service_request(service: str, identifier: str, args: JsonObject) -> JsonObje
     return {"op": "call_service", "id": identifier, "service": service, "args": args}
 
 
-def action_refusal(action: str, identifier: Identifier, problem: str) -> JsonObject:
-    """Return the frame with the reason why a goal is not pursued."""
-    frame: JsonObject = {"op": "action_result", "action": action, "values": problem}
-    return frame | {"id": identifier or "", "status": _ACTION_ABORTED, "result": False}
+def action_goal(action: str, ros_type: str, identifier: str, args: str) -> Frame:
+    """Return the frame that asks a client to execute a goal, which is the JSON text *args*."""
+    fields: JsonObject = {"id": identifier, "action": action, "action_type": ros_type, "feedback": True}
+    return f'{{"op":"send_action_goal",{encode_frame(fields)[1:-1]},"args":{args}}}'
+
+
+def action_cancellation(action: str, identifier: str) -> JsonObject:
+    """Return the frame that asks a client to cancel a goal that it executes."""
+    return {"op": "cancel_action_goal", "id": identifier, "action": action}
+
+
+def action_feedback(action: str, identifier: Identifier, values: str) -> Frame:
+    """Return the frame of the feedback of a goal, which is the JSON text *values*."""
+    return f'{{"op":"action_feedback",{encode_frame({"action": action, "id": identifier})[1:-1]},"values":{values}}}'
+
+
+def action_result(action: str, identifier: Identifier, status: int, values: str) -> Frame:
+    """Return the frame of the end of a goal, with the result as the JSON text *values*."""
+    fields: JsonObject = {"action": action, "id": identifier, "status": status, "result": True}
+    return f'{{"op":"action_result",{encode_frame(fields)[1:-1]},"values":{values}}}'
+
+
+def action_failure(action: str, identifier: Identifier, problem: str, status: int = 0) -> JsonObject:
+    """Return the frame with the reason why a goal has no result; *status* 0 is one that was not accepted."""
+    frame: JsonObject = {"op": "action_result", "action": action, "id": identifier, "values": problem}
+    return frame | {"status": status, "result": False}
 
 
 def status_frame(level: Level, text: str, identifier: Identifier = None) -> JsonObject:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, service_request
@@ -14,7 +14,21 @@ from homebot.graph import Node, Service
 from homebot.messages.json import message_to_json
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ProvidedServices"]
+__all__ = ["ProvidedServices", "Provider"]
+
+
+class Provider(Protocol):
+    """A connection that provides services or actions.
+
+    Attributes:
+        client: The name of the client.
+    """
+
+    client: str
+
+    def hand_over(self, full_name: str) -> None:
+        """Withdraw the service or action of this name, which a newer connection takes over."""
+        ...
 
 
 class ProvidedServices:
@@ -28,7 +42,7 @@ class ProvidedServices:
         client: The name of the client.
         limit: Calls that the client may owe an answer to; one more fails at once.
         outbox: Takes frames to the client.
-        providers: The connection that provides each service, by its full name.
+        providers: The connection that provides each service and action, by its full name.
         on_taken: Called with the name of a service that a newer connection took over.
 
     Attributes:
@@ -41,7 +55,7 @@ class ProvidedServices:
         client: str,
         limit: int,
         outbox: Outbox,
-        providers: dict[str, ProvidedServices],
+        providers: dict[str, Provider],
         on_taken: Callable[[str], None],
     ) -> None:
         self._node = node

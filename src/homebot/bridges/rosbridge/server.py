@@ -239,7 +239,10 @@ class Door:
         if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
-        from homebot.bridges.rosbridge.session import ClientSession  # noqa: PLC0415 - loaded with the first client
+        from homebot.bridges.rosbridge.session import (  # noqa: PLC0415 - loaded with the first client
+            ClientLink,
+            ClientSession,
+        )
 
         async def send(frame: str | bytes) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
@@ -255,13 +258,19 @@ class Door:
             self._counters.clients_cut += 1
             connection.transport.abort()
 
+        async def ping() -> None:
+            with suppress(ConnectionClosed):
+                await (await connection.ping())
+
         self._counters.clients += 1
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
         name = self._names[connection]
         rights, page = self._rights[name], self._unnamed_page(connection)
         address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
-        session = ClientSession(self._shared, name, rights, page, address, send, cut, is_roslibpy=is_roslibpy)
+        is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
+        link = ClientLink(send, cut, ping, is_excused)
+        session = ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))

@@ -13,7 +13,7 @@ from homebot.bridges.rosbridge.protocol import (
     service_failure,
     service_success,
 )
-from homebot.bridges.rosbridge.types import message_from_client
+from homebot.bridges.rosbridge.types import message_from_client, partial_message_from_client
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
@@ -73,7 +73,12 @@ _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a clie
 
 
 async def call_service(
-    node: Node, op: CallService, turns: ServerTurns, access: ClientAccess, answer: Callable[[Frame], None]
+    node: Node,
+    op: CallService,
+    turns: ServerTurns,
+    access: ClientAccess,
+    answer: Callable[[Frame], None],
+    on_request: Callable[[str, Message], None] = lambda *_: None,
 ) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
@@ -81,12 +86,14 @@ async def call_service(
 
     It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
     short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
+    *on_request* is called with the full name of the service and the request.
     """
     try:
         client, request, problem = _prepare(node, op, access)
     except HomebotError as exc:
         answer(_failure(node, op, exc))
         return
+    on_request(client.service_name, request)
     try:
         response = await client.call(request, _timeout(op, client.service_name))
         if problem is not None:
@@ -134,8 +141,14 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
         raise ServiceUnavailableError(name)
     request_type: type[Message] = service_type.Request
     values, problem = parse_queries(request_type, _values(request_type, op.args))
-    request = message_from_client(request_type, access.stamped(request_type, values))
+    read = _cancel_request if name.endswith("/_action/cancel_goal") else message_from_client
+    request = read(request_type, access.stamped(request_type, values))
     return node.create_client(service_type, name), request, problem
+
+
+def _cancel_request(request_type: type[Message], values: Mapping[str, object]) -> Message:
+    """Return the request to cancel goals; roslib's ``cancelAllGoals`` leaves everything out."""
+    return partial_message_from_client(request_type, values)[0]
 
 
 def _timeout(op: CallService, service: str) -> float:

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 from anyio.abc import TaskGroup
@@ -16,11 +17,13 @@ from anyio.abc import TaskGroup
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
+from homebot.bridges.rosbridge.heartbeat import Heartbeat, OwnedLeases
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
     Advertise,
+    AdvertiseAction,
     AdvertiseService,
     CallService,
     FrameError,
@@ -34,7 +37,7 @@ from homebot.bridges.rosbridge.protocol import (
     Unadvertise,
     UnadvertiseService,
     UnsubscribeOperation,
-    action_refusal,
+    action_failure,
     service_failure,
     status_frame,
 )
@@ -48,14 +51,33 @@ from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import ClientRights, Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
+from homebot.messages.message import Message
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["ClientSession"]
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.actions import ClientActions
+
+__all__ = ["ClientLink", "ClientSession"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_NO_ACTIONS = "actions are not supported"
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
+
+
+class ClientLink(NamedTuple):
+    """A connection to a client.
+
+    Attributes:
+        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
+        cut: Ends the connection at once.
+        ping: Returns when the client has answered a ping.
+        is_excused: Returns whether the client was heard since the last call, or is not being read from.
+    """
+
+    send: Callable[[str | bytes], Awaitable[None]]
+    cut: Callable[[], None]
+    ping: Callable[[], Awaitable[None]]
+    is_excused: Callable[[], bool]
 
 
 class ClientSession:
@@ -67,8 +89,7 @@ class ClientSession:
         rights: The rights of that token.
         page: The origin of a web page that no token and no configuration vouches for; empty for other clients.
         client: Name of the client in the log.
-        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        cut: Ends the connection at once.
+        link: The connection.
         is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
             unless it asks for them with ``set_level``: it raises an exception for each.
 
@@ -83,8 +104,7 @@ class ClientSession:
         rights: ClientRights,
         page: str,
         client: str,
-        send: Callable[[str | bytes], Awaitable[None]],
-        cut: Callable[[], None],
+        link: ClientLink,
         *,
         is_roslibpy: bool,
     ) -> None:
@@ -97,7 +117,11 @@ class ClientSession:
         self._settings = shared.settings
         self._turns = shared.turns
         self._client = client
-        self._outbox = Outbox(send, cut, shared.turns, _ANSWERS)
+        self._link = link
+        self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
+        self._leases = OwnedLeases(shared.node.graph.clock)
+        settings = shared.settings
+        self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
         self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
         self._level: Level = "none" if is_roslibpy else "error"
         self._calls = 0
@@ -125,6 +149,7 @@ class ClientSession:
             )
             try:
                 tasks.start_soon(self._send, tasks)
+                tasks.start_soon(self._watch, holdings)
                 await self._read(frames, holdings)
             finally:
                 backlog.close()
@@ -136,6 +161,19 @@ class ClientSession:
         with suppress(LinkError):  # the client is gone, and so is the session
             await self._outbox.run()
         tasks.cancel_scope.cancel()
+
+    async def _watch(self, holdings: _Holdings) -> None:
+        """End the session when the client vanishes while something of it runs."""
+        await self._heartbeat.run(lambda: bool(holdings.goals or self._leases))
+        self._shared.counters.clients_vanished += 1
+        self._shared.error_log.log(
+            f"vanished {self._client.rpartition(':')[0]}",
+            "door.client_vanished",
+            f"{self._client} answers no ping: its goals and leases end",
+            client=self._client,
+        )
+        self._link.cut()
+        holdings.tasks.cancel_scope.cancel()
 
     async def _read(self, frames: AsyncIterator[str], holdings: _Holdings) -> None:
         """Handle one frame after the other, no faster than the client may send and takes its answers."""
@@ -205,10 +243,8 @@ class ClientSession:
                 holdings.services.answer(op)
             case SetLevel():
                 self._level = op.level
-            case ActionOperation(op="send_action_goal"):
-                self._outbox.answer(action_refusal(op.action, op.id, _NO_ACTIONS))
             case ActionOperation():
-                raise PeerError(f"{op.action}: {_NO_ACTIONS}")
+                self._act(op, holdings)
             case _:
                 self._register(op, holdings)
 
@@ -230,6 +266,19 @@ class ClientSession:
             case UnadvertiseService():
                 holdings.services.unadvertise(op)
 
+    def _act(self, op: ActionOperation, holdings: _Holdings) -> None:
+        if isinstance(op, AdvertiseAction):
+            self._check_room(holdings)
+        if holdings.actions is None:
+            from homebot.bridges.rosbridge.actions import ClientActions  # noqa: PLC0415 - loaded with the first one
+
+            holdings.actions = ClientActions(
+                self._shared, self._access, self._outbox, holdings.tasks, self._report_taken
+            )
+        holdings.actions.handle(op)
+        if holdings.goals:
+            self._heartbeat.start()
+
     def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
         if op.compression == "png" and not self._reads_png:
             op = op.model_copy(update={"compression": "none"})
@@ -248,9 +297,14 @@ class ClientSession:
             await self._turns.turn()
             packing = Packing(self._reads_png and op.compression == "png", op.fragment_size or 0)
             answer = partial(self._outbox.answer, packing=packing)
-            await call_service(self._node, op, self._turns, self._access, answer)
+            await call_service(self._node, op, self._turns, self._access, answer, self._on_request)
         finally:
             self._calls -= 1
+
+    def _on_request(self, service: str, request: Message) -> None:
+        self._leases.record(service, request)
+        if self._leases:
+            self._heartbeat.start()
 
     def _check_room(self, holdings: _Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
@@ -304,7 +358,7 @@ class ClientSession:
         if op == "call_service":
             self._outbox.answer(service_failure(target, identifier, problem))
         elif op == "send_action_goal":
-            self._outbox.answer(action_refusal(target, identifier, problem))
+            self._outbox.answer(action_failure(target, identifier, problem))
         else:
             self._remark("error", problem, identifier)
 
@@ -314,7 +368,15 @@ class ClientSession:
             self._outbox.answer(status_frame(level, text, identifier))
 
 
-@dataclass(frozen=True, slots=True)
+class _Kind(Protocol):
+    """Entities of one kind."""
+
+    def close_one(self) -> bool:
+        """Give one back; return whether there was one."""
+        ...
+
+
+@dataclass(slots=True)
 class _Holdings:
     """Everything that goes when the client goes."""
 
@@ -322,14 +384,21 @@ class _Holdings:
     subscriptions: Subscriptions
     services: ProvidedServices
     tasks: TaskGroup
+    actions: ClientActions | None = None
 
     def __len__(self) -> int:
-        return len(self.publications) + len(self.subscriptions) + len(self.services)
+        return len(self.publications) + len(self.subscriptions) + len(self.services) + len(self.actions or ())
+
+    @property
+    def goals(self) -> int:
+        """The number of goals that the client sent and that have not ended."""
+        return self.actions.goals if self.actions is not None else 0
 
     async def close(self, turns: ServerTurns) -> None:
         """Give everything back, a little each time the event loop goes round."""
-        for kind in (self.services, self.publications, self.subscriptions):
-            while kind.close_one():
+        kinds: tuple[_Kind | None, ...] = (self.actions, self.services, self.publications, self.subscriptions)
+        for kind in kinds:
+            while kind is not None and kind.close_one():
                 await turns.turn()
 
 

@@ -78,7 +78,9 @@ class DoorSettings(AccessSettings):
         max_entities_of_all: Topics and services that all clients may use together.
         max_frames_per_second: Frames that one client may send on average; one that sends more is read more slowly.
         stall_timeout: Seconds after which a client that takes no bytes is cut off.
-        max_calls: Service calls of one client under way at a time; one more fails at once.
+        max_calls: Service calls of one client under way at a time, and goals of actions; one more fails at once.
+        ping_interval: Seconds between two pings to a client while a goal or lease of it runs.
+        ping_timeout: Seconds after which a client that gives no sign of life after a ping is cut off.
     """
 
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
@@ -93,6 +95,8 @@ class DoorSettings(AccessSettings):
     max_frames_per_second: Count = 1000
     max_calls: Count = 100
     stall_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 60.0
+    ping_interval: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.4
+    ping_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.5
 
     @model_validator(mode="after")
     def _check_tokens(self) -> Self:

@@ -19,7 +19,7 @@ from homebot.devices.names import CLIENTS_LEFT
 from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.provided_services import ProvidedServices
+    from homebot.bridges.rosbridge.provided_services import Provider
     from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
@@ -37,6 +37,8 @@ class DoorCounters:
         rights_missing: Number of requests without the right among them.
         slowed_down: Frames that had to wait because their client sends too many.
         clients_cut: Clients cut off because they took no bytes.
+        clients_vanished: Clients cut off because they answered no ping while a goal or lease of theirs ran.
+        feedback_lost: Feedback messages dropped because a client did not read.
     """
 
     clients: int = 0
@@ -46,6 +48,8 @@ class DoorCounters:
     rights_missing: int = 0
     slowed_down: int = 0
     clients_cut: int = 0
+    clients_vanished: int = 0
+    feedback_lost: int = 0
 
 
 @final
@@ -95,7 +99,7 @@ class SharedState:
         error_log: Logs mistakes of clients.
         refusals: Records requests without the right.
         owners: Returns the robots of the house, and what is theirs.
-        providers: The connection that provides each service, by its full name.
+        providers: The connection that provides each service and action, by its full name.
     """
 
     node: Node
@@ -107,7 +111,7 @@ class SharedState:
     error_log: ClientErrorLog
     refusals: Refusals
     owners: Callable[[], RobotOwners]
-    providers: dict[str, ProvidedServices] = field(default_factory=dict)
+    providers: dict[str, Provider] = field(default_factory=dict)
 
     def publish_left(self, issuer: str) -> None:
         """Report that the last connection of the client *issuer* ended."""

@@ -9,9 +9,10 @@ from typing import Any, Final
 from homebot import devices
 from homebot.errors import PeerError
 from homebot.messages import packages
+from homebot.messages.action import ActionType
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["messages_of", "services_of", "unknown_message", "unknown_service"]
+__all__ = ["find_action", "messages_of", "services_of", "unknown_message", "unknown_service"]
 
 _OWN_PACKAGE: Final = "homebot"
 _LONGEST_TYPE: Final = 100
@@ -49,6 +50,15 @@ def unknown_service(ros_type: str) -> PeerError:
     """Return the error for an unknown service type."""
     likely = (*packages.SERVICE_PACKAGES, _OWN_PACKAGE)
     return _unknown("service", ros_type, (one.ros_type for some in likely for one in services_of(some)))
+
+
+def find_action(ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the standard action type *ros_type*.
+
+    Raises:
+        PeerError: There is none.
+    """
+    raise _unknown("action", ros_type, ())
 
 
 def _unknown(kind: str, ros_type: str, known: Iterable[str]) -> PeerError:

@@ -12,12 +12,15 @@ from typing import Any, Final
 
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
+from homebot.messages.action import ActionType
 from homebot.messages.builtin_interfaces import Duration, Time
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
 
 __all__ = [
+    "action_type_of",
+    "find_action_type",
     "find_message_type",
     "find_service_type",
     "message_from_client",
@@ -102,9 +105,40 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     raise standard_types.unknown_service(ros_type)
 
 
+def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the type that a new server of *action* has.
+
+    Raises:
+        TypeMismatchError: The action is of another type.
+        PeerError: The type is unknown.
+    """
+    used = graph.get_action_type(action)
+    if used is None:
+        return find_action_type(graph, ros_type)
+    if not same_type(used.ros_type, ros_type):
+        raise TypeMismatchError(f"action {action} is a {used.ros_type}, not a {ros_type}")
+    return used
+
+
+def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the action type called *ros_type*, from those of actions on *graph*, or from the standard ones.
+
+    Raises:
+        PeerError: It is unknown; the message suggests similar names.
+    """
+    wanted = _parts(ros_type)
+    for action in graph.actions():
+        known = graph.get_action_type(action.name)
+        if known is not None and _parts(known.ros_type) == wanted:
+            return known
+    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - as above
+
+    return standard_types.find_action(ros_type)
+
+
 def _parts(ros_type: str) -> tuple[str, str]:
     package, _, rest = ros_type.partition("/")
-    return package, rest.removeprefix("msg/").removeprefix("srv/")
+    return package, rest.removeprefix("msg/").removeprefix("srv/").removeprefix("action/")
 
 
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}

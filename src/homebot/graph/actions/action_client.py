@@ -61,6 +61,11 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         """Full name of the action."""
         return self.info.name
 
+    @property
+    def has_feedback(self) -> bool:
+        """True while feedback has arrived that was not handed to its goal yet."""
+        return bool(self._subscriptions and self._subscriptions[0].mailbox.waiting)
+
     def server_is_ready(self) -> bool:
         """Return whether the action has a server now."""
         return self._sending.service_is_ready()
@@ -161,13 +166,18 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
 
     def _on_feedback(self, message: Any) -> Awaitable[None] | None:  # its type is made by the action type
         goal = self._goals.get(message.goal_id.uuid)
+        self._forget_ended()
         return None if goal is None or goal.on_feedback is None else goal.on_feedback(message.feedback)
 
     def _on_states(self, message: GoalStatusArray) -> None:
         for status in message.status_list:
-            goal_id = status.goal_info.goal_id.uuid
-            goal = self._goals.get(goal_id)
+            goal = self._goals.get(status.goal_info.goal_id.uuid)
             if goal is not None:
                 goal.status = GoalState(status.status)
-                if goal.status.is_terminal:
-                    del self._goals[goal_id]
+        self._forget_ended()
+
+    def _forget_ended(self) -> None:
+        """Forget the goals that have ended, unless feedback of theirs may wait."""
+        if not self.has_feedback:
+            for goal_id in [goal_id for goal_id, goal in self._goals.items() if goal.status.is_terminal]:
+                del self._goals[goal_id]

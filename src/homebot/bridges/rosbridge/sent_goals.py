@@ -1,0 +1,164 @@
+"""The goals that one client sends to actions on the graph."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import anyio.lowlevel
+from anyio.abc import TaskGroup
+
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.protocol import (
+    CancelActionGoal,
+    SendActionGoal,
+    action_failure,
+    action_feedback,
+    action_result,
+)
+from homebot.bridges.rosbridge.services import parse_queries
+from homebot.bridges.rosbridge.shared_state import DoorCounters
+from homebot.bridges.rosbridge.types import message_from_client, same_type
+from homebot.errors import HomebotError, PeerError, TypeMismatchError
+from homebot.graph import Node
+from homebot.graph.actions import ActionClient, ClientGoal, GoalState
+from homebot.messages.json import message_to_text
+from homebot.messages.message import Message
+
+__all__ = ["SentGoals"]
+
+_MOST_TURNS = 100
+"""Turns for which the result of a goal waits for its feedback."""
+
+
+class _Sent:
+    """A goal on its way: to be accepted, or accepted."""
+
+    def __init__(self, op: SendActionGoal) -> None:
+        self.op = op
+        self.goal: ClientGoal[Any, Any] | None = None
+        self.is_unwanted = False
+
+
+class SentGoals:
+    """The goals of one connection by the ids that the client chose; they are cancelled when it ends.
+
+    Each goal is answered with one result, in any case. Feedback is dropped where the client does not read.
+
+    Args:
+        node: The node that sends in the client's stead.
+        access: The client's identity, used as the issuer of goals.
+        limit: Goals that the client may have at a time.
+        outbox: Takes frames to the client.
+        tasks: Where goals are waited for.
+        counters: Counts dropped feedback.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        access: ClientAccess,
+        limit: int,
+        outbox: Outbox,
+        tasks: TaskGroup,
+        counters: DoorCounters,
+    ) -> None:
+        self._node = node
+        self._access = access
+        self._limit = limit
+        self._outbox = outbox
+        self._tasks = tasks
+        self._counters = counters
+        self._goals: dict[object, _Sent] = {}
+        self._clients: dict[str, ActionClient[Any, Any, Any]] = {}
+
+    def __len__(self) -> int:
+        return len(self._goals)
+
+    def send(self, op: SendActionGoal) -> None:
+        """Send a goal; its result is answered later.
+
+        Raises:
+            InvalidNameError: The name of the action is illegal.
+            PeerError: There is no such action, or the client has too many goals.
+            TypeMismatchError: The action is of another type, or the goal does not fit it.
+        """
+        if op.id is not None and op.id in self._goals:
+            raise PeerError(f"a goal with the id {op.id!r} is under way already; its id is not answered twice")
+        if len(self._goals) >= self._limit:
+            raise PeerError(f"{len(self._goals)} goals of this client are under way already")
+        name = self._node.resolve_name(op.action, "action name")
+        action_type = self._node.graph.get_action_type(name)
+        if action_type is None:
+            raise PeerError(f"action {name} has no server now; /rosapi/action_servers lists all")
+        if op.action_type and not same_type(action_type.ros_type, op.action_type):
+            raise TypeMismatchError(f"action {name} is a {action_type.ros_type}, not a {op.action_type}")
+        request = self._goal_message(action_type.Goal, op.args)
+        client = self._clients.get(name)
+        if client is None:
+            client = self._clients[name] = ActionClient(self._node, action_type, name)
+        sent = _Sent(op)
+        self._goals[sent if op.id is None else op.id] = sent
+        self._tasks.start_soon(self._run, client, sent, request)
+
+    def cancel(self, op: CancelActionGoal) -> None:
+        """Cancel a goal, at once or when it is accepted; its result says how it ended.
+
+        Raises:
+            PeerError: The client has no goal with this id.
+        """
+        sent = self._goals.get(op.id)
+        if sent is None:
+            raise PeerError(f"no goal of {op.action} with the id {op.id!r} is under way")
+        sent.is_unwanted = True
+        if sent.goal is not None:
+            sent.goal.request_cancel()
+
+    def close_one(self) -> bool:
+        """Cancel the goals of one action; return whether there was one."""
+        if not self._clients:
+            return False
+        self._clients.popitem()[1].close()
+        return True
+
+    def _goal_message(self, goal_type: type[Message], args: Mapping[str, object]) -> Message:
+        values, problem = parse_queries(goal_type, args)
+        if problem is not None:
+            raise problem
+        return message_from_client(goal_type, self._access.stamped(goal_type, values))
+
+    async def _run(self, client: ActionClient[Any, Any, Any], sent: _Sent, request: Message) -> None:
+        """Wait for the end of a goal and answer it."""
+        op, status = sent.op, GoalState.UNKNOWN
+        try:
+            sent.goal = await client.send_goal(request, partial(self._forward, sent) if op.feedback else None)
+            status = GoalState.ABORTED
+            if sent.is_unwanted:
+                sent.goal.request_cancel()
+            state, result = await sent.goal.result()
+            for _ in range(_MOST_TURNS):
+                if not client.has_feedback:
+                    break
+                await anyio.lowlevel.checkpoint()  # feedback goes out before the end
+            frame = action_result(op.action, op.id, int(state), message_to_text(result))
+        except HomebotError as exc:
+            frame = action_failure(op.action, op.id, str(exc), int(status))
+        finally:
+            self._goals.pop(sent if op.id is None else op.id, None)
+            if client.action_name in self._clients and not any(self._uses(client, one) for one in self._goals.values()):
+                self._clients.pop(client.action_name).close()
+        self._outbox.answer(frame)
+
+    def _uses(self, client: ActionClient[Any, Any, Any], sent: _Sent) -> bool:
+        return self._node.resolve_name(sent.op.action, "action name") == client.action_name
+
+    def _forward(self, sent: _Sent, feedback: Message) -> None:
+        op = sent.op
+        if self._goals.get(sent if op.id is None else op.id) is not sent:
+            return
+        if self._outbox.has_room:
+            self._outbox.answer(action_feedback(op.action, op.id, message_to_text(feedback)))
+        else:
+            self._counters.feedback_lost += 1

@@ -1,0 +1,211 @@
+"""Actions at the door, in both directions: the frames that roslib and roslibpy exchange."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import anyio
+import pytest
+from tests.bridges.conftest import House, OpenHouse
+from tests.patience import PATIENCE
+
+from homebot.graph.actions import ActionClient, ActionServer, GoalState, ServerGoal
+from homebot.messages.action import ActionType
+from homebot.messages.message import Int32, Message
+
+
+class FibonacciGoal(Message, ros_type="example_interfaces/action/Fibonacci_Goal"):
+    """How many numbers."""
+
+    order: Int32
+
+
+class FibonacciResult(Message, ros_type="example_interfaces/action/Fibonacci_Result"):
+    """All numbers."""
+
+    sequence: tuple[Int32, ...]
+
+
+class FibonacciFeedback(Message, ros_type="example_interfaces/action/Fibonacci_Feedback"):
+    """The numbers so far."""
+
+    sequence: tuple[Int32, ...]
+
+
+FIBONACCI = ActionType("example_interfaces/action/Fibonacci", FibonacciGoal, FibonacciResult, FibonacciFeedback)
+GOAL = {"action": "/fib", "action_type": "example_interfaces/action/Fibonacci", "feedback": True}
+
+
+async def execute(goal: ServerGoal[Any, Any, Any]) -> FibonacciResult | None:
+    """Count to three with feedback; of order 50 wait for ever, of order 7 fail."""
+    if goal.request.order == 50:
+        await anyio.sleep_forever()
+    if goal.request.order == 7:
+        goal.abort(FibonacciResult(sequence=(7,)))
+        return None
+    for last in range(3):
+        goal.publish_feedback(FibonacciFeedback(sequence=tuple(range(last + 1))))
+    goal.succeed()
+    return FibonacciResult(sequence=(0, 1, 1))
+
+
+@asynccontextmanager
+async def server(house: House) -> AsyncIterator[ActionServer[Any, Any, Any]]:
+    async with house.node("counter") as node:
+        yield ActionServer(node, FIBONACCI, "/fib", execute, on_goal=lambda goal: goal.order >= 0)
+
+
+async def the_end(server: ActionServer[Any, Any, Any]) -> None:
+    """Return when the server has no goal any more."""
+    with anyio.fail_after(PATIENCE):
+        for goal in server.goals:
+            await goal.wait_for_result()
+    assert server.goals == ()
+
+
+async def test_a_goal_has_feedback_and_one_result_with_its_status(open_house: OpenHouse) -> None:
+    async with open_house() as house, server(house), house.peer() as peer:
+        await peer.send("send_action_goal", id="g:1", args={"order": 3}, **GOAL)
+        about = {"action": "/fib", "id": "g:1"}
+        for last in range(3):
+            values = {"sequence": list(range(last + 1))}
+            assert await peer.receive() == {"op": "action_feedback", "values": values, **about}
+        end = {"op": "action_result", **about}
+        assert await peer.receive() == {**end, "values": {"sequence": [0, 1, 1]}, "status": 4, "result": True}
+        await peer.send("send_action_goal", id="g:1", args={"order": 7}, **GOAL)
+        assert await peer.receive() == {**end, "values": {"sequence": [7]}, "status": 6, "result": True}
+        await peer.send("send_action_goal", id="g:1", args={"order": -1}, **GOAL)
+        refused = await peer.receive()
+        assert refused == {**end, "values": refused["values"], "status": 0, "result": False}
+        assert "rejected" in refused["values"]
+
+
+async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(open_house: OpenHouse) -> None:
+    """Both clients chose the same id, as roslibpy does; one goal is cancelled before it can be accepted."""
+    async with open_house() as house, server(house) as fib, house.peer() as first, house.peer() as second:
+        for peer in (first, second):
+            await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
+            await peer.settle()
+        await first.send("cancel_action_goal", id="g", action="/fib")
+        ended = await first.receive()
+        assert (ended["op"], ended["id"], ended["status"], ended["result"]) == ("action_result", "g", 5, True)
+        await second.settle()
+        assert len(fib.goals) == 1
+        await first.send("cancel_action_goal", id="g", action="/fib")
+        assert (await first.receive())["op"] == "status"
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"action": "/nobody"}, "action /nobody has no server now"),
+        ({"action_type": "nav2_msgs/action/Spin"}, "is a example_interfaces/action/Fibonacci, not a nav2_msgs"),
+        ({"args": {"order": "three"}}, "field 'order'"),
+        ({"args": 3}, "field 'args'"),
+    ],
+)
+async def test_a_goal_that_cannot_be_sent_has_a_result_too(
+    open_house: OpenHouse, change: dict[str, object], problem: str
+) -> None:
+    async with open_house() as house, server(house), house.peer() as peer:
+        await peer.send("send_action_goal", **{"id": "g", "args": {"order": 3}, **GOAL, **change})
+        refused = await peer.receive()
+        assert (refused["op"], refused["id"], refused["status"], refused["result"]) == ("action_result", "g", 0, False)
+        assert problem in refused["values"]
+
+
+async def test_the_goals_of_a_client_end_with_its_connection(open_house: OpenHouse) -> None:
+    async with open_house() as house, server(house) as fib:
+        async with house.peer() as peer:
+            await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
+            await peer.settle()
+            assert len(fib.goals) == 1
+        await the_end(fib)
+        assert house.entities() == set()
+
+
+async def test_the_goals_of_a_client_that_vanishes_end(open_house: OpenHouse) -> None:
+    """It neither closes its connection nor answers; one without goals may be silent for longer."""
+    async with open_house() as house, server(house) as fib, house.peer() as idle, house.peer() as peer:
+        await idle.settle()
+        await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
+        await peer.settle()
+        began = anyio.current_time()
+        for one in (idle, peer):
+            one.connection.transport.pause_reading()
+        await the_end(fib)
+        assert 0.4 < anyio.current_time() - began < 2
+        assert house.door.client_count == 1
+        peer.connection.transport.abort()
+        idle.connection.transport.resume_reading()
+        await idle.settle()
+
+
+async def test_a_client_executes_goals(open_house: OpenHouse) -> None:
+    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+        client = ActionClient(app, FIBONACCI, "/fib")
+        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+        await robot.settle()
+        heard: list[Message] = []
+        async with anyio.create_task_group() as tasks:
+            results: list[Message] = []
+
+            async def perform() -> None:
+                results.append(await client.perform(FibonacciGoal(order=2), heard.append))
+
+            tasks.start_soon(perform)
+            asked = await robot.receive()
+            assert asked == {"op": "send_action_goal", "id": "action_goal:/fib:1", "args": {"order": 2}, **GOAL}
+            about = {"id": asked["id"], "action": "/fib"}
+            await robot.send("action_feedback", values={"sequence": [0]}, **about)
+            for _ in range(2):  # as roslib does that advertised twice
+                await robot.send("action_result", values={"sequence": [0, 1]}, status=4, result=True, **about)
+            await robot.settle()
+        assert results == [FibonacciResult(sequence=(0, 1))]
+        assert heard == [FibonacciFeedback(sequence=(0,))]
+
+        goal = await client.send_goal(FibonacciGoal(order=50))
+        asked = await robot.receive()
+        await goal.cancel()
+        about = {"id": asked["id"], "action": "/fib"}
+        assert await robot.receive() == {"op": "cancel_action_goal", **about}
+        await robot.send("action_result", values={"sequence": [9]}, status=5, result=True, **about)
+        assert await goal.result() == (GoalState.CANCELED, FibonacciResult(sequence=(9,)))
+
+        goal = await client.send_goal(FibonacciGoal(order=-1))
+        asked = await robot.receive()
+        await robot.send("action_result", id=asked["id"], action="/fib", status=6, result=False)  # roslib's setFailed
+        assert await goal.result() == (GoalState.ABORTED, FibonacciResult(sequence=()))
+
+
+async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_cancellation(
+    open_house: OpenHouse,
+) -> None:
+    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+        client = ActionClient(app, FIBONACCI, "/fib")
+        await robot.send("advertise_action", action="/fib", type="example_interfaces/Fibonacci")
+        await robot.settle()
+        (await client.send_goal(FibonacciGoal(order=2))).request_cancel()
+        assert [(await robot.receive())["op"] for _ in range(2)] == ["send_action_goal", "cancel_action_goal"]
+
+
+async def test_the_goals_of_a_server_that_leaves_are_aborted(open_house: OpenHouse) -> None:
+    async with open_house() as house, house.node("app") as app:
+        client = ActionClient(app, FIBONACCI, "/fib")
+        async with house.peer() as robot:
+            await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+            await robot.settle()
+            goal = await client.send_goal(FibonacciGoal(order=2))
+            await robot.receive()
+        with anyio.fail_after(PATIENCE):
+            assert (await goal.result())[0] is GoalState.ABORTED
+
+
+async def test_roslib_cancels_all_goals_with_an_empty_call(open_house: OpenHouse) -> None:
+    async with open_house() as house, server(house) as fib, house.peer() as peer:
+        for name in ("a", "b"):
+            await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
+        await peer.send("call_service", service="fib/_action/cancel_goal", args={})
+        await the_end(fib)
