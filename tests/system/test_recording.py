@@ -154,7 +154,10 @@ def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
     ("content", "problem"),
     [
         ("", "day.jsonl is empty, and no recording"),
-        ("{}\n", "day.jsonl is no recording: its first line is no header"),
+        (
+            "{}\n",
+            "day.jsonl is no recording: its first line is no header; `homebot record FILE` makes one",
+        ),
     ],
 )
 def test_a_file_that_is_no_recording_is_refused_with_code_2(tmp_path: Path, content: str, problem: str) -> None:
