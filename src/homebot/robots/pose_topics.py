@@ -26,7 +26,6 @@ from homebot.devices.robot_messages import RobotRoom
 from homebot.devices.robot_owners import DEFAULT_ROBOT
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
-from homebot.graph.subscription import Expiring
 from homebot.log import LogLimit
 from homebot.messages.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from homebot.messages.message import Message
@@ -102,8 +101,8 @@ class PoseTopics:
         except TypeMismatchError as exc:
             self._node.log.warning(REFUSED, message=f"{topic} is not read: {exc}", topic=topic)
             return
-        while (message := kept.mailbox.take()) is not None:
-            handle(message.message if isinstance(message, Expiring) else message)
+        while (message := kept.take()) is not None:
+            handle(message)
         kept.close()
 
     def _on_tf(self, robot: str, message: TFMessage, *, is_static: bool) -> None:

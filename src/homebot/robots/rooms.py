@@ -20,11 +20,22 @@ class RobotRooms:
     """The polygons of rooms.
 
     Args:
-        shapes: The polygons.
+        shapes: Those that the house states, which win over those of maps.
     """
 
     def __init__(self, shapes: Iterable[RoomShape] = ()) -> None:
-        self._shapes = RoomShapes(shapes)
+        self._by_map = {"": tuple(shapes)}
+        self._set()
+
+    def replace(self, name: str, shapes: Iterable[RoomShape]) -> None:
+        """Take *shapes* in place of those of the map *name*; the map without a name is the house's."""
+        self._by_map[name] = tuple(shapes)
+        self._set()
+
+    def _set(self) -> None:
+        stated = {one.room for one in self._by_map[""]}
+        others = (one for name, shapes in self._by_map.items() if name for one in shapes if one.room not in stated)
+        self._shapes = RoomShapes((*self._by_map[""], *others))
         floors = {one.floor for one in self._shapes.shapes}
         self._only_floor = floors.pop() if len(floors) == 1 else ""
 

@@ -6,23 +6,30 @@ It publishes on ``/robots/poses`` the best that is known of each robot's place, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Coroutine, Mapping
+from functools import partial
 from typing import Final
 
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
-from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.devices.names import ROBOT_MAPS, ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotMap, RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Node, qos_profile_latched
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.geometry_msgs import Point32, Polygon
+from homebot.places.room_shapes import RoomShape
 from homebot.robots.evidence import TF_LIMIT, PoseEvidence
 from homebot.robots.frames import RobotFrames
+from homebot.robots.gateway_topics import GatewayTopics
 from homebot.robots.pose_topics import PoseTopics
 from homebot.robots.robot import TrackedRobot
 from homebot.robots.rooms import RobotRooms
+from homebot.robots.sensors import follow_motion, read_pose, read_tags
 from homebot.robots.settings import RobotSettings
+from homebot.robots.vacuum import Vacuum
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 __all__ = ["RobotTracker"]
@@ -71,13 +78,22 @@ class RobotTracker:
         self._robots = {name: TrackedRobot(name) for name in owners.names}
         self._published: dict[str, RobotPose] = {}
         self._changed = anyio.Event()
+        self._maps = node.create_publisher(RobotMap, ROBOT_MAPS, qos_profile_latched)
         self._poses = node.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
         node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self.where)
         PoseTopics(self, node).open()
+        self._works: list[Callable[[], Coroutine[object, object, None]]] = []
+        self._read_others()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Publish poses as they change, until cancelled."""
-        task_status.started()
+        async with anyio.create_task_group() as tasks:
+            for work in self._works:
+                tasks.start_soon(work)
+            task_status.started()
+            await self._publish_changes()
+
+    async def _publish_changes(self) -> None:
         while True:
             now = self._clock.monotonic()
             self._changed = anyio.Event()
@@ -85,6 +101,33 @@ class RobotTracker:
             with anyio.move_on_after(None if math.isinf(next_change) else max(0.0, next_change - now)):
                 await self._changed.wait()
             await anyio.sleep(_PACE)
+
+    def _read_others(self) -> None:
+        """Read what the tables name beside the robots' own topics."""
+        node, topics = self._node, GatewayTopics(self._node)
+        sensors = {}
+        for name, table in self.settings.items():
+            if table.topic:
+                topics.read(table.gateway, table.topic, partial(read_pose, self, node, name))
+            if table.vacuum:
+                vacuum = Vacuum(self, node, name, table, self._set_rooms)
+                vacuum.read(topics)
+                self._works.append(vacuum.run)
+            if table.tag_reader:
+                read_tags(self, node, name, table.tag_reader)
+            sensors.update({key: name for one in table.motion_sensors for key in (one, fold(one))})
+        if topics:
+            self._works.append(topics.run)
+        if sensors:
+            self._works.append(partial(follow_motion, self, node, sensors))
+
+    def _set_rooms(self, robot: str, shapes: list[RoomShape]) -> None:
+        """Take the rooms on the map of *robot*; those that the house states win."""
+        self.rooms.replace(robot, shapes)
+        points = [tuple(Point32(x=x, y=y, z=0.0) for x, y in one.polygon.rings[0]) for one in shapes]
+        polygons = tuple(Polygon(points=one) for one in points)
+        self._maps.publish(RobotMap(robot=robot, rooms=tuple(one.room for one in shapes), polygons=polygons))
+        self._changed.set()
 
     def where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
         """Answer the service: where a robot is, or was, and how old that is."""
@@ -103,6 +146,8 @@ class RobotTracker:
         pose = self._pose(robot, evidence, now)
         age = max(0.0, now - evidence.received_at)
         problem = "" if pose.counts else f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
+        if evidence.has_ended:
+            problem = f"{name} is no longer where it was {age:.0f} s ago, by {pose.source}"
         if pose.counts and robot.unsure_because:
             problem = f"{name} is not sure where it is: {robot.unsure_because}"
         return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)

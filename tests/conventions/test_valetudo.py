@@ -1,0 +1,157 @@
+"""Maps of robot vacuums, in real samples and in hostile ones."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homebot.conventions.valetudo import read_map
+from homebot.errors import WireError
+from homebot.places.polygon import Polygon
+from homebot.robots.outline import simplified
+
+DATA = Path(__file__).parents[1] / "robots" / "data"
+SAMPLES = sorted(DATA.glob("valetudo_*.zlib"))
+
+
+def pixels_of(tables: Mapping[str, Any]) -> dict[tuple[int, int], str]:
+    """Return the segment of each pixel, straight from the JSON."""
+    found = {}
+    for layer in tables["layers"]:
+        if layer["type"] == "segment":
+            runs = layer["compressedPixels"]
+            for x, y, length in zip(runs[::3], runs[1::3], runs[2::3], strict=True):
+                found.update({(x + step, y): layer["metaData"]["segmentId"] for step in range(length)})
+    return found
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda one: one.stem)
+def test_each_pixel_of_a_real_map_is_in_its_own_room(sample: Path) -> None:
+    payload = sample.read_bytes()
+    tables, found = json.loads(zlib.decompress(payload)), read_map(payload)
+    size, pixel = tables["size"]["y"], tables["pixelSize"]
+    for (column, row), segment in pixels_of(tables).items():
+        for inside in (0, 2, pixel - 1):
+            at = found.segment_at((column * pixel + inside) / 100, (size - row * pixel - inside) / 100)
+            assert at is not None
+            assert (at.segment.id, at.distance) == (segment, 0)
+
+
+@pytest.mark.parametrize(
+    ("sample", "room", "centimetres"),
+    [
+        ("dreame_d9_named_segments", "5", 0),
+        ("roborock_s8_unnamed", "17", 0),
+        ("viomi_v6_robot_beside_segment", "10", 12),
+    ],
+)
+def test_the_robot_is_in_a_room_or_marked_as_beside_the_nearest(sample: str, room: str, centimetres: int) -> None:
+    found = read_map((DATA / f"valetudo_{sample}.zlib").read_bytes())
+    assert found.robot is not None
+    at = found.segment_at(found.robot.x, found.robot.y)
+    assert at is not None
+    assert (at.segment.id, round(at.distance * 100)) == (room, centimetres)
+
+
+def test_positions_are_metres_from_the_lower_left_and_angles_counter_clockwise() -> None:
+    found = read_map((DATA / "valetudo_viomi_v6_robot_beside_segment.zlib").read_bytes())
+    assert found.robot is not None
+    assert found.robot[:2] == (19.98, 40 - 19.67)
+    assert found.robot.yaw == pytest.approx(math.radians(90 - 178.46480572223663))
+    assert [one.name for one in found.segments] == ["room1", "room2"]
+    assert found.vendor_id == "1668175879"
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda one: one.stem)
+def test_outlines_hold_the_pixels_and_become_polygons_of_few_corners(sample: Path) -> None:
+    found = read_map(sample.read_bytes())
+    for segment in found.segments:
+        outer = Polygon(found.outline(segment))
+        area = sum(end - begin for row in segment.runs.values() for begin, end in row) * found.pixel**2
+        assert area * 0.98 < outer.area < area * 1.1  # furniture is in it
+        room = Polygon(simplified(found.outline(segment)))
+        assert len(room.rings[0]) <= 30
+        assert room.area == pytest.approx(outer.area, rel=0.15)
+
+
+def test_the_image_for_home_assistant_and_version_1_say_the_same() -> None:
+    payload = SAMPLES[0].read_bytes()
+    found = read_map(payload)
+    text = b"ValetudoMap\0\0" + payload
+    chunks = ((b"IHDR", b"x" * 13), (b"zTXt", b"other\0\0"), (b"zTXt", text))
+    image = b"".join(struct.pack(">I", len(data)) + kind + data + b"crc!" for kind, data in chunks)
+    assert read_map(b"\x89PNG\r\n\x1a\n" + image) == found
+    tables = json.loads(zlib.decompress(payload))
+    pixels = pixels_of(tables)
+    tables["metaData"]["version"] = 1
+    for layer in tables["layers"]:
+        layer["pixels"], layer["compressedPixels"] = [], []
+        if layer["type"] == "segment":
+            own = layer["metaData"]["segmentId"]
+            layer["pixels"] = [number for at, one in pixels.items() if one == own for number in at]
+            layer["metaData"]["segmentId"] = int(own)
+    assert read_map(zlib.compress(json.dumps(tables).encode())) == found
+
+
+def table(**changes: object) -> bytes:
+    base: dict[str, object] = {
+        "__class": "ValetudoMap",
+        "metaData": {"version": 2},
+        "size": {"x": 1000, "y": 1000},
+        "pixelSize": 5,
+        "layers": [],
+        "entities": [],
+    }
+    return zlib.compress(json.dumps({**base, **changes}).encode())
+
+
+def layer(*numbers: object, **meta: object) -> dict[str, object]:
+    return {"type": "segment", "metaData": {"segmentId": "1", **meta}, "compressedPixels": list(numbers)}
+
+
+POINT = {"__class": "PointMapEntity", "type": "robot_position", "metaData": {}}
+
+
+@pytest.mark.parametrize(
+    ("payload", "problem"),
+    [
+        (b"", "not compressed|cut off"),
+        (b"\x89PNG\r\n\x1a\n", "no map"),
+        (zlib.compress(b" " * 2**25), "more than"),
+        (table()[:-8], "cut off"),
+        (zlib.compress(b'{"a":' + b"[" * 100_000 + b"]" * 100_000 + b"}"), "nested"),
+        (zlib.compress(b"[1]"), "no map"),
+        (table(metaData={"version": 3}), "version 3"),
+        (table(metaData=7), "version None"),
+        (table(pixelSize=0), "pixelSize is 0"),
+        (table(pixelSize=True), "pixelSize is True"),
+        (table(size={"y": 1e12}), r"size\.y"),
+        (table(layers={}), "layers is no list"),
+        (table(layers=[{}] * 1000), "layers is no list"),
+        (table(layers=[layer(1, 2)]), "no list of runs"),
+        (table(layers=[layer(1, 2, 0)]), "empty"),
+        (table(layers=[layer(1, 2, 1_000_000)]), "pixels is 1000000"),
+        (table(layers=[layer(1, -2, 3)]), "pixels is -2"),
+        (table(layers=[layer("1", 2, 3)]), "pixels is '1'"),
+        (table(layers=[layer(*[1] * 900_000)]), "more than"),
+        (table(layers=[layer(1, 2, 3, segmentId=None)]), "segmentId"),
+        (table(entities=[{**POINT, "points": [1]}]), "two numbers"),
+        (table(entities=[{**POINT, "points": [1, float("1e200")]}]), "points is 1e"),
+    ],
+)
+def test_a_hostile_map_is_refused_with_the_reason(payload: bytes, problem: str) -> None:
+    with pytest.raises(WireError, match=problem):
+        read_map(payload)
+
+
+def test_a_map_without_a_robot_or_rooms_is_one() -> None:
+    found = read_map(table(entities=[{"__class": "PathMapEntity", "type": "path", "points": [1, 2]}, 7]))
+    assert (found.robot, found.charger, found.segments) == (None, None, ())
+    assert found.segment_at(1, 1) is None

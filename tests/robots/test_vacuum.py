@@ -1,0 +1,139 @@
+"""A robot vacuum at a broker: its map, and its place in the house, in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.gateways.mqtt.conftest import House, _house
+from tests.robots.test_tracker import ALL
+
+from homebot.devices.names import ROBOT_MAPS, ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotMap, RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.devices.robot_owners import RobotOwners
+from homebot.graph import Node, Subscription
+from homebot.robots import RobotSettings, RobotTracker
+
+pytestmark = pytest.mark.virtual_time
+
+DREAME = (Path(__file__).parent / "data" / "valetudo_dreame_d9_named_segments.zlib").read_bytes()
+VIOMI = (Path(__file__).parent / "data" / "valetudo_viomi_v6_robot_beside_segment.zlib").read_bytes()
+BASE = "valetudo/dusty"
+
+
+class Vacuum:
+    """The tracker's side of a house with a vacuum, and its devices' side."""
+
+    def __init__(self, house: House, poses: Subscription[RobotPose], maps: Subscription[RobotMap]) -> None:
+        self._house, self.poses, self.maps = house, poses, maps
+        self._where = house.watcher.create_client(WhereIsRobot, WHERE_IS_ROBOT)
+
+    async def say(self, name: str, payload: str | bytes, base: str = BASE) -> None:
+        await self._house.say(f"{base}/{name}", payload, retain=True)
+        await anyio.sleep(0.3)
+
+    async def ask(self) -> WhereIsRobotResponse:
+        return await self._where.call(WhereIsRobotRequest(robot="dusty"))
+
+    async def cut(self) -> None:
+        await self._house.cut()
+
+
+@asynccontextmanager
+async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
+    table = RobotSettings.model_validate(settings)
+    async with (
+        _house() as house,
+        Node(house.graph, "robots") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        tracker = RobotTracker(node, RobotOwners({"dusty": ()}), {"dusty": table})
+        await tasks.start(tracker.serve)
+        poses = house.watcher.create_subscription(RobotPose, ROBOT_POSES, None, ALL)
+        yield Vacuum(house, poses, house.watcher.create_subscription(RobotMap, ROBOT_MAPS, None, ALL))
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_docked_vacuum_is_in_the_room_of_its_segment_for_200_seconds() -> None:
+    async with vacuum(vacuum=BASE, segments={"5": "Kitchen"}) as dusty:
+        await dusty.say("MapData/map-data", DREAME)
+        assert (await dusty.ask()).message == "nothing has told yet where dusty is"  # a kept map of one that may be off
+        await dusty.say("$state", "ready")
+        [pose] = (await dusty.ask()).pose
+        assert (pose.room, pose.is_nearest_room, pose.has_position, pose.limit) == ("Kitchen", False, False, 200.0)
+        await anyio.sleep(199)
+        assert not (await dusty.ask()).success
+        await dusty.say("MapData/map-data", DREAME)
+        assert (await dusty.ask()).success
+
+
+async def test_an_active_vacuum_that_falls_silent_counts_for_three_maps() -> None:
+    async with vacuum(vacuum=BASE) as dusty:
+        await dusty.say("$state", "ready")
+        await dusty.say("StatusStateAttribute/status", "cleaning")
+        await dusty.say("MapData/map-data", DREAME)
+        assert (await dusty.ask()).pose[0].limit == 12.0
+        await anyio.sleep(12)
+        assert [told.counts for told in iter(dusty.poses.take, None)] == [True, False]
+
+
+async def test_a_vacuum_that_is_lost_is_nowhere_at_once() -> None:
+    async with vacuum(vacuum=BASE) as dusty:
+        await dusty.say("$state", "ready")
+        await dusty.say("MapData/map-data", DREAME)
+        await dusty.say("$state", "lost")
+        answer = await dusty.ask()
+        assert (answer.success, answer.message) == (
+            False,
+            f"dusty is no longer where it was 0 s ago, by {BASE}/MapData",
+        )
+
+
+async def test_a_vacuum_beside_every_room_is_in_the_nearest_marked() -> None:
+    async with vacuum(vacuum=BASE) as dusty:
+        await dusty.say("$state", "ready")
+        await dusty.say("MapData/map-data", VIOMI)
+        [pose] = (await dusty.ask()).pose
+        assert (pose.room, pose.is_nearest_room) == ("room1", True)
+
+
+async def test_with_its_map_in_the_house_it_has_a_position_and_its_rooms_have_polygons() -> None:
+    async with vacuum(vacuum=BASE, segments={"5": "Kitchen"}, map_transform=(-30.0, -30.0, 0.0)) as dusty:
+        await dusty.say("$state", "ready")
+        await dusty.say("MapData/map-data", DREAME)
+        [pose] = (await dusty.ask()).pose
+        assert (pose.room, pose.has_position, round(pose.x, 2), round(pose.y, 2)) == ("Kitchen", True, 2.77, 3.27)
+        told = dusty.maps.take()
+        assert told is not None
+        assert told.rooms == ("dusty room 1", "Bad", "Flur", "dusty room 4", "Kitchen", "dusty room 6")
+        assert all(3 <= len(one.points) <= 30 for one in told.polygons)
+        await dusty.say("MapData/map-data", DREAME)
+        assert dusty.maps.take() is None
+
+
+async def test_what_is_no_map_costs_one_message() -> None:
+    async with vacuum(vacuum=BASE) as dusty:
+        await dusty.say("$state", "ready")
+        await dusty.say("MapData/map-data", b"no map")
+        await dusty.say("$state", b"\xff\xfe")
+        await dusty.say("MapData/map-data", DREAME)
+        assert (await dusty.ask()).pose[0].room == "dusty room 5"
+
+
+async def test_a_pose_by_mqtt_counts_as_long_as_it_says_also_after_the_link_was_cut() -> None:
+    async with vacuum(topic="dusty/pose", limit=3.0) as dusty:
+        for payload in ('{"x": 1}', '{"x": 1, "y": 1e9}', "[]", "{}", '{"x": 1, "y": 2, "limit": -1}'):
+            await dusty.say("pose", payload, "dusty")
+        assert (await dusty.ask()).pose == ()
+        await dusty.say("pose", '{"x": 1, "y": 2, "yaw": 0.5, "error": 0.1}', "dusty")
+        [pose] = (await dusty.ask()).pose
+        assert (pose.x, pose.y, pose.yaw, pose.error, pose.limit) == (1.0, 2.0, 0.5, 0.1, 3.0)
+        await anyio.sleep(3)
+        assert not (await dusty.ask()).success
+        await dusty.cut()
+        await dusty.say("pose", '{"room": "Hall", "limit": 60}', "dusty")
+        [pose] = (await dusty.ask()).pose
+        assert (pose.room, pose.has_position, pose.limit) == ("Hall", False, 60.0)
