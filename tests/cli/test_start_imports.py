@@ -47,6 +47,7 @@ NOT_NEEDED = (
     "homebot.devices.handles.climate",
     "homebot.devices.outcomes",
     "homebot.devices.query.parse",
+    "homebot.devices.robot_owners",
     "homebot.discovery.store",
     "homebot.house.description",
     "homebot.house.kinds",
@@ -64,6 +65,7 @@ NOT_NEEDED = (
     "homebot.support.virtual_time",
     "homebot.wot.mqtt.reader",
     "homebot.wot.parse",
+    "homebot.robots",
 )
 
 
