@@ -84,6 +84,8 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
             function.can_block_in("homebot/conventions/bluetooth/sensor_libraries.py", {"_libraries"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
             function.can_block_in("homebot/config.py", {"read_secret"})
+            # The text of a type is read when it is first named, as its module would be: some hundred bytes of ours.
+            function.can_block_in("homebot/messages/interfaces/interfaces.py", {"_read"})
             # Not ours: pydantic looks for its plug-ins once, when the first model is built.
             function.can_block_in("pydantic/plugin/_loader.py", {"get_plugins"})
             function.can_block_in("homebot/gateways/coap/aiocoap_client.py", {"_load"})

@@ -7,6 +7,7 @@
     │   ├── InvalidNameError        a name breaks the rules for names
     │   ├── DuplicateNameError      the name is taken
     │   ├── TypeMismatchError       a message is not of the type of its topic or service
+    │   ├── UnknownTypeError        a message, service or action has no definition
     │   ├── QosError                a QoS profile contradicts itself
     │   ├── ParameterError          a parameter is unknown, read-only or out of its range
     │   ├── ClosedError             the node, topic or connection was closed before
@@ -31,6 +32,8 @@
 """
 
 from __future__ import annotations
+
+from collections.abc import Collection
 
 __all__ = [
     "AbortError",
@@ -57,6 +60,7 @@ __all__ = [
     "ServiceUnavailableError",
     "TypeMismatchError",
     "UnableError",
+    "UnknownTypeError",
     "UsageError",
     "WireError",
     "WrongCodeError",
@@ -94,6 +98,19 @@ class DuplicateNameError(UsageError):
 
 class TypeMismatchError(UsageError):
     """A message, or an endpoint, is not of the type of its topic or service."""
+
+
+class UnknownTypeError(UsageError):
+    """A message, service or action has no definition.
+
+    Attributes:
+        ros_type: The unknown name.
+    """
+
+    def __init__(self, ros_type: str, kind: str, similar: Collection[str]) -> None:
+        hint = f"; similar: {', '.join(similar)}" if similar else ""
+        super().__init__(f"unknown {kind} type {ros_type!r}{hint}")
+        self.ros_type = ros_type
 
 
 class QosError(UsageError):

@@ -52,7 +52,7 @@ NOT_NEEDED = (
     "homebot.house.description",
     "homebot.house.kinds",
     "homebot.messages.geometry_msgs",
-    "homebot.messages.packages",
+    "homebot.messages.interfaces",
     "homebot.messages.sensor_msgs",
     "homebot.messages.std_msgs",
     "homebot.mqtt.broker.tls_socket",

@@ -97,7 +97,7 @@ def test_the_text_of_a_parameter_value_is_that_of_rcl_interfaces() -> None:
         "int64 integer_value\n"
         "float64 double_value\n"
         "string string_value\n"
-        "uint8[] byte_array_value\n"
+        "byte[] byte_array_value\n"
         "bool[] bool_array_value\n"
         "int64[] integer_array_value\n"
         "float64[] double_array_value\n"

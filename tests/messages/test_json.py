@@ -16,7 +16,7 @@ from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
 from homebot.messages import message as fields
 from homebot.messages.json import message_from_json, message_to_json, message_to_pieces, message_to_text
-from homebot.messages.std_msgs import Header
+from homebot.messages.std_msgs import Header, UInt8MultiArray
 
 
 class Mood(StrEnum):
@@ -95,7 +95,7 @@ def test_the_text_of_a_message_with_an_unchecked_value_is_as_its_json_or_none_at
     with pytest.raises(TypeMismatchError, match=r"\{1\} is not a valid message value"):
         message_to_text(String.of_checked(data={1}))
     with pytest.raises(TypeMismatchError, match="is not a valid message value"):
-        message_to_text(ParameterValue.of_checked(**dict(ParameterValue(type=8)) | {"double_array_value": [1.0]}))
+        message_to_text(ParameterValue.of_checked(**dict(ParameterValue(type=6)) | {"bool_array_value": [True]}))
 
 
 @given(reports())
@@ -187,9 +187,9 @@ def test_a_refusal_names_the_field_and_the_value(message_type: type[Message], va
 @pytest.mark.parametrize("spelling", ["?", "AP8", "AP8=\n", "ä", [256], [-1], ["x"], [0.5], 7, None, {"a": 1}])
 def test_bytes_that_are_neither_base64_nor_numbers_are_refused(spelling: object) -> None:
     with pytest.raises(TypeMismatchError) as caught:
-        message_from_json(ParameterValue, {"type": 5, "byte_array_value": spelling})
+        message_from_json(UInt8MultiArray, {"layout": {"dim": [], "data_offset": 0}, "data": spelling})
     assert str(caught.value) == (
-        "not a rcl_interfaces/msg/ParameterValue: field 'byte_array_value': "
+        "not a std_msgs/msg/UInt8MultiArray: field 'data': "
         f"bytes are base64 text or a list of 0 to 255, got {spelling!r}"
     )
 

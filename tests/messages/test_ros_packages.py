@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from homebot.messages.packages import MESSAGE_PACKAGES, SERVICE_PACKAGES, messages_of, services_of
 
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
 from homebot.messages.geometry_msgs import Pose, Quaternion, TwistStamped
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
-from homebot.messages.packages import MESSAGE_PACKAGES, SERVICE_PACKAGES, messages_of, services_of
 
 GOLDEN = Path(__file__).parent / "ros_packages.txt"
 """Of each type its name, its fields, and the bytes of the message that :func:`sample` makes."""

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from homebot import messages
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange
@@ -22,6 +24,7 @@ from homebot.messages.message import Message, ServiceType
 if TYPE_CHECKING:
     from homebot.graph.node import Node
     from homebot.messages.action import ActionType
+    from homebot.messages.interfaces import Interfaces
 
 __all__ = ["Graph"]
 
@@ -47,6 +50,11 @@ class Graph:
         self.failures = Failures(self.clock)
         self.service_counts = ServiceCounts(self.clock)
         self._epoch = self.clock.now() - self.clock.monotonic()
+
+    @cached_property
+    def interfaces(self) -> Interfaces:
+        """The interfaces that programs may name, those of ROS unless it is set; loaded when it is first used."""
+        return messages.Interfaces()
 
     def steady_now(self) -> float:
         """Return seconds since the Unix epoch, by the clock when the graph was made: setting it changes nothing.

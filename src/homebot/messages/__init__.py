@@ -9,6 +9,7 @@ from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from homebot.messages.builtin_interfaces import Duration, Time
+    from homebot.messages.interfaces import Interfaces
     from homebot.messages.message import Message, ServiceType
     from homebot.messages.rcl_interfaces import Log, Parameter, ParameterEvent, ParameterValue
     from homebot.messages.std_msgs import Bool, Empty, Float32, Float64, Int32, Int64, String, UInt8
@@ -22,6 +23,7 @@ __all__ = [
     "Float64",
     "Int32",
     "Int64",
+    "Interfaces",
     "Log",
     "Message",
     "Parameter",
@@ -40,6 +42,7 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
         __name__,
         {
             "homebot.messages.builtin_interfaces": "Duration Time",
+            "homebot.messages.interfaces": "Interfaces",
             "homebot.messages.message": "Message ServiceType",
             "homebot.messages.rcl_interfaces": "Log Parameter ParameterEvent ParameterValue",
             "homebot.messages.std_msgs": "Bool Empty Float32 Float64 Int32 Int64 String UInt8",

@@ -15,26 +15,13 @@ from typing import Any
 
 from homebot.messages.definition import FieldDefinition, fields_of
 from homebot.messages.message import Message
+from homebot.messages.numeric_array import LAYOUTS, NumericArray
 
 __all__ = ["message_to_cdr"]
 
 _HEADER = b"\x00\x01\x00\x00"  # CDR_LE, no options
 _WITHOUT_FIELDS = b"\x00"  # IDL has no empty structures, so ROS 2 gives them a member `uint8`
-_LAYOUTS = {
-    "bool": "?",
-    "byte": "B",
-    "char": "B",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
+_LAYOUTS = LAYOUTS | {"bool": "?"}
 
 
 def message_to_cdr(message: Message) -> bytes:
@@ -77,7 +64,10 @@ def _write_elements(out: bytearray, field: FieldDefinition, values: Sequence[obj
 def _write_numbers(out: bytearray, layout: str, values: Sequence[Any]) -> None:
     if not values:
         return
-    out += bytes(-(len(out) - len(_HEADER)) % struct.calcsize(layout))
+    out += bytes(-(len(out) - len(_HEADER)) % struct.calcsize(f"<{layout}"))
+    if isinstance(values, NumericArray):
+        out += values.to_bytes(layout)
+        return
     try:
         out += struct.pack(f"<{len(values)}{layout}", *values)
     except OverflowError:  # of float32 alone; integers were checked where the message was made

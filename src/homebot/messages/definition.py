@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
+from homebot.messages.numeric_array import RosArray
 
 __all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types", "zero_message"]
 
@@ -34,6 +35,8 @@ class FieldDefinition:
         size: Exact number of elements of a fixed array, else None.
         bound: Greatest number of elements of a bounded array, else None.
         choices: The enumeration where the element is a text that must be one of it, else None.
+        is_numeric: True if the Python value is a :class:`~homebot.messages.numeric_array.NumericArray`.
+        longest: Greatest number of characters where the element is a bounded text, else None.
     """
 
     name: str
@@ -43,6 +46,8 @@ class FieldDefinition:
     size: int | None = None
     bound: int | None = None
     choices: type[StrEnum] | None = None
+    is_numeric: bool = False
+    longest: int | None = None
 
     @property
     def is_bytes(self) -> bool:
@@ -54,6 +59,8 @@ class FieldDefinition:
         """The field's line in a ``.msg`` file."""
         parts = self.ros_type.split("/")
         short = f"{parts[0]}/{parts[2]}" if len(parts) == 3 else self.ros_type  # package/msg/Name
+        if self.longest is not None:
+            short = f"{short}<={self.longest}"
         if not self.is_array:
             return f"{short} {self.name}"
         inner = str(self.size) if self.size is not None else f"<={self.bound}" if self.bound is not None else ""
@@ -82,7 +89,9 @@ def zero_message(message_type: type[MessageT]) -> MessageT:
 
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
     """Return every message type that *message_type* holds, at any depth, each once, in order of first use."""
-    return tuple(dict.fromkeys(_walk(message_type)))
+    found: dict[type[Message], None] = {}
+    _add_nested(message_type, found)
+    return tuple(found)
 
 
 def definition_text(message_type: type[Message]) -> str:
@@ -111,17 +120,20 @@ def _body(message_type: type[Message]) -> str:
     return "".join(f"{field.declaration}\n" for field in fields_of(message_type))
 
 
-def _walk(message_type: type[Message]) -> Iterator[type[Message]]:
+def _add_nested(message_type: type[Message], found: dict[type[Message], None]) -> None:
     for field in fields_of(message_type):
-        if field.message is not None:
-            yield field.message
-            yield from _walk(field.message)
+        if field.message is not None and field.message not in found:
+            found[field.message] = None
+            _add_nested(field.message, found)
 
 
 def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefinition:
     annotation, metadata = field.annotation, tuple(field.metadata)
     if annotation is bytes:
         return FieldDefinition(name, "uint8", is_array=True, **_bounds(metadata))
+    numbers = next((mark for mark in metadata if isinstance(mark, RosArray)), None)
+    if numbers is not None:
+        return FieldDefinition(name, numbers.name, is_array=True, is_numeric=True, **_bounds(metadata))
     if get_origin(annotation) is tuple:
         arguments = get_args(annotation)
         if len(arguments) == 2 and arguments[1] is Ellipsis:  # tuple[T, ...]
@@ -129,9 +141,13 @@ def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefin
             element, message = _element(owner, name, inner, marks)
             if element == "uint8":
                 raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is written bytes")
-            return FieldDefinition(name, element, message, is_array=True, choices=_choices(inner), **_bounds(metadata))
+            longest = _longest(marks)
+            return FieldDefinition(
+                name, element, message, is_array=True, choices=_choices(inner), longest=longest, **_bounds(metadata)
+            )
     element, message = _element(owner, name, annotation, metadata)
-    return FieldDefinition(name, element, message, choices=_choices(annotation))
+    longest = _longest(metadata)
+    return FieldDefinition(name, element, message, choices=_choices(annotation), longest=longest)
 
 
 def _unwrapped(annotation: object) -> tuple[object, tuple[object, ...]]:
@@ -157,6 +173,20 @@ def _element(
         if issubclass(annotation, str):
             return "string", None
     raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.message")
+
+
+def _longest(metadata: tuple[object, ...]) -> int | None:
+    """Return the bound that a text declares as ``RosType("string")`` with a greatest length.
+
+    Other greatest lengths of texts are bounds of homebot's own messages, which their ROS types do not have.
+    """
+    declared = any(isinstance(mark, RosType) and mark.name == "string" for mark in metadata)
+    return next((mark.max_length for mark in _flat(metadata) if isinstance(mark, MaxLen)), None) if declared else None
+
+
+def _flat(metadata: tuple[object, ...]) -> Iterator[object]:
+    for mark in metadata:
+        yield from mark.metadata if isinstance(mark, FieldInfo) else (mark,)
 
 
 def _choices(annotation: object) -> type[StrEnum] | None:

@@ -16,11 +16,12 @@ from functools import lru_cache
 from typing import TypeAlias, TypeVar
 
 from pydantic import ValidationError
-from pydantic_core import PydanticSerializationError
+from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import TypeMismatchError
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.message import Message
+from homebot.messages.numeric_array import NumericArray
 from homebot.support.strict_json import in_ascii
 
 __all__ = [
@@ -38,6 +39,8 @@ JsonValue: TypeAlias = "bool | int | float | str | list[JsonValue] | dict[str, J
 JsonObject: TypeAlias = "dict[str, JsonValue]"
 
 MessageT = TypeVar("MessageT", bound=Message)
+
+_REAL = frozenset({"float32", "float64"})
 
 _PIECE = 50
 """Messages that are written at once: of large ones, such as devices, a millisecond."""
@@ -62,6 +65,9 @@ def message_to_pieces(message: Message) -> Iterator[str]:
     for field in fields_of(type(message)):
         value = getattr(message, field.name)
         text += f'{"" if text == "{" else ","}"{field.name}":'
+        if isinstance(value, NumericArray):
+            text += to_json(_value_to_json(value)).decode()
+            continue
         if field.message is None or not field.is_array:
             text += json.dumps(_value_to_json(value), separators=(",", ":"), allow_nan=False)
             continue
@@ -139,8 +145,10 @@ def _value_to_json(value: object) -> JsonValue:
         return message_to_json(value)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) or (isinstance(value, NumericArray) and value.buffer.format == "d"):
         return [_value_to_json(item) for item in value]
+    if isinstance(value, NumericArray):
+        return value.tolist()
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, bool | int | str):
@@ -168,6 +176,8 @@ def _known_value(field: FieldDefinition, value: object) -> object:
 def _value_from_json(field: FieldDefinition, value: object) -> object:
     if field.is_bytes:
         return _bytes_from_json(value)
+    if field.is_numeric and isinstance(value, list):
+        return [math.nan if item is None else item for item in value] if _may_be_null(field, value) else value
     if field.is_array and isinstance(value, list):
         return tuple(_element_from_json(field, item) for item in value)
     return _element_from_json(field, value)
@@ -180,9 +190,13 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
         return field.choices(value)
     if isinstance(value, str) and not value.isascii():
         return _text_from_json(value)
-    if value is None and field.ros_type in {"float32", "float64"}:
+    if value is None and field.ros_type in _REAL:
         return math.nan
     return value
+
+
+def _may_be_null(field: FieldDefinition, value: list[object]) -> bool:
+    return field.ros_type in _REAL and None in value
 
 
 def _text_from_json(value: str) -> object:

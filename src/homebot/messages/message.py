@@ -2,12 +2,14 @@
 
 Plain ``bool``, ``int``, ``float``, ``str`` and ``bytes`` mean ``bool``, ``int64``, ``float64``, ``string`` and
 ``uint8[]``; the annotated types here are the others. ``tuple[T, ...]`` is ``T[]``, bounded by ``Field(max_length=n)``
-(``T[<=n]``), of fixed length when ``min_length`` is the same number (``T[n]``).
+(``T[<=n]``), of fixed length when ``min_length`` is the same number (``T[n]``). ``Int8Array`` and the other arrays of
+numbers are read as a sequence, and made of any; they hold machine numbers.
 
 Modules of messages do without ``from __future__ import annotations``: pydantic reads the annotations of a class, and of
 its base classes, when the class is made, and as text each has to be compiled first (15 µs a field).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar
 
@@ -15,24 +17,36 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema
 
 from homebot.errors import UsageError
+from homebot.messages.numeric_array import RosArray
 
 __all__ = [
     "Byte",
+    "ByteArray",
     "Char",
+    "CharArray",
     "Float32",
+    "Float32Array",
     "Float64",
+    "Float64Array",
     "Int8",
+    "Int8Array",
     "Int16",
+    "Int16Array",
     "Int32",
+    "Int32Array",
     "Int64",
+    "Int64Array",
     "Message",
     "RosType",
     "ServiceAnswer",
     "ServiceType",
     "UInt8",
     "UInt16",
+    "UInt16Array",
     "UInt32",
+    "UInt32Array",
     "UInt64",
+    "UInt64Array",
 ]
 
 
@@ -70,6 +84,28 @@ Char = Annotated[int, RosType("char"), Field(ge=0, lt=2**8)]
 Float32 = Annotated[float, RosType("float32")]
 
 Float64 = Annotated[float, RosType("float64")]
+
+Int8Array = Annotated[Sequence[int], RosArray("int8", Int8)]
+
+Int16Array = Annotated[Sequence[int], RosArray("int16", Int16)]
+
+Int32Array = Annotated[Sequence[int], RosArray("int32", Int32)]
+
+Int64Array = Annotated[Sequence[int], RosArray("int64", Int64)]
+
+UInt16Array = Annotated[Sequence[int], RosArray("uint16", UInt16)]
+
+UInt32Array = Annotated[Sequence[int], RosArray("uint32", UInt32)]
+
+UInt64Array = Annotated[Sequence[int], RosArray("uint64", UInt64)]
+
+ByteArray = Annotated[Sequence[int], RosArray("byte", Byte)]
+
+CharArray = Annotated[Sequence[int], RosArray("char", Char)]
+
+Float32Array = Annotated[Sequence[float], RosArray("float32", Float32)]
+
+Float64Array = Annotated[Sequence[float], RosArray("float64", Float64)]
 
 
 def _bound_integers(schema: Any) -> None:
@@ -116,6 +152,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         strict=True,
         allow_inf_nan=True,
         defer_build=True,  # most programs use few of the types they import
+        protected_namespaces=(),  # of ROS's field names there are `model_instances` and the like
     )
 
     ros_type: ClassVar[str]

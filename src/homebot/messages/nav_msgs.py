@@ -2,7 +2,7 @@
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCovariance, TwistWithCovariance
-from homebot.messages.message import Float32, Int8, Message, UInt32
+from homebot.messages.message import Float32, Int8Array, Message, UInt32
 from homebot.messages.std_msgs.header import Header
 
 __all__ = ["GridCells", "MapMetaData", "OccupancyGrid", "Odometry", "Path"]
@@ -48,7 +48,7 @@ class OccupancyGrid(Message, ros_type="nav_msgs/msg/OccupancyGrid"):
 
     header: Header
     info: MapMetaData
-    data: tuple[Int8, ...]
+    data: Int8Array
 
 
 class GridCells(Message, ros_type="nav_msgs/msg/GridCells"):

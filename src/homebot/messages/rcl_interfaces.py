@@ -1,7 +1,7 @@
 """ROS ``rcl_interfaces``: log lines and parameters."""
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, UInt8, UInt32
+from homebot.messages.message import ByteArray, Float64Array, Int64Array, Message, UInt8, UInt32
 
 __all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
 
@@ -39,10 +39,10 @@ class ParameterValue(Message, ros_type="rcl_interfaces/msg/ParameterValue"):
     integer_value: int = 0
     double_value: float = 0.0
     string_value: str = ""
-    byte_array_value: bytes = b""
+    byte_array_value: ByteArray = ()
     bool_array_value: tuple[bool, ...] = ()
-    integer_array_value: tuple[int, ...] = ()
-    double_array_value: tuple[float, ...] = ()
+    integer_array_value: Int64Array = ()
+    double_array_value: Float64Array = ()
     string_array_value: tuple[str, ...] = ()
 
 

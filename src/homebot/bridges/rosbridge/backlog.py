@@ -18,6 +18,7 @@ from typing import TypeAlias, final
 from homebot.graph.mailbox import Queue, keyed_queue
 from homebot.graph.subscription import Expiring
 from homebot.messages.message import Message
+from homebot.messages.numeric_array import NumericArray
 from homebot.support.byte_account import ByteAccount
 
 __all__ = ["Backlog", "DoorBacklog", "FeedQueue"]
@@ -206,6 +207,8 @@ def _weight(value: object) -> int:
         return _OBJECT + sum(_weight(item) for item in value.__dict__.values())
     if isinstance(value, str | bytes):
         return sys.getsizeof(value)
+    if isinstance(value, NumericArray):
+        return _OBJECT + value.nbytes
     if isinstance(value, tuple):
         return sys.getsizeof(value) + sum(_weight(item) for item in value)
     return _OBJECT

@@ -5,13 +5,12 @@ Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 3.1.3 and
 
 from __future__ import annotations
 
-import struct
-
 from homebot.conventions.cbor import cbor_head, encode_cbor
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, fields_of
 from homebot.messages.message import Message
+from homebot.messages.numeric_array import NumericArray
 
 __all__ = ["publish_cbor", "publish_cbor_raw"]
 
@@ -55,11 +54,11 @@ def _value(field: FieldDefinition, value: object) -> bytes:
         return _bytes(value)
     if isinstance(value, Message):
         return _message(value)
-    if not isinstance(value, tuple):
+    if not isinstance(value, tuple | NumericArray):
         return encode_cbor(value)
     if (typed := _TYPED_ARRAYS.get(field.ros_type)) is not None:
         tag, layout = typed
-        return cbor_head(_TAG, tag) + _bytes(struct.pack(f"<{len(value)}{layout}", *value))
+        return cbor_head(_TAG, tag) + _bytes(NumericArray(layout, value).to_bytes(layout))
     return cbor_head(_ARRAY, len(value)) + b"".join(_value(field, item) for item in value)
 
 

@@ -6,17 +6,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from itertools import chain
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from homebot.errors import PeerError, TypeMismatchError
+from homebot.errors import PeerError, TypeMismatchError, UsageError
 from homebot.graph import Graph
 from homebot.messages.action import ActionType
 from homebot.messages.builtin_interfaces import Duration, Time
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
+
+if TYPE_CHECKING:
+    from homebot.messages import Interfaces
 
 __all__ = [
     "action_type_of",
@@ -29,6 +33,18 @@ __all__ = [
     "same_type",
     "service_type_of",
 ]
+
+
+_OWN_MODULES: Final = (
+    "homebot.devices.device",
+    "homebot.devices.gateway_messages",
+    "homebot.devices.command_messages",
+    "homebot.devices.lease_messages",
+    "homebot.devices.places_messages",
+    "homebot.devices.robot_messages",
+    "homebot.devices.services",
+)
+"""The modules with messages and services that clients of the door use."""
 
 
 def same_type(first: str, second: str) -> bool:
@@ -74,7 +90,7 @@ def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[An
 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
-    """Return the message type called *ros_type*, from those that topics of *graph* carry, or from the standard ones.
+    """Return the message type called *ros_type*, from those that topics of *graph* carry, or by its definition.
 
     Raises:
         PeerError: It is unknown; the message suggests similar names.
@@ -82,27 +98,35 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     wanted = _parts(ros_type)
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
-    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - loaded when a type is asked for by name
-
-    for known in chain(in_use, standard_types.messages_of(wanted[0]), inside):
-        if _parts(known.ros_type) == wanted:
-            return known
-    raise standard_types.unknown_message(ros_type)
+    found = next((known for known in chain(in_use, inside) if _parts(known.ros_type) == wanted), None)
+    if found is None:
+        with _refusing():
+            found = _interfaces(graph).find_message(ros_type)
+    return found
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
-    """Return the service type called *ros_type*, from those of servers on *graph*, or from the standard ones.
-
-    Raises:
-        PeerError: It is unknown; the message suggests similar names.
-    """
+    """Return the service type called *ros_type*, as :func:`find_message_type` does."""
     wanted = _parts(ros_type)
-    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - as above
+    found = next((known for known in graph.get_service_types() if _parts(known.ros_type) == wanted), None)
+    if found is None:
+        with _refusing():
+            found = _interfaces(graph).find_service(ros_type)
+    return found
 
-    for known in chain(graph.get_service_types(), standard_types.services_of(wanted[0])):
-        if _parts(known.ros_type) == wanted:
-            return known
-    raise standard_types.unknown_service(ros_type)
+
+@contextmanager
+def _refusing() -> Iterator[None]:
+    try:
+        yield
+    except UsageError as exc:  # the client's mistake
+        raise PeerError(str(exc)) from exc
+
+
+def _interfaces(graph: Graph) -> Interfaces:
+    """Return the interfaces of *graph* with homebot's own among them."""
+    graph.interfaces.add_modules("homebot", _OWN_MODULES)
+    return graph.interfaces
 
 
 def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
@@ -121,7 +145,7 @@ def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, 
 
 
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the action type called *ros_type*, from those of actions on *graph*, or from the standard ones.
+    """Return the action type called *ros_type*, from those of actions on *graph*, or by its definition.
 
     Raises:
         PeerError: It is unknown; the message suggests similar names.
@@ -131,9 +155,8 @@ def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
         known = graph.get_action_type(action.name)
         if known is not None and _parts(known.ros_type) == wanted:
             return known
-    from homebot.bridges.rosbridge import standard_types  # noqa: PLC0415 - as above
-
-    return standard_types.find_action(ros_type)
+    with _refusing():
+        return _interfaces(graph).find_action(ros_type)
 
 
 def _parts(ros_type: str) -> tuple[str, str]:

@@ -4,7 +4,7 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-from homebot.messages.message import Float32, Int64, Message
+from homebot.messages.message import Float32, Float64Array, Int64, Message
 
 __all__ = [
     "Accel",
@@ -25,7 +25,7 @@ __all__ = [
     "Wrench",
 ]
 
-_Covariance: TypeAlias = Annotated[tuple[float, ...], Field(min_length=36, max_length=36)]
+_Covariance: TypeAlias = Annotated[Float64Array, Field(min_length=36, max_length=36)]
 """Six rows of six: x, y, z, and the rotations about them."""
 
 

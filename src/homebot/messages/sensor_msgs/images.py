@@ -4,13 +4,13 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-from homebot.messages.message import Message, UInt8, UInt32
+from homebot.messages.message import Float64Array, Message, UInt8, UInt32
 from homebot.messages.std_msgs.header import Header
 
 __all__ = ["CameraInfo", "CompressedImage", "Image", "RegionOfInterest"]
 
-_Square: TypeAlias = Annotated[tuple[float, ...], Field(min_length=9, max_length=9)]
-_Projection: TypeAlias = Annotated[tuple[float, ...], Field(min_length=12, max_length=12)]
+_Square: TypeAlias = Annotated[Float64Array, Field(min_length=9, max_length=9)]
+_Projection: TypeAlias = Annotated[Float64Array, Field(min_length=12, max_length=12)]
 
 
 class Image(Message, ros_type="sensor_msgs/msg/Image"):
@@ -78,7 +78,7 @@ class CameraInfo(Message, ros_type="sensor_msgs/msg/CameraInfo"):
     height: UInt32
     width: UInt32
     distortion_model: str
-    d: tuple[float, ...]
+    d: Float64Array
     k: _Square
     r: _Square
     p: _Projection

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs.values import Quaternion, Vector3
-from homebot.messages.message import Float32, Int8, Int32, Message, UInt8, UInt16
+from homebot.messages.message import Float32, Float32Array, Float64Array, Int8, Int32Array, Message, UInt8, UInt16
 from homebot.messages.std_msgs.header import Header
 
 __all__ = [
@@ -21,7 +21,7 @@ __all__ = [
     "TimeReference",
 ]
 
-_Covariance: TypeAlias = Annotated[tuple[float, ...], Field(min_length=9, max_length=9)]
+_Covariance: TypeAlias = Annotated[Float64Array, Field(min_length=9, max_length=9)]
 """Three rows of three: x, y, z."""
 
 
@@ -66,9 +66,9 @@ class JointState(Message, ros_type="sensor_msgs/msg/JointState"):
 
     header: Header
     name: tuple[str, ...]
-    position: tuple[float, ...]
-    velocity: tuple[float, ...]
-    effort: tuple[float, ...]
+    position: Float64Array
+    velocity: Float64Array
+    effort: Float64Array
 
 
 class Joy(Message, ros_type="sensor_msgs/msg/Joy"):
@@ -80,8 +80,8 @@ class Joy(Message, ros_type="sensor_msgs/msg/Joy"):
     """
 
     header: Header
-    axes: tuple[Float32, ...]
-    buttons: tuple[Int32, ...]
+    axes: Float32Array
+    buttons: Int32Array
 
 
 class JoyFeedback(Message, ros_type="sensor_msgs/msg/JoyFeedback"):

@@ -1,6 +1,6 @@
 """ROS ``sensor_msgs`` of one quantity each, and of batteries."""
 
-from homebot.messages.message import Float32, Message, UInt8
+from homebot.messages.message import Float32, Float32Array, Message, UInt8
 from homebot.messages.std_msgs.header import Header
 
 __all__ = ["BatteryState", "FluidPressure", "Illuminance", "RelativeHumidity", "Temperature"]
@@ -89,7 +89,7 @@ class BatteryState(Message, ros_type="sensor_msgs/msg/BatteryState"):
     power_supply_health: UInt8
     power_supply_technology: UInt8
     present: bool
-    cell_voltage: tuple[Float32, ...]
-    cell_temperature: tuple[Float32, ...]
+    cell_voltage: Float32Array
+    cell_temperature: Float32Array
     location: str
     serial_number: str

@@ -1,6 +1,6 @@
 """ROS ``sensor_msgs`` of distance sensors."""
 
-from homebot.messages.message import Float32, Message, UInt8, UInt32
+from homebot.messages.message import Float32, Float32Array, Message, UInt8, UInt32
 from homebot.messages.std_msgs.header import Header
 
 __all__ = ["LaserScan", "PointCloud2", "PointField", "Range"]
@@ -29,8 +29,8 @@ class LaserScan(Message, ros_type="sensor_msgs/msg/LaserScan"):
     scan_time: Float32
     range_min: Float32
     range_max: Float32
-    ranges: tuple[Float32, ...]
-    intensities: tuple[Float32, ...]
+    ranges: Float32Array
+    intensities: Float32Array
 
 
 class Range(Message, ros_type="sensor_msgs/msg/Range"):

@@ -47,35 +47,35 @@ class ByteMultiArray(Message, ros_type="std_msgs/msg/ByteMultiArray"):
     """A matrix of numbers from 0 to 255, as a list in JSON."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Byte, ...]
+    data: fields.ByteArray
 
 
 class Int8MultiArray(Message, ros_type="std_msgs/msg/Int8MultiArray"):
     """A matrix of whole numbers of 8 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Int8, ...]
+    data: fields.Int8Array
 
 
 class Int16MultiArray(Message, ros_type="std_msgs/msg/Int16MultiArray"):
     """A matrix of whole numbers of 16 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Int16, ...]
+    data: fields.Int16Array
 
 
 class Int32MultiArray(Message, ros_type="std_msgs/msg/Int32MultiArray"):
     """A matrix of whole numbers of 32 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Int32, ...]
+    data: fields.Int32Array
 
 
 class Int64MultiArray(Message, ros_type="std_msgs/msg/Int64MultiArray"):
     """A matrix of whole numbers of 64 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Int64, ...]
+    data: fields.Int64Array
 
 
 class UInt8MultiArray(Message, ros_type="std_msgs/msg/UInt8MultiArray"):
@@ -89,32 +89,32 @@ class UInt16MultiArray(Message, ros_type="std_msgs/msg/UInt16MultiArray"):
     """A matrix of whole numbers of 16 bits, from 0."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.UInt16, ...]
+    data: fields.UInt16Array
 
 
 class UInt32MultiArray(Message, ros_type="std_msgs/msg/UInt32MultiArray"):
     """A matrix of whole numbers of 32 bits, from 0."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.UInt32, ...]
+    data: fields.UInt32Array
 
 
 class UInt64MultiArray(Message, ros_type="std_msgs/msg/UInt64MultiArray"):
     """A matrix of whole numbers of 64 bits, from 0."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.UInt64, ...]
+    data: fields.UInt64Array
 
 
 class Float32MultiArray(Message, ros_type="std_msgs/msg/Float32MultiArray"):
     """A matrix of real numbers of 32 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Float32, ...]
+    data: fields.Float32Array
 
 
 class Float64MultiArray(Message, ros_type="std_msgs/msg/Float64MultiArray"):
     """A matrix of real numbers of 64 bits."""
 
     layout: MultiArrayLayout
-    data: tuple[fields.Float64, ...]
+    data: fields.Float64Array

@@ -1,0 +1,15 @@
+"""Interfaces of ROS by name: messages, services and actions, made of the text of their files when they are first named.
+
+Source: ROS 2, "Interfaces" (``.msg``, ``.srv`` and ``.action`` files); rosidl, ``rosidl_adapter``.
+"""
+
+from homebot.messages.interfaces.interfaces import (
+    DISTRIBUTIONS,
+    Interfaces,
+    find_action,
+    find_message,
+    find_service,
+    interface_names,
+)
+
+__all__ = ["DISTRIBUTIONS", "Interfaces", "find_action", "find_message", "find_service", "interface_names"]

@@ -1,0 +1,100 @@
+"""Builder of the classes of messages, services and actions from their parsed text."""
+
+from collections.abc import Callable, Sequence
+from types import GenericAlias, new_class
+from typing import Annotated, Any, ClassVar, Final
+
+from pydantic import Field
+
+from homebot.errors import UsageError
+from homebot.messages import message as fields
+from homebot.messages.action import ActionType
+from homebot.messages.definition import FieldDefinition
+from homebot.messages.interfaces.interface_text import ParsedMessage
+from homebot.messages.message import Message, RosType, ServiceType
+
+__all__ = ["Interface", "build_interface", "messages_in"]
+
+Interface = type[Message] | ServiceType[Any, Any] | ActionType[Any, Any, Any]
+
+FindMessage = Callable[[str], type[Message]]
+
+_NUMBERS: Final = {
+    "byte": (fields.Byte, fields.ByteArray),
+    "char": (fields.Char, fields.CharArray),
+    "int8": (fields.Int8, fields.Int8Array),
+    "uint8": (fields.UInt8, bytes),
+    "int16": (fields.Int16, fields.Int16Array),
+    "uint16": (fields.UInt16, fields.UInt16Array),
+    "int32": (fields.Int32, fields.Int32Array),
+    "uint32": (fields.UInt32, fields.UInt32Array),
+    "int64": (fields.Int64, fields.Int64Array),
+    "uint64": (fields.UInt64, fields.UInt64Array),
+    "float32": (fields.Float32, fields.Float32Array),
+    "float64": (fields.Float64, fields.Float64Array),
+}
+"""The types of a field and of an array of each number."""
+
+
+def build_interface(key: str, parsed: Sequence[ParsedMessage], find: FindMessage) -> Interface:
+    """Return the interface *key* (``package/kind/Name``) with the messages *parsed*.
+
+    Args:
+        key: Its name.
+        parsed: Its messages, in the order of its kind.
+        find: Returns the class of a nested message by its key.
+
+    Raises:
+        UsageError: A field has a name or a default that it cannot have.
+    """
+    classes = [_build_message(message, find) for message in parsed]
+    if len(classes) == 1:
+        return classes[0]
+    return ServiceType(key, *classes) if len(classes) == 2 else ActionType(key, *classes)
+
+
+def messages_in(interface: Interface) -> tuple[type[Message], ...]:
+    """Return the messages of *interface*, in the order of its kind."""
+    if isinstance(interface, ServiceType):
+        return interface.Request, interface.Response
+    if isinstance(interface, ActionType):
+        return interface.Goal, interface.Result, interface.Feedback
+    return (interface,)
+
+
+def _build_message(parsed: ParsedMessage, find: FindMessage) -> type[Message]:
+    annotations: dict[str, object] = dict.fromkeys(parsed.constants, ClassVar)
+    defaults: dict[str, object] = {}
+    for field in parsed.fields:
+        name = field.definition.name
+        if hasattr(Message, name):
+            raise UsageError(f"{parsed.ros_type}: messages have a {name!r} of their own; give the field another name")
+        annotations[name] = _annotation(field.definition, find)
+        if field.default is not None:
+            defaults[name] = field.default
+    body = {"__annotations__": annotations, "__module__": __name__, "__doc__": f"``{parsed.ros_type}``."}
+    message: type[Message] = new_class(
+        parsed.ros_type.rpartition("/")[2],
+        (Message,),
+        {"ros_type": parsed.ros_type},
+        lambda names: names.update(body | parsed.constants | defaults),
+    )
+    return message
+
+
+def _annotation(field: FieldDefinition, find: FindMessage) -> object:
+    element = _element(field, find)
+    if not field.is_array:
+        return element
+    sequence: Any = _NUMBERS[field.ros_type][1] if field.ros_type in _NUMBERS else GenericAlias(tuple, (element, ...))
+    if field.size is not None:
+        return Annotated[sequence, Field(min_length=field.size, max_length=field.size)]
+    return sequence if field.bound is None else Annotated[sequence, Field(max_length=field.bound)]
+
+
+def _element(field: FieldDefinition, find: FindMessage) -> object:
+    if field.ros_type in _NUMBERS:
+        return _NUMBERS[field.ros_type][0]
+    if field.ros_type == "string":
+        return str if field.longest is None else Annotated[str, RosType("string"), Field(max_length=field.longest)]
+    return bool if field.ros_type == "bool" else find(field.ros_type)

@@ -1,0 +1,177 @@
+"""Parser of the text of ``.msg``, ``.srv`` and ``.action`` files. Pure."""
+
+from __future__ import annotations
+
+import ast
+import re
+from array import array
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+from homebot.errors import UsageError
+from homebot.messages.definition import FieldDefinition
+from homebot.messages.numeric_array import LAYOUTS
+
+__all__ = ["KINDS", "ParsedField", "ParsedMessage", "interface_key", "parse_interface", "split_definitions"]
+
+KINDS: Final = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+"""The messages of each kind of interface, by the suffixes of their names."""
+
+_PRIMITIVES: Final = {*LAYOUTS, "bool", "string"}
+_NAME = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>msg|srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)")
+_LINE = re.compile(
+    r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<longest>\d+))?(?P<array>\[(?P<bound><=)?(?P<count>\d*)\])?"
+    r"\s+(?P<name>[A-Za-z][A-Za-z0-9_]*)\s*(?:(?P<constant>=)\s*)?(?P<value>.*)"
+)
+_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
+_CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
+_COMMENT = re.compile(r"""((?:[^#"']|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|["'])*?)(?:#.*)?""")
+_ITEM = re.compile(r"""\s*("(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[^,\s][^,]*?)\s*(?:,|$)""")
+_SECTION = re.compile(r"^={80}\nMSG: (\S+)\n", re.MULTILINE)
+_PART = re.compile(r"^---[^\S\n]*$", re.MULTILINE)
+_TRUTHS: Final = {"true": True, "1": True, "false": False, "0": False}
+
+
+@dataclass(frozen=True, slots=True)
+class ParsedField:
+    """One field of a message, by its line.
+
+    Attributes:
+        definition: Its definition, without the class of a nested message.
+        default: The declared default, or None.
+    """
+
+    definition: FieldDefinition
+    default: object = None
+
+
+@dataclass(frozen=True, slots=True)
+class ParsedMessage:
+    """The fields of a message in order, and its constants."""
+
+    ros_type: str
+    fields: tuple[ParsedField, ...]
+    constants: dict[str, object]
+
+
+def interface_key(ros_type: str, kind: str = "msg") -> str:
+    """Return ``package/kind/Name`` for *ros_type*, which may leave out the *kind*; empty if it is no such name."""
+    named = _NAME.fullmatch(ros_type)
+    if named is None or named["kind"] not in {None, kind} or "__" in ros_type:
+        return ""
+    return f"{named['package']}/{kind}/{named['name']}"
+
+
+def split_definitions(ros_type: str, text: str) -> dict[str, str]:
+    """Return the text of *ros_type* and of the messages after it, in the form of ``definition_text``, by key.
+
+    Raises:
+        UsageError: A name is none of a type, or comes twice.
+    """
+    own, *rest = _SECTION.split(text.replace("\r\n", "\n"))
+    texts = {ros_type: own}
+    for name, section in zip(rest[::2], rest[1::2], strict=True):
+        key = interface_key(name)
+        if not key or key in texts:
+            raise UsageError(f"{ros_type}: {name[:100]!r} is defined twice, or is no name of a message")
+        texts[key] = section
+    return texts
+
+
+def parse_interface(key: str, text: str) -> tuple[ParsedMessage, ...]:
+    """Return the messages of the interface *key* (``package/kind/Name``) with the *text*.
+
+    Raises:
+        UsageError: A line is none of an interface; the message names type, line and problem.
+    """
+    kind = key.split("/")[1]
+    parts, suffixes = _PART.split(text.replace("\r\n", "\n")), KINDS[kind]
+    if len(parts) != len(suffixes):
+        raise UsageError(f"{key}: a .{kind} file has {len(suffixes)} parts with a line --- between them")
+    return tuple(_parse_message(f"{key}{suffix}", part) for suffix, part in zip(suffixes, parts, strict=True))
+
+
+def _parse_message(ros_type: str, text: str) -> ParsedMessage:
+    fields: dict[str, ParsedField] = {}
+    constants: dict[str, object] = {}
+    for number, line in _lines(text):
+        try:
+            parsed = _parse_line(ros_type.partition("/")[0], line)
+            if isinstance(parsed, ParsedField):
+                _add(fields, parsed.definition.name, parsed)
+            else:
+                _add(constants, *parsed)
+        except (ValueError, OverflowError, SyntaxError) as exc:
+            raise UsageError(f"{ros_type}: line {number}: {exc}, got {line[:100]!r}") from exc
+    return ParsedMessage(ros_type, tuple(fields.values()), constants)
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(text.split("\n"), start=1):
+        kept = _COMMENT.fullmatch(line)
+        if stripped := (kept[1] if kept else line).strip():
+            yield number, stripped
+
+
+def _add(table: dict[str, object] | dict[str, ParsedField], name: str, value: object) -> None:
+    if name in table:
+        raise ValueError(f"there are two {name!r}")
+    table[name] = value  # type: ignore[assignment]  # the table of its kind
+
+
+def _parse_line(package: str, line: str) -> ParsedField | tuple[str, object]:
+    parts = _LINE.fullmatch(line)
+    if parts is None:
+        raise ValueError("a line is TYPE NAME, TYPE NAME DEFAULT or TYPE NAME=VALUE")
+    base, name, value = parts["base"], parts["name"], parts["value"]
+    longest = int(parts["longest"]) if parts["longest"] else None
+    if longest is not None and base != "string":
+        raise ValueError("only a string has a bound before its brackets")
+    if parts["constant"]:
+        if parts["array"] or base not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(name):
+            raise ValueError("a constant is of one primitive, in capitals")
+        return name, _parse_value(base, value)
+    if not _FIELD_NAME.fullmatch(name):
+        raise ValueError("a field has small letters, digits and single underscores")
+    if base not in _PRIMITIVES:
+        base = _nested_key(package, base)
+    count = int(parts["count"]) if parts["count"] else None
+    if (parts["bound"] and count is None) or count == 0:
+        raise ValueError("the length of an array is at least 1")
+    size, bound = (None, count) if parts["bound"] else (count, None)
+    field = FieldDefinition(name, base, is_array=bool(parts["array"]), size=size, bound=bound, longest=longest)
+    return ParsedField(field, _parse_default(field, value) if value else None)
+
+
+def _nested_key(package: str, base: str) -> str:
+    key = interface_key(base if "/" in base else f"{package}/{base}")
+    if not key:
+        raise ValueError(f"{base!r} is no type; known are {', '.join(sorted(_PRIMITIVES))}, and package/Name")
+    return key
+
+
+def _parse_default(field: FieldDefinition, text: str) -> object:
+    if field.ros_type not in _PRIMITIVES:
+        raise ValueError("only a primitive has a default")
+    if not field.is_array:
+        return _parse_value(field.ros_type, text)
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError("the default of an array is [VALUE, …]")
+    values = tuple(_parse_value(field.ros_type, item) for item in _ITEM.findall(text[1:-1]))
+    if len(values) > (field.size or field.bound or len(values)) or len(values) < (field.size or 0):
+        raise ValueError(f"there are {len(values)} values")
+    return bytes(values) if field.is_bytes else values
+
+
+def _parse_value(base: str, text: str) -> Any:
+    if base == "string":
+        quoted = len(text) > 1 and text[0] == text[-1] and text[0] in "\"'"
+        return str(ast.literal_eval(text)) if quoted else text
+    if base == "bool":
+        if text.lower() not in _TRUTHS:
+            raise ValueError("a bool is true or false")
+        return _TRUTHS[text.lower()]
+    number = float(text) if base.startswith("float") else int(text, 0)
+    array(LAYOUTS[base], (number,))  # raises if it is out of range
+    return number

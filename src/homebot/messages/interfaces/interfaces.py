@@ -1,0 +1,300 @@
+"""The interfaces that a homebot knows: those that it comes with, of the owner's folders, and of its clients."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from functools import lru_cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import get_data
+from typing import Any, Final
+
+from homebot.errors import UnknownTypeError, UsageError
+from homebot.messages.action import ActionType
+from homebot.messages.definition import fields_of
+from homebot.messages.interfaces.interface_classes import Interface, build_interface, messages_in
+from homebot.messages.interfaces.interface_text import (
+    KINDS,
+    ParsedMessage,
+    interface_key,
+    parse_interface,
+    split_definitions,
+)
+from homebot.messages.message import Message, ServiceType
+from homebot.support.similar import similar_to
+
+__all__ = ["DISTRIBUTIONS", "Interfaces", "find_action", "find_message", "find_service", "interface_names"]
+
+DISTRIBUTIONS: Final = ("humble", "jazzy", "kilted")
+"""The distributions of ROS 2 of which there are definitions."""
+
+_DEFAULT: Final = "jazzy"
+_HOME: Final = "homebot.messages"
+_CLASSES: Final = (
+    "action_msgs",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "example_interfaces",
+    "geometry_msgs",
+    "nav_msgs",
+    "rcl_interfaces",
+    "rosgraph_msgs",
+    "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
+    "tf2_msgs",
+    "unique_identifier_msgs",
+)
+"""The packages with classes in a module of their name, which go before a definition by text."""
+
+_MOST_DEFINED: Final = 500
+_LONGEST_TEXT: Final = 65_536
+_MOST_FIELDS: Final = 1_000
+_DEEPEST: Final = 20
+_MOST_VALUES: Final = 100_000
+"""Values in a message without any array of open length, as a fixed array of fixed arrays is as large as it likes."""
+
+_LONGEST_NAME: Final = 100
+
+
+class Interfaces:
+    """The interfaces known by name; the class of each is made when it is first named.
+
+    Args:
+        texts: Definitions of the owner by ``package/kind/Name``; see :meth:`read_folder`.
+        distribution: The distribution of ROS 2, one of :data:`DISTRIBUTIONS`, whose definitions count.
+    """
+
+    def __init__(
+        self,
+        texts: Mapping[str, str] | None = None,
+        distribution: str = _DEFAULT,
+    ) -> None:
+        self._texts = dict(texts or {})
+        self._distribution = distribution
+        self._modules: dict[str, tuple[str, ...]] = {package: (f"{_HOME}.{package}",) for package in _CLASSES}
+        self._defined: dict[str, str] = {}
+        self._built: dict[str, Interface] = {}
+        self._open: list[str] = []
+
+    @staticmethod
+    def read_folder(folder: Path) -> dict[str, str]:
+        """Return the text of every interface file below *folder* by its key; its package is the folder above its kind.
+
+        Raises:
+            OSError: A file or folder cannot be read.
+            UsageError: A file has a name that no interface has, or is not text.
+        """
+        texts = {}
+        for path in sorted(path for kind in KINDS for path in folder.rglob(f"{kind}/*.{kind}")):
+            kind = path.parent.name
+            key = interface_key(f"{path.parent.parent.resolve().name}/{kind}/{path.stem}", kind)
+            if not key:
+                raise UsageError(f"{path}: an interface is PACKAGE/{kind}/Name.{kind}, its name in CamelCase")
+            try:
+                texts[key] = path.read_text(encoding="utf-8")
+            except UnicodeDecodeError as exc:
+                raise UsageError(f"{path} is no text in UTF-8: {exc}") from exc
+        return texts
+
+    def add_modules(self, package: str, modules: tuple[str, ...]) -> None:
+        """Add the interfaces that *modules* export, the classes of *package*; they are loaded when one is named."""
+        self._modules[package] = modules
+
+    def find_message(self, ros_type: str) -> type[Message]:
+        """Return the message called *ros_type*, ``package/msg/Name`` or ``package/Name``.
+
+        Raises:
+            UnknownTypeError: There is none of that name; the error suggests similar ones.
+            UsageError: Its definition is invalid.
+        """
+        found = self._find(ros_type, "msg")
+        assert isinstance(found, type)  # noqa: S101 - by its kind
+        return found
+
+    def find_service(self, ros_type: str) -> ServiceType[Any, Any]:
+        """Return the service called *ros_type*, as :meth:`find_message` does."""
+        found = self._find(ros_type, "srv")
+        assert isinstance(found, ServiceType)  # noqa: S101 - by its kind
+        return found
+
+    def find_action(self, ros_type: str) -> ActionType[Any, Any, Any]:
+        """Return the action called *ros_type*, as :meth:`find_message` does."""
+        found = self._find(ros_type, "action")
+        assert isinstance(found, ActionType)  # noqa: S101 - by its kind
+        return found
+
+    def names(self, package: str = "") -> tuple[str, ...]:
+        """Return the known interfaces as ``package/kind/Name``, sorted; of one *package* if it is given."""
+        known = {*_shipped_names(), *self._texts, *self._defined}
+        for own in self._modules.keys() - set(_CLASSES):
+            known |= self._classes_of(own).keys()
+        return tuple(sorted(key for key in known if not package or key.startswith(f"{package}/")))
+
+    def define(self, ros_type: str, definition: str) -> Interface:
+        """Define *ros_type* (``package/kind/Name``) by the text of its file, with nested messages after it.
+
+        Those follow as ``gendeps --cat`` and recordings write them: a line of 80 ``=``, a line ``MSG: package/Name``. A
+        type that is known already must have the same fields.
+
+        Raises:
+            UsageError: The definition is invalid, too large, or differs from the known one.
+        """
+        parts = ros_type[:_LONGEST_NAME].split("/")
+        kind = parts[1] if len(parts) == 3 and parts[1] in KINDS else "msg"
+        key = interface_key(ros_type, kind)
+        if not key:
+            raise UsageError(f"{ros_type[:_LONGEST_NAME]!r} is no type; write package/msg/Name, with srv or action")
+        if len(definition) > _LONGEST_TEXT:
+            raise UsageError(
+                f"{key}: the definition has {len(definition)} characters, at most {_LONGEST_TEXT} are read"
+            )
+        texts = split_definitions(key, definition)
+        parsed = {name: parse_interface(name, text) for name, text in texts.items()}
+        if sum(len(message.fields) for messages in parsed.values() for message in messages) > _MOST_FIELDS:
+            raise UsageError(f"{key}: the definition has more than {_MOST_FIELDS} fields")
+        known = {name for name in parsed if self._is_known(name)}
+        for name in known:
+            self._check_same(name, parsed[name])
+        if len(self._defined) + len(parsed) - len(known) > _MOST_DEFINED:
+            raise UsageError(
+                f"{key}: clients have defined {len(self._defined)} types, at most {_MOST_DEFINED} are kept"
+            )
+        before = dict(self._built), dict(self._defined)
+        self._defined |= {name: text for name, text in texts.items() if name not in known}
+        try:
+            for name in parsed:
+                _check_size(name, messages_in(self._resolve(name)))
+        except UsageError:
+            self._built, self._defined = before
+            raise
+        return self._resolve(key)
+
+    def _find(self, ros_type: str, kind: str) -> Interface:
+        shown = ros_type[:_LONGEST_NAME]
+        key = interface_key(shown, kind)
+        if not key or not self._is_known(key):
+            raise UnknownTypeError(shown, _KIND_NAMES[kind], self._similar(key, kind))
+        return self._resolve(key)
+
+    def _is_known(self, key: str) -> bool:
+        texts = (self._built, self._texts, self._defined, _shipped_names())
+        return any(key in known for known in texts) or key in self._classes_of(key.partition("/")[0])
+
+    def _similar(self, key: str, kind: str) -> list[str]:
+        """Return the likely names in place of the unknown *key*, of the packages with a likely name."""
+        package, _, name = key.partition(f"/{kind}/")
+        known = [known for known in self.names() if f"/{kind}/" in known]
+        packages = {known.partition("/")[0] for known in known}
+        if kind == "msg" or not key:  # there are many; services and actions of tutorials are named alike everywhere
+            packages = {*(similar_to(package, packages, 0.7) if key else ())}
+        names = {known.rpartition("/")[2]: known for known in known if known.partition("/")[0] in packages}
+        return [names[similar] for similar in similar_to(name, names, 0.7)]
+
+    def _resolve(self, key: str) -> Interface:
+        if key not in self._built:
+            self._built[key] = self._classes_of(key.partition("/")[0]).get(key) or self._build(key)
+        return self._built[key]
+
+    def _build(self, key: str) -> Interface:
+        if key in self._open:
+            raise UsageError(f"{key} holds itself, by way of {', '.join(self._open)}")
+        self._open.append(key)
+        try:
+            return build_interface(key, parse_interface(key, self._text(key)), self.find_message)
+        finally:
+            self._open.pop()
+
+    def _text(self, key: str) -> str:
+        text = self._texts.get(key) or self._defined.get(key)
+        return text if text is not None else _shipped_text(key, self._distribution)
+
+    def _classes_of(self, package: str) -> Mapping[str, Interface]:
+        return _classes_in(self._modules.get(package, ()))
+
+    def _check_same(self, key: str, parsed: Iterable[ParsedMessage]) -> None:
+        known = [[field.declaration for field in fields_of(one)] for one in messages_in(self._resolve(key))]
+        given = [[field.definition.declaration for field in message.fields] for message in parsed]
+        if known != given:
+            raise UsageError(f"{key} is known with other fields ({known}); give the type another name")
+
+
+_KIND_NAMES: Final = {"msg": "message", "srv": "service", "action": "action"}
+
+
+def _check_size(key: str, messages: Iterable[type[Message]]) -> None:
+    for message in messages:
+        values, depth = _size(message)
+        if values > _MOST_VALUES or depth > _DEEPEST:
+            raise UsageError(
+                f"{key} holds {values} values in {depth} levels, at most {_MOST_VALUES} in {_DEEPEST} are possible"
+            )
+
+
+@lru_cache(maxsize=1024)
+def _size(message: type[Message]) -> tuple[int, int]:
+    """Return the values in a message without arrays of open length, and its levels."""
+    values, depth = 1, 1
+    for field in fields_of(message):
+        inner, levels = _size(field.message) if field.message is not None else (1, 0)
+        values += inner * (field.size or 1)
+        depth = max(depth, levels + 1)
+    return values, depth
+
+
+@lru_cache
+def _classes_in(modules: tuple[str, ...]) -> Mapping[str, Interface]:
+    """Return the interfaces that *modules* export, by name; the messages of a service are no interfaces."""
+    found: dict[str, Interface] = {}
+    for name in modules:
+        module = import_module(name)
+        for exported in (getattr(module, item) for item in module.__all__):
+            if isinstance(exported, ServiceType | ActionType) or (
+                isinstance(exported, type) and issubclass(exported, Message)
+            ):
+                found[exported.ros_type] = exported
+    return {key: interface for key, interface in found.items() if interface_key(key, key.split("/")[1]) == key}
+
+
+@lru_cache
+def _shipped_names() -> frozenset[str]:
+    return frozenset(_read("names").split())
+
+
+def _shipped_text(key: str, distribution: str) -> str:
+    package, kind, name = key.split("/")
+    for folder in (f"distributions/{distribution}/", ""):
+        with suppress(FileNotFoundError):
+            return _read(f"{folder}{package}/{kind}/{name}.{kind}")
+    raise UnknownTypeError(key, _KIND_NAMES[kind], ())
+
+
+def _read(path: str) -> str:
+    """Return the text of the shipped file *path*, as a module is loaded: from wherever the package lies."""
+    return (get_data(_HOME, f"share/{path}") or b"").decode()
+
+
+@lru_cache
+def _shipped() -> Interfaces:
+    return Interfaces()
+
+
+def find_message(ros_type: str) -> type[Message]:
+    """Return the message of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
+    return _shipped().find_message(ros_type)
+
+
+def find_service(ros_type: str) -> ServiceType[Any, Any]:
+    """Return the service of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
+    return _shipped().find_service(ros_type)
+
+
+def find_action(ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the action of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
+    return _shipped().find_action(ros_type)
+
+
+def interface_names(package: str = "") -> tuple[str, ...]:
+    """Return the interfaces that homebot comes with; see :meth:`Interfaces.names`."""
+    return _shipped().names(package)

@@ -1,0 +1,128 @@
+"""Type hashes of ROS 2 (RIHS01), by which two programs see that they mean the same interface. Pure.
+
+Source: ROS 2 REP 2016, "Type description and type hash"; rosidl, ``type_description_interfaces/msg/FieldType`` for the
+numbers of types.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from typing import Any, Final, TypeAlias
+
+from homebot.messages.action import ActionType
+from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["type_hash"]
+
+_Field: TypeAlias = "dict[str, Any]"
+
+_NESTED: Final = 1
+_BOUNDED_STRING: Final = 21
+_FIXED_ARRAY, _BOUNDED_ARRAY, _ARRAY = 48, 96, 144
+_PRIMITIVES: Final = {
+    "int8": 2,
+    "uint8": 3,
+    "char": 3,
+    "int16": 4,
+    "uint16": 5,
+    "int32": 6,
+    "uint32": 7,
+    "int64": 8,
+    "uint64": 9,
+    "float32": 10,
+    "float64": 11,
+    "bool": 15,
+    "byte": 16,
+    "string": 17,
+}
+_EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
+_EVENT_FIELDS: Final = (
+    FieldDefinition("event_type", "uint8"),
+    FieldDefinition("stamp", "builtin_interfaces/msg/Time"),
+    FieldDefinition("client_gid", "char", is_array=True, size=16),
+    FieldDefinition("sequence_number", "int64"),
+)
+_TIME_FIELDS: Final = (FieldDefinition("sec", "int32"), FieldDefinition("nanosec", "uint32"))
+
+
+def type_hash(interface: type[Message] | ServiceType[Any, Any] | ActionType[Any, Any, Any]) -> str:
+    """Return the RIHS01 hash of a message, a service or an action."""
+    types: dict[str, list[_Field]] = {}
+    if isinstance(interface, ServiceType):
+        _add_service(types, interface)
+    elif isinstance(interface, ActionType):
+        _add_action(types, interface)
+    else:
+        _add_message(types, interface)
+    name = interface.ros_type
+    description = {
+        "type_description": _individual(name, types.pop(name)),
+        "referenced_type_descriptions": [_individual(one, types[one]) for one in sorted(types)],
+    }
+    return f"RIHS01_{hashlib.sha256(json.dumps(description).encode()).hexdigest()}"
+
+
+def _individual(name: str, fields: list[_Field]) -> dict[str, object]:
+    return {"type_name": name, "fields": fields}
+
+
+def _add_message(types: dict[str, list[_Field]], message: type[Message]) -> None:
+    for one in (message, *nested_types(message)):
+        types[one.ros_type] = _described(fields_of(one))
+
+
+def _add_service(types: dict[str, list[_Field]], service: ServiceType[Any, Any]) -> None:
+    _add_message(types, service.Request)
+    _add_message(types, service.Response)
+    types["builtin_interfaces/msg/Time"] = _described(_TIME_FIELDS)
+    types[_EVENT_INFO] = _described(_EVENT_FIELDS)
+    event = f"{service.ros_type}_Event"
+    sides = (("request", f"{service.ros_type}_Request"), ("response", f"{service.ros_type}_Response"))
+    types[event] = _described(
+        (
+            FieldDefinition("info", _EVENT_INFO),
+            *(FieldDefinition(side, name, is_array=True, bound=1) for side, name in sides),
+        )
+    )
+    members = (*((f"{side}_message", name) for side, name in sides), ("event_message", event))
+    types[service.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members)
+
+
+def _add_action(types: dict[str, list[_Field]], action: ActionType[Any, Any, Any]) -> None:
+    for message in (action.Goal, action.Result, action.Feedback, action.FeedbackMessage):
+        _add_message(types, message)
+    for service in (action.SendGoal, action.GetResult):
+        _add_service(types, service)
+    members = {
+        "goal": action.Goal.ros_type,
+        "result": action.Result.ros_type,
+        "feedback": action.Feedback.ros_type,
+        "send_goal_service": action.SendGoal.ros_type,
+        "get_result_service": action.GetResult.ros_type,
+        "feedback_message": action.FeedbackMessage.ros_type,
+    }
+    types[action.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members.items())
+
+
+def _described(fields: Iterable[FieldDefinition]) -> list[_Field]:
+    described = [{"name": field.name, "type": _field_type(field)} for field in fields]
+    if not described:  # IDL has no empty structures, so ROS 2 gives them a member
+        empty = FieldDefinition("structure_needs_at_least_one_member", "uint8")
+        described = [{"name": empty.name, "type": _field_type(empty)}]
+    return described
+
+
+def _field_type(field: FieldDefinition) -> dict[str, object]:
+    is_nested = field.ros_type not in _PRIMITIVES
+    number = _NESTED if is_nested else _PRIMITIVES[field.ros_type] if field.longest is None else _BOUNDED_STRING
+    if field.is_array:
+        number += _FIXED_ARRAY if field.size is not None else _ARRAY if field.bound is None else _BOUNDED_ARRAY
+    return {
+        "type_id": number,
+        "capacity": field.size or field.bound or 0,
+        "string_capacity": field.longest or 0,
+        "nested_type_name": field.ros_type if is_nested else "",
+    }
