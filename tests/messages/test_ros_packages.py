@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from homebot.messages.packages import MESSAGE_PACKAGES, SERVICE_PACKAGES, messages_of, services_of
 
+from homebot.errors import UnknownTypeError
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
 from homebot.messages.geometry_msgs import Pose, Quaternion, TwistStamped
+from homebot.messages.interfaces import find_message, find_service, interface_names
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
 
@@ -52,21 +53,12 @@ def _element(field: FieldDefinition, numbers: Iterator[int]) -> object:
     return number / 2 if field.ros_type.startswith("float") else number % 100
 
 
-TYPES = {one.ros_type: one for package in MESSAGE_PACKAGES for one in messages_of(package)}
-
-
-def test_every_type_is_compared() -> None:
-    """The parameters of a node and log lines have tests of their own."""
-    compared = {name for name, _, _ in golden()}
-    assert {name for name in TYPES if not name.startswith("rcl_interfaces/")} == compared
-
-
 @pytest.mark.parametrize(("name", "fields", "raw"), [pytest.param(*one, id=one[0]) for one in golden()])
 def test_a_type_has_the_fields_and_the_bytes_of_ros_2(name: str, fields: list[str], raw: bytes) -> None:
-    message = sample(TYPES[name])
-    assert [field.declaration for field in fields_of(TYPES[name])] == fields
+    message = sample(find_message(name))
+    assert [field.declaration for field in fields_of(find_message(name))] == fields
     assert message_to_cdr(message) == raw
-    assert message_from_json(TYPES[name], message_to_json(message)) == message
+    assert message_from_json(find_message(name), message_to_json(message)) == message
 
 
 def test_the_text_of_a_type_has_those_inside_after_it() -> None:
@@ -87,15 +79,15 @@ def test_a_rotation_without_values_is_none() -> None:
     assert there.orientation.w == 1.0
 
 
-@pytest.mark.parametrize("package", SERVICE_PACKAGES)
-def test_a_service_is_of_its_package(package: str) -> None:
-    for one in services_of(package):
-        assert one.ros_type.startswith(f"{package}/srv/")
-        assert one.Request.ros_type == f"{one.ros_type}_Request"
-        assert one.Response.ros_type.startswith(f"{package}/srv/")
+@pytest.mark.parametrize("name", [name for name in interface_names() if "/srv/" in name])
+def test_a_service_is_of_its_package(name: str) -> None:
+    service = find_service(name)
+    assert service.ros_type == name
+    assert service.Request.ros_type == f"{name}_Request"
+    assert service.Response.ros_type.startswith(f"{name.partition('/')[0]}/srv/")
 
 
-@pytest.mark.parametrize("package", ["", "cdr", "..graph", "std_msgs.values", "turtlesim"])
-def test_no_other_module_is_loaded_for_a_package(package: str) -> None:
-    assert messages_of(package) == ()
-    assert services_of(package) == ()
+@pytest.mark.parametrize("name", ["cdr/Message", "../graph/Node", "std_msgs.values/Bool", "std_msgs/../Bool", "Bool"])
+def test_no_other_module_or_file_is_loaded_for_a_name(name: str) -> None:
+    with pytest.raises(UnknownTypeError):
+        find_message(name)

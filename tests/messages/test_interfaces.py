@@ -1,0 +1,181 @@
+"""Interfaces by name: of the text of their files, of folders, and of clients."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from homebot.errors import UnknownTypeError, UsageError
+from homebot.messages import Time
+from homebot.messages.definition import definition_text, fields_of
+from homebot.messages.interfaces import DISTRIBUTIONS, Interfaces, find_action, find_message, find_service, interfaces
+from homebot.messages.std_msgs import Header
+from homebot.messages.type_hash import type_hash
+
+SHARE = Path(interfaces.__file__).parents[1] / "share"
+
+PET = """\
+# A pet.
+uint8 CAT=1   # the usual one
+string MOTTO="a # b"
+int32 HIDDEN=-0x10
+
+std_msgs/Header header
+string<=5 name "rex"
+uint8[4] tag [1, 2, 3, 4]
+float32[<=3] weights
+Toy[] toys      # may be none
+bool is_tame true
+================================================================================
+MSG: my_pets/Toy
+string[2] colors ["red", 'green, blue']
+"""
+
+
+def test_the_shipped_names_are_those_of_the_files_and_the_classes() -> None:
+    names = {f"{path.parent.parent.name}/{path.parent.name}/{path.stem}" for path in SHARE.rglob("*.*")}
+    for package in interfaces._CLASSES:
+        names |= interfaces._classes_in((f"homebot.messages.{package}",)).keys()
+    assert (SHARE / "names").read_text().split() == sorted(names)
+
+
+def test_a_type_has_one_class_which_is_that_of_its_module() -> None:
+    assert find_message("std_msgs/msg/Header") is find_message("std_msgs/Header") is Header
+    assert find_service("nav_msgs/GetMap") is find_service("nav_msgs/srv/GetMap")
+    action = find_action("nav2_msgs/action/NavigateToPose")
+    assert action.Goal.ros_type == "nav2_msgs/action/NavigateToPose_Goal"
+    assert action.FeedbackMessage is find_action("nav2_msgs/NavigateToPose").FeedbackMessage
+
+
+def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
+    pet = Interfaces().define("my_pets/msg/Pet", PET)
+    assert isinstance(pet, type)
+    assert [field.declaration for field in fields_of(pet)] == [
+        "std_msgs/Header header",
+        "string<=5 name",
+        "uint8[4] tag",
+        "float32[<=3] weights",
+        "my_pets/Toy[] toys",
+        "bool is_tame",
+    ]
+    header = Header(stamp=Time(sec=0, nanosec=0), frame_id="")
+    made = pet(header=header, weights=[1.5], toys=())
+    shown = {name: getattr(made, name) for name in ("CAT", "MOTTO", "HIDDEN", "name", "tag", "weights", "is_tame")}
+    assert shown == {
+        "CAT": 1,
+        "MOTTO": "a # b",
+        "HIDDEN": -16,
+        "name": "rex",
+        "tag": b"\x01\x02\x03\x04",
+        "weights": (1.5,),
+        "is_tame": True,
+    }
+    for wrong in ({"name": "longer"}, {"tag": b"123"}, {"weights": [1.0] * 4}):
+        with pytest.raises(ValidationError):
+            pet(**{"header": header, "weights": [], "toys": ()} | wrong)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("int33 a", "line 1: 'int33' is no type"),
+        ("int8 a\nint8 a", "line 2: there are two 'a'"),
+        ("int8 A", "line 1: a field has small letters"),
+        ("int8 a 200", "line 1: signed char is greater than maximum"),
+        ("uint8 A=-1", "line 1: unsigned byte integer is less than minimum"),
+        ("int8[] A=1", "line 1: a constant is of one primitive"),
+        ("int8[2] a [1]", "line 1: there are 1 values"),
+        ("bool a maybe", "line 1: a bool is true or false"),
+        ("int8[0] a", "line 1: the length of an array is at least 1"),
+        ("int8<=3 a", "line 1: only a string has a bound"),
+        ("wstring a", "line 1: 'wstring' is no type"),
+        ("Point", "line 1: a line is TYPE NAME"),
+        ("Nowhere a", "unknown message type 'my_pkg/msg/Nowhere'"),
+        ("Mine a", "my_pkg/msg/Mine holds itself"),
+        ("string json", "messages have a 'json' of their own"),
+        ("int8 a\n---\nint8 b", "a .msg file has 1 parts"),
+        ("bool a\n" * 10_000, "at most 65536 are read"),
+        ("\n".join(f"bool a{number}" for number in range(1001)), "more than 1000 fields"),
+        ("int8[100001] a", "at most 100000"),
+        ("int8 a\n" + "=" * 80 + "\nMSG: std_msgs/Header\nint8 a\n", "std_msgs/msg/Header is known with other fields"),
+    ],
+)
+def test_a_wrong_definition_is_refused_with_its_line_and_nothing_of_it_stays(text: str, problem: str) -> None:
+    known = Interfaces()
+    before = known.names()
+    with pytest.raises(UsageError) as refused:
+        known.define("my_pkg/msg/Mine", text)
+    assert problem in str(refused.value)
+    assert known.names() == before
+    with pytest.raises(UnknownTypeError):
+        known.find_message("my_pkg/Mine")
+
+
+def test_nested_types_multiply_to_no_more_than_a_message_may_hold() -> None:
+    """Ten of ten of ten …: a client could spell a message that fills the memory in some hundred characters."""
+    known = Interfaces()
+    known.define("deep/D0", "int8 a")
+    for level in range(1, 5):
+        known.define(f"deep/D{level}", f"D{level - 1}[10] a")
+    with pytest.raises(UsageError, match="at most 100000 in 20 are possible"):
+        known.define("deep/D5", "D4[10] a")
+    for level in range(1, 20):
+        known.define(f"deep/E{level}", f"E{level - 1} a" if level > 1 else "int8 a")
+    with pytest.raises(UsageError, match="21 levels"):
+        known.define("deep/E21", "E20 a\n" + "=" * 80 + "\nMSG: deep/E20\nE19 a\n")
+
+
+def test_a_definition_that_comes_again_is_the_same_type_and_another_one_is_refused() -> None:
+    known = Interfaces()
+    pet = known.define("my_pets/Pet", PET)
+    assert isinstance(pet, type)
+    assert known.define("my_pets/msg/Pet", definition_text(pet)) is pet
+    with pytest.raises(UsageError, match="my_pets/msg/Pet is known with other fields"):
+        known.define("my_pets/Pet", "int8 a")
+    assert known.define("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id") is Header
+
+
+def test_clients_define_a_bounded_number_of_types() -> None:
+    known = Interfaces()
+    for number in range(500):
+        known.define(f"many/T{number}", "int8 a")
+    with pytest.raises(UsageError, match="at most 500 are kept"):
+        known.define("many/More", "int8 a")
+    known.define("many/T7", "int8 a")
+
+
+def test_services_and_actions_are_defined_too() -> None:
+    known = Interfaces()
+    known.define("my_pets/srv/Feed", "string name\n---\nbool success\n")
+    known.define("my_pets/action/Walk", "float32 minutes\n---\nint32 steps\n---\nint32 steps\n")
+    assert list(known.find_service("my_pets/Feed").Request.model_fields) == ["name"]
+    assert list(known.find_action("my_pets/Walk").SendGoal.Request.model_fields) == ["goal_id", "goal"]
+
+
+@pytest.mark.parametrize("distribution", DISTRIBUTIONS)
+def test_the_actions_of_nav2_are_those_of_the_distribution(distribution: str) -> None:
+    spin = Interfaces(distribution=distribution).find_action("nav2_msgs/action/Spin")
+    fields = [*spin.Goal.model_fields, *spin.Result.model_fields]
+    assert ("disable_collision_checks" in fields) == (distribution == "kilted")
+    assert ("error_msg" in fields) == (distribution != "humble")
+    assert len({type_hash(Interfaces(distribution=one).find_action(spin.ros_type)) for one in DISTRIBUTIONS}) == 3
+
+
+def test_a_folder_of_the_owner_is_read_with_its_packages(tmp_path: Path) -> None:
+    for path, text in {
+        "src/my_pets/msg/Toy.msg": "string color",
+        "src/my_pets/srv/Feed.srv": "Toy toy\n---\n",
+        "my_robot/action/Fetch.action": "my_pets/Toy toy\n---\n---\n",
+        "my_robot/README.md": "none",
+    }.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    known = Interfaces(Interfaces.read_folder(tmp_path))
+    assert known.names("my_pets") == ("my_pets/msg/Toy", "my_pets/srv/Feed")
+    toy = fields_of(known.find_action("my_robot/Fetch").Goal)[0]
+    assert toy.message is known.find_message("my_pets/Toy")
+    (tmp_path / "my_robot/action/wrong-name.action").write_text("")
+    with pytest.raises(UsageError, match=r"its name in CamelCase"):
+        Interfaces.read_folder(tmp_path)
