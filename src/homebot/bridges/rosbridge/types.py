@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from homebot.errors import PeerError, TypeMismatchError, UsageError
 from homebot.graph import Graph
-from homebot.messages.action import ActionType
 from homebot.messages.builtin_interfaces import Duration, Time
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.json import message_from_json
@@ -21,6 +20,7 @@ from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
     from homebot.messages import Interfaces
+    from homebot.messages.action import ActionType
 
 __all__ = [
     "action_type_of",
