@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from homebot.errors import UnknownTypeError, UsageError
-from homebot.messages import Time
+from homebot.messages import Message, Time
 from homebot.messages.definition import definition_text, fields_of
 from homebot.messages.interfaces import DISTRIBUTIONS, Interfaces, find_action, find_message, find_service, interfaces
 from homebot.messages.std_msgs import Header
@@ -174,7 +174,8 @@ def test_a_folder_of_the_owner_is_read_with_its_packages(tmp_path: Path) -> None
         (tmp_path / path).write_text(text)
     known = Interfaces(Interfaces.read_folder(tmp_path))
     assert known.names("my_pets") == ("my_pets/msg/Toy", "my_pets/srv/Feed")
-    toy = fields_of(known.find_action("my_robot/Fetch").Goal)[0]
+    goal: type[Message] = known.find_action("my_robot/Fetch").Goal
+    toy = fields_of(goal)[0]
     assert toy.message is known.find_message("my_pets/Toy")
     (tmp_path / "my_robot/action/wrong-name.action").write_text("")
     with pytest.raises(UsageError, match=r"its name in CamelCase"):
