@@ -61,7 +61,7 @@ def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
         "bool is_tame",
     ]
     header = Header(stamp=Time(sec=0, nanosec=0), frame_id="")
-    made = pet(header=header, weights=[1.5], toys=())
+    made = pet.model_validate({"header": header, "weights": [1.5], "toys": ()})
     shown = {name: getattr(made, name) for name in ("CAT", "MOTTO", "HIDDEN", "name", "tag", "weights", "is_tame")}
     assert shown == {
         "CAT": 1,
@@ -74,7 +74,7 @@ def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
     }
     for wrong in ({"name": "longer"}, {"tag": b"123"}, {"weights": [1.0] * 4}):
         with pytest.raises(ValidationError):
-            pet(**{"header": header, "weights": [], "toys": ()} | wrong)
+            pet.model_validate({"header": header, "weights": [], "toys": ()} | wrong)
 
 
 @pytest.mark.parametrize(
