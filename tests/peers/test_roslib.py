@@ -9,6 +9,7 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.bridges.conftest import OpenHouse, open_house
+from tests.bridges.fibonacci import server
 from tests.peers.node_package import node_folder
 
 from homebot.graph import qos_profile_latched
@@ -48,3 +49,22 @@ async def test_roslib_reads_publishes_calls_and_serves(roslib: Path, open_house:
         "driven": -0.3,
         "sum": 3,
     }
+
+
+async def test_roslib_sends_goals_and_executes_them(roslib: Path, open_house: OpenHouse) -> None:
+    async with open_house() as house, server(house.graph):
+        with anyio.fail_after(60):
+            done = await anyio.run_process(
+                ["node", "actions.mjs", str(house.door.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
+            )
+    assert done.returncode == 0, done.stderr.decode()[-2000:]
+    told = json.loads(done.stdout.decode().strip().splitlines()[-1])
+    counted, cancelled, failed, refused = told["client"]
+    assert counted == ["result", {"sequence": [0, 1, 1]}, [[0], [0, 1], [0, 1, 2]]]
+    assert (cancelled[0], "canceled" in cancelled[1]) == ("failed", True)
+    assert (failed[0], "aborted" in failed[1]) == ("failed", True)
+    assert (refused[0], "rejected" in refused[1]) == ("failed", True)
+    counted, cancelled, failed = told["server"]
+    assert counted == ["result", {"sequence": [0, 1]}, [[2]]]
+    assert (cancelled[0], "canceled" in cancelled[1]) == ("failed", True)
+    assert (failed[0], "aborted" in failed[1]) == ("failed", True)

@@ -10,6 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.bridges.fibonacci import server
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosapi import RosApi
@@ -116,6 +117,55 @@ async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) ->
     }
     assert heard == ["hi"]
     assert lamp.get_parameter("rate").value == 9.0
+    assert b"rror" not in done.stderr, done.stderr.decode()
+
+
+ACTIONS = textwrap.dedent(
+    """
+    import json, queue, sys, roslibpy
+
+    ros = roslibpy.Ros("127.0.0.1", int(sys.argv[1]))
+    ros.run(timeout=40)
+    fib = roslibpy.ActionClient(ros, "/fib", "example_interfaces/action/Fibonacci")
+    report = []
+    for order in (3, 50, 7, -1):
+        told, ends = [], queue.Queue()
+        goal = fib.send_goal(
+            roslibpy.Goal({"order": order}),
+            lambda result: ends.put(["result", result]),
+            lambda feedback: told.append(feedback["sequence"]),
+            lambda error: ends.put(["error", str(error)]),
+        )
+        if order == 50:
+            fib.cancel_goal(goal)
+        kind, end = ends.get(timeout=40)
+        report.append([kind, [end["status"].value, end["values"]] if kind == "result" else end, told])
+    roslibpy.Topic(ros, "/no/such", "no_msgs/Type").publish(roslibpy.Message({}))
+    ros.get_time()
+    print(json.dumps(report))
+    ros.terminate()
+    """
+)
+
+
+async def test_roslibpy_sends_goals_and_cancels_them() -> None:
+    """A refused publication does not reach it as a frame that it cannot read."""
+    graph = Graph()
+    RosApi(Node(graph, "rosapi"))
+    async with Node(graph, "rosbridge_websocket") as node, server(graph), anyio.create_task_group() as tasks:
+        door = Door(node, DoorSettings(port=0))
+        await tasks.start(door.run)
+        with anyio.fail_after(PATIENCE):
+            done = await anyio.run_process(
+                [sys.executable, "-c", ACTIONS, str(door.port)], check=False, stderr=subprocess.PIPE
+            )
+        tasks.cancel_scope.cancel()
+    assert done.returncode == 0, done.stderr.decode()
+    counted, cancelled, failed, refused = json.loads(done.stdout)
+    assert counted == ["result", [4, {"sequence": [0, 1, 1]}], [[0], [0, 1], [0, 1, 2]]]
+    assert (cancelled[0], cancelled[1][0]) == ("result", 5)
+    assert (failed[0], failed[1]) == ("result", [6, {"sequence": [7]}])
+    assert (refused[0], "rejected" in refused[1]) == ("error", True)
     assert b"rror" not in done.stderr, done.stderr.decode()
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.bridges.rosapi import RosApi
@@ -12,9 +14,13 @@ from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ServiceFailedError
 from homebot.graph import Graph, Node, ParameterDescriptor
+from homebot.graph.actions import ActionClient, ActionServer
 from homebot.messages import Int32, String, Trigger
+from homebot.messages.action import ActionType
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
+
+COOK = ActionType("test_msgs/action/Cook", String, Int32, String)
 
 
 class Asker:
@@ -168,9 +174,17 @@ async def test_time_is_spelled_both_ways(ask: Asker) -> None:
     assert time["nanosec"] == time["nsecs"]
 
 
-async def test_it_behaves_like_ros_2_without_actions(ask: Asker) -> None:
+async def test_actions_come_with_their_types(ask: Asker) -> None:
     assert (await ask("get_ros_version"))["version"] == 2
     assert await ask("action_servers") == {"action_servers": []}
+    async with Node(ask.graph, "cook") as cook:
+        ActionServer(cook, COOK, "/cook", lambda _: anyio.lowlevel.checkpoint())
+        ActionClient(cook, COOK, "/absent")
+        assert await ask("action_servers") == {"action_servers": ["/cook"]}
+        assert await ask("action_type", action="cook") == {"type": "test_msgs/action/Cook"}
+        for part, message in (("goal", String), ("result", Int32), ("feedback", String)):
+            details = await ask(f"action_{part}_details", type="test_msgs/Cook")
+            assert details == await ask("message_details", type=message.ros_type)
 
 
 async def test_parameters_are_read_as_json(ask: Asker) -> None:

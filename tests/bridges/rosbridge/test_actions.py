@@ -2,59 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
 import pytest
-from tests.bridges.conftest import House, OpenHouse
+from tests.bridges.conftest import OpenHouse
+from tests.bridges.fibonacci import FIBONACCI, FibonacciFeedback, FibonacciGoal, FibonacciResult, server
 from tests.patience import PATIENCE
 
-from homebot.graph.actions import ActionClient, ActionServer, GoalState, ServerGoal
-from homebot.messages.action import ActionType
-from homebot.messages.message import Int32, Message
+from homebot.graph.actions import ActionClient, ActionServer, GoalState
+from homebot.messages.message import Message
 
-
-class FibonacciGoal(Message, ros_type="example_interfaces/action/Fibonacci_Goal"):
-    """How many numbers."""
-
-    order: Int32
-
-
-class FibonacciResult(Message, ros_type="example_interfaces/action/Fibonacci_Result"):
-    """All numbers."""
-
-    sequence: tuple[Int32, ...]
-
-
-class FibonacciFeedback(Message, ros_type="example_interfaces/action/Fibonacci_Feedback"):
-    """The numbers so far."""
-
-    sequence: tuple[Int32, ...]
-
-
-FIBONACCI = ActionType("example_interfaces/action/Fibonacci", FibonacciGoal, FibonacciResult, FibonacciFeedback)
 GOAL = {"action": "/fib", "action_type": "example_interfaces/action/Fibonacci", "feedback": True}
-
-
-async def execute(goal: ServerGoal[Any, Any, Any]) -> FibonacciResult | None:
-    """Count to three with feedback; of order 50 wait for ever, of order 7 fail."""
-    if goal.request.order == 50:
-        await anyio.sleep_forever()
-    if goal.request.order == 7:
-        goal.abort(FibonacciResult(sequence=(7,)))
-        return None
-    for last in range(3):
-        goal.publish_feedback(FibonacciFeedback(sequence=tuple(range(last + 1))))
-    goal.succeed()
-    return FibonacciResult(sequence=(0, 1, 1))
-
-
-@asynccontextmanager
-async def server(house: House) -> AsyncIterator[ActionServer[Any, Any, Any]]:
-    async with house.node("counter") as node:
-        yield ActionServer(node, FIBONACCI, "/fib", execute, on_goal=lambda goal: goal.order >= 0)
 
 
 async def the_end(server: ActionServer[Any, Any, Any]) -> None:
@@ -66,7 +25,7 @@ async def the_end(server: ActionServer[Any, Any, Any]) -> None:
 
 
 async def test_a_goal_has_feedback_and_one_result_with_its_status(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house), house.peer() as peer:
+    async with open_house() as house, server(house.graph), house.peer() as peer:
         await peer.send("send_action_goal", id="g:1", args={"order": 3}, **GOAL)
         about = {"action": "/fib", "id": "g:1"}
         for last in range(3):
@@ -84,7 +43,7 @@ async def test_a_goal_has_feedback_and_one_result_with_its_status(open_house: Op
 
 async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(open_house: OpenHouse) -> None:
     """Both clients chose the same id, as roslibpy does; one goal is cancelled before it can be accepted."""
-    async with open_house() as house, server(house) as fib, house.peer() as first, house.peer() as second:
+    async with open_house() as house, server(house.graph) as fib, house.peer() as first, house.peer() as second:
         for peer in (first, second):
             await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
             await peer.settle()
@@ -109,7 +68,7 @@ async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(open_h
 async def test_a_goal_that_cannot_be_sent_has_a_result_too(
     open_house: OpenHouse, change: dict[str, object], problem: str
 ) -> None:
-    async with open_house() as house, server(house), house.peer() as peer:
+    async with open_house() as house, server(house.graph), house.peer() as peer:
         await peer.send("send_action_goal", **{"id": "g", "args": {"order": 3}, **GOAL, **change})
         refused = await peer.receive()
         assert (refused["op"], refused["id"], refused["status"], refused["result"]) == ("action_result", "g", 0, False)
@@ -117,7 +76,7 @@ async def test_a_goal_that_cannot_be_sent_has_a_result_too(
 
 
 async def test_the_goals_of_a_client_end_with_its_connection(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house) as fib:
+    async with open_house() as house, server(house.graph) as fib:
         async with house.peer() as peer:
             await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
             await peer.settle()
@@ -128,7 +87,7 @@ async def test_the_goals_of_a_client_end_with_its_connection(open_house: OpenHou
 
 async def test_the_goals_of_a_client_that_vanishes_end(open_house: OpenHouse) -> None:
     """It neither closes its connection nor answers; one without goals may be silent for longer."""
-    async with open_house() as house, server(house) as fib, house.peer() as idle, house.peer() as peer:
+    async with open_house() as house, server(house.graph) as fib, house.peer() as idle, house.peer() as peer:
         await idle.settle()
         await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
         await peer.settle()
@@ -204,7 +163,7 @@ async def test_the_goals_of_a_server_that_leaves_are_aborted(open_house: OpenHou
 
 
 async def test_roslib_cancels_all_goals_with_an_empty_call(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house) as fib, house.peer() as peer:
+    async with open_house() as house, server(house.graph) as fib, house.peer() as peer:
         for name in ("a", "b"):
             await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
         await peer.send("call_service", service="fib/_action/cancel_goal", args={})

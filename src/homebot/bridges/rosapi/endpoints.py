@@ -13,7 +13,8 @@ class EndpointDetails(Message):
     """One node, or one end of a topic or service.
 
     Attributes:
-        kind: ``node``, ``publisher``, ``subscription``, ``service`` or ``client``.
+        kind: ``node``, ``publisher``, ``subscription``, ``service``, ``client``, ``action server`` or
+            ``action client``.
         node: Full name of its node.
         name: Full name of its topic or service; of the node, where it is one.
         type: Full ROS type; empty for a node.
@@ -45,7 +46,8 @@ class FindEndpointsRequest(Message):
     """A question for everybody that uses a topic or service.
 
     Attributes:
-        kind: ``node``, ``publisher``, ``subscription``, ``service`` or ``client``; empty for all.
+        kind: ``node``, ``publisher``, ``subscription``, ``service``, ``client``, ``action server`` or
+            ``action client``; empty for all.
         name: Full name of a topic or service; empty for all.
         node: Full name of a node; empty for all.
     """

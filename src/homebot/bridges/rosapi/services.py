@@ -14,7 +14,7 @@ from pydantic import create_model
 from homebot.bridges.rosapi import parameters
 from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
 from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
-from homebot.bridges.rosbridge.types import find_message_type, find_service_type, same_type
+from homebot.bridges.rosbridge.types import find_action_type, find_message_type, find_service_type, same_type
 from homebot.graph import EndpointInfo, EntityKind, Graph, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import definition_text
@@ -113,9 +113,16 @@ def _node_details(graph: Graph, request: Any) -> _Answer:
 
 
 def _action_servers(graph: Graph, _request: Message) -> _Answer:
-    suffix = "/_action/status"  # every action server publishes this
-    topics = graph.get_topic_names_and_types()
-    return {"action_servers": tuple(name.removesuffix(suffix) for name in topics if name.endswith(suffix))}
+    return {"action_servers": tuple(action.name for action in graph.actions() if action.servers)}
+
+
+def _type_of_action(graph: Graph, request: Any) -> _Answer:
+    return {"type": graph.get_action_names_and_types().get(_absolute(request.action), "")}
+
+
+def _details_of_action(part: str) -> Callable[[Graph, Any], _Answer]:
+    """Return the function that describes the *part* of an action type: its Goal, Result or Feedback."""
+    return lambda graph, request: {"typedefs": typedefs_of(getattr(find_action_type(graph, request.type), part))}
 
 
 def _time(graph: Graph, _request: Message) -> _Answer:
@@ -236,6 +243,17 @@ SERVICES: Final = (
         _node_details,
     ),
     RosApiService("action_servers", "GetActionServers", {}, {"action_servers": _Names}, _action_servers),
+    RosApiService("action_type", "ActionType", {"action": str}, {"type": str}, _type_of_action),
+    *(
+        RosApiService(
+            f"action_{part.lower()}_details",
+            f"Action{part}Details",
+            {"type": str},
+            {"typedefs": _Types},
+            _details_of_action(part),
+        )
+        for part in ("Goal", "Result", "Feedback")
+    ),
     RosApiService("get_time", "GetTime", {}, {"time": TimeOfBothKinds}, _time),
     RosApiService(
         "get_ros_version",
