@@ -29,15 +29,13 @@ from homebot.messages.message import Message
 from homebot.messages.nav_msgs import Odometry
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
-from homebot.places.polygon import Polygon
-from homebot.places.room_shapes import RoomShape
+from homebot.places import HousePlan, HouseRoom
 from homebot.robots import RobotSettings, RobotTracker
-from homebot.robots.rooms import RobotRooms
 
 pytestmark = pytest.mark.virtual_time
 
-HALL, KITCHEN = Polygon([(0, 0), (4, 0), (4, 5), (0, 5)]), Polygon([(4, 0), (8, 0), (8, 5), (4, 5)])
-ROOMS = RobotRooms([RoomShape("Hall", "", HALL), RoomShape("Kitchen", "", KITCHEN)])
+HALL, KITCHEN = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0)), ((4.0, 0.0), (8.0, 0.0), (8.0, 5.0), (4.0, 5.0))
+HOUSE = HousePlan("h", [HouseRoom("Hall", polygons=((HALL,),)), HouseRoom("Kitchen", polygons=((KITCHEN,),))])
 ALL = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STILL = Vector3(x=0.0, y=0.0, z=0.0)
 
@@ -72,7 +70,7 @@ async def house(*robots: str, settings: dict[str, RobotSettings] | None = None) 
     graph = Graph()
     owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()))
     async with Node(graph, "robots") as node, Node(graph, "a_robot") as robot, anyio.create_task_group() as tasks:
-        tracker = RobotTracker(node, owners, settings, ROOMS)
+        tracker = RobotTracker(node, owners, settings, HOUSE)
         await tasks.start(tracker.serve)
         yield House(graph, robot, robot.create_subscription(RobotPose, ROBOT_POSES, None, ALL))
         tasks.cancel_scope.cancel()

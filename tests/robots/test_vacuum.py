@@ -11,8 +11,8 @@ import pytest
 from tests.gateways.mqtt.conftest import House, _house
 from tests.robots.test_tracker import ALL
 
-from homebot.devices.names import ROBOT_MAPS, ROBOT_POSES, WHERE_IS_ROBOT
-from homebot.devices.robot_messages import RobotMap, RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Node, Subscription
 from homebot.robots import RobotSettings, RobotTracker
@@ -27,8 +27,8 @@ BASE = "valetudo/dusty"
 class Vacuum:
     """The tracker's side of a house with a vacuum, and its devices' side."""
 
-    def __init__(self, house: House, poses: Subscription[RobotPose], maps: Subscription[RobotMap]) -> None:
-        self._house, self.poses, self.maps = house, poses, maps
+    def __init__(self, house: House, poses: Subscription[RobotPose]) -> None:
+        self._house, self.poses = house, poses
         self._where = house.watcher.create_client(WhereIsRobot, WHERE_IS_ROBOT)
 
     async def say(self, name: str, payload: str | bytes, base: str = BASE) -> None:
@@ -52,8 +52,7 @@ async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
     ):
         tracker = RobotTracker(node, RobotOwners({"dusty": ()}), {"dusty": table})
         await tasks.start(tracker.serve)
-        poses = house.watcher.create_subscription(RobotPose, ROBOT_POSES, None, ALL)
-        yield Vacuum(house, poses, house.watcher.create_subscription(RobotMap, ROBOT_MAPS, None, ALL))
+        yield Vacuum(house, house.watcher.create_subscription(RobotPose, ROBOT_POSES, None, ALL))
         tasks.cancel_scope.cancel()
 
 
@@ -100,18 +99,13 @@ async def test_a_vacuum_beside_every_room_is_in_the_nearest_marked() -> None:
         assert (pose.room, pose.is_nearest_room) == ("room1", True)
 
 
-async def test_with_its_map_in_the_house_it_has_a_position_and_its_rooms_have_polygons() -> None:
+async def test_with_its_map_in_the_house_it_has_a_position_and_places_other_poses() -> None:
     async with vacuum(vacuum=BASE, segments={"5": "Kitchen"}, map_transform=(-30.0, -30.0, 0.0)) as dusty:
         await dusty.say("$state", "ready")
         await dusty.say("MapData/map-data", DREAME)
         [pose] = (await dusty.ask()).pose
         assert (pose.room, pose.has_position, round(pose.x, 2), round(pose.y, 2)) == ("Kitchen", True, 2.77, 3.27)
-        told = dusty.maps.take()
-        assert told is not None
-        assert told.rooms == ("dusty room 1", "Bad", "Flur", "dusty room 4", "Kitchen", "dusty room 6")
-        assert all(3 <= len(one.points) <= 30 for one in told.polygons)
-        await dusty.say("MapData/map-data", DREAME)
-        assert dusty.maps.take() is None
+        assert (pose.is_nearest_room, pose.error) == (False, 0.25)
 
 
 async def test_what_is_no_map_costs_one_message() -> None:

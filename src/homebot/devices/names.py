@@ -49,7 +49,6 @@ CLIENTS_LEFT = "/rosbridge_websocket/clients_left"
 POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"})
 """Last parts of the names of those topics on which robots state where they are."""
 
-ROBOT_MAPS = "/robots/maps"
 ROBOT_POSES = "/robots/poses"
 WHERE_IS_ROBOT = "/robots/where"
 

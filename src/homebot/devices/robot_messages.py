@@ -1,10 +1,9 @@
 """Messages about robots: where they are, and in which room."""
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.geometry_msgs import Polygon
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["RobotMap", "RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "WhereIsRobotResponse"]
+__all__ = ["RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "WhereIsRobotResponse"]
 
 
 class RobotPose(Message):
@@ -57,22 +56,6 @@ class RobotRoom(Message):
 
     robot: str
     room: str
-
-
-class RobotMap(Message):
-    """The rooms on the map of a robot vacuum, as on ``/robots/maps``.
-
-    Attributes:
-        robot: The name of the robot.
-        rooms: The names of the rooms.
-        polygons: The outline of each, in metres in the frame ``map``.
-    """
-
-    key_field = "robot"
-
-    robot: str
-    rooms: tuple[str, ...]
-    polygons: tuple[Polygon, ...]
 
 
 class WhereIsRobotRequest(Message):

@@ -13,16 +13,18 @@ from typing import Final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.devices.names import ROBOT_MAPS, ROBOT_POSES, WHERE_IS_ROBOT
-from homebot.devices.robot_messages import RobotMap, RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.config import UNNAMED
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
+from homebot.errors import ConfigError
 from homebot.graph import Node, qos_profile_latched
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.geometry_msgs import Point32, Polygon
-from homebot.places.room_shapes import RoomShape
+from homebot.places import HousePlan, HouseRoom
 from homebot.robots.evidence import TF_LIMIT, PoseEvidence
 from homebot.robots.frames import RobotFrames
 from homebot.robots.gateway_topics import GatewayTopics
+from homebot.robots.house_rooms import NO_ROOMS, HouseRoomsReader
 from homebot.robots.pose_topics import PoseTopics
 from homebot.robots.robot import TrackedRobot
 from homebot.robots.rooms import RobotRooms
@@ -53,7 +55,7 @@ class RobotTracker:
         node: Its node.
         owners: The robots, and what is theirs.
         settings: The tables of those that have one.
-        rooms: The rooms of the house.
+        house: The plan of the house, until the directory is asked for it.
 
     Attributes:
         owners: The robots, and what is theirs.
@@ -67,22 +69,22 @@ class RobotTracker:
         node: Node,
         owners: RobotOwners,
         settings: Mapping[str, RobotSettings] | None = None,
-        rooms: RobotRooms | None = None,
+        house: HousePlan | None = None,
     ) -> None:
         self.owners = owners
         self.settings = {name: (settings or {}).get(name) or RobotSettings() for name in owners.names}
-        self.rooms = rooms or RobotRooms()
+        self.rooms = RobotRooms(house or HousePlan(UNNAMED))
         self.frames = RobotFrames(owners)
         self._node = node
         self._clock = node.graph.clock
         self._robots = {name: TrackedRobot(name) for name in owners.names}
         self._published: dict[str, RobotPose] = {}
         self._changed = anyio.Event()
-        self._maps = node.create_publisher(RobotMap, ROBOT_MAPS, qos_profile_latched)
         self._poses = node.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
         node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self.where)
         PoseTopics(self, node).open()
-        self._works: list[Callable[[], Coroutine[object, object, None]]] = []
+        self._house_rooms = HouseRoomsReader(node, self.rooms.house.home, self._set_house)
+        self._works: list[Callable[[], Coroutine[object, object, None]]] = [self._house_rooms.run]
         self._read_others()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -121,13 +123,23 @@ class RobotTracker:
         if sensors:
             self._works.append(partial(follow_motion, self, node, sensors))
 
-    def _set_rooms(self, robot: str, shapes: list[RoomShape]) -> None:
-        """Take the rooms on the map of *robot*; those that the house states win."""
-        self.rooms.replace(robot, shapes)
-        points = [tuple(Point32(x=x, y=y, z=0.0) for x, y in one.polygon.rings[0]) for one in shapes]
-        polygons = tuple(Polygon(points=one) for one in points)
-        self._maps.publish(RobotMap(robot=robot, rooms=tuple(one.room for one in shapes), polygons=polygons))
+    def _set_house(self, plan: HousePlan) -> None:
+        try:
+            self.rooms.set_house(plan)
+        except ConfigError as exc:
+            self._node.log.warning(NO_ROOMS, message=f"the rooms of the house are not those of a map: {exc}")
         self._changed.set()
+
+    def _set_rooms(self, robot: str, rooms: list[HouseRoom]) -> None:
+        """Take the rooms on the map of *robot*; those that have a name of the owner become rooms of the house."""
+        try:
+            self.rooms.set_map(robot, rooms)
+        except ConfigError as exc:
+            self._node.log.warning(NO_ROOMS, message=f"the rooms on the map of {robot} are left out: {exc}")
+            return
+        self._changed.set()
+        named = [one for one in rooms if not one.name.startswith(f"{robot} room ")]
+        self._node.create_task(partial(self._house_rooms.add, named, self.rooms.house))
 
     def where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
         """Answer the service: where a robot is, or was, and how old that is."""

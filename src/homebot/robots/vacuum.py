@@ -13,8 +13,7 @@ from homebot.conventions.valetudo import VacuumMap, VacuumSegment, read_map
 from homebot.devices.gateway_messages import RawMessage
 from homebot.errors import UsageError, WireError
 from homebot.graph import Node
-from homebot.places.polygon import Polygon
-from homebot.places.room_shapes import RoomShape
+from homebot.places.plan import HouseRoom
 from homebot.robots.evidence import MapPose, PoseEvidence
 from homebot.robots.gateway_topics import GatewayTopics
 from homebot.robots.outline import simplified
@@ -60,7 +59,7 @@ class Vacuum:
         node: Node,
         robot: str,
         settings: RobotSettings,
-        on_rooms: Callable[[str, list[RoomShape]], None],
+        on_rooms: Callable[[str, list[HouseRoom]], None],
     ) -> None:
         self._tracker = tracker
         self._node = node
@@ -150,19 +149,19 @@ class Vacuum:
         cosine, sine = math.cos(turn), math.sin(turn)
         return MapPose(left + cosine * x - sine * y, up + sine * x + cosine * y, math.remainder(yaw + turn, math.tau))
 
-    def _decoded(self, payload: bytes, before: VacuumMap | None) -> tuple[VacuumMap, list[RoomShape] | None]:
+    def _decoded(self, payload: bytes, before: VacuumMap | None) -> tuple[VacuumMap, list[HouseRoom] | None]:
         """Return the map in *payload*, and its rooms if they are not those of the map *before*; in a thread."""
         found = read_map(payload)
         if self._settings.map_transform is None or (before is not None and before.segments == found.segments):
             return found, None
         floor = self._settings.floor
-        shapes = []
+        rooms = []
         for segment in found.segments:
             corners = [self._in_house(x, y, 0.0) for x, y in found.outline(segment)]
             ring = simplified([(one.x, one.y) for one in corners if one is not None])
             if ring:
-                shapes.append(RoomShape(self._room_of(segment), floor, Polygon(ring)))
-        return found, shapes
+                rooms.append(HouseRoom(self._room_of(segment), floor, polygons=((ring,),)))
+        return found, rooms
 
     def _warn_of_new_map(self, found: VacuumMap) -> None:
         before = self._map

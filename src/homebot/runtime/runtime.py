@@ -30,6 +30,7 @@ from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_Q
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
+from homebot.places import HousePlan
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
@@ -351,7 +352,8 @@ class Runtime:
         from homebot.robots.tracker import RobotTracker  # noqa: PLC0415 - few houses have a robot
 
         async with Node(self.graph, "robots") as node:
-            tracker = RobotTracker(node, plan.robot_owners(), plan.robots)
+            house = HousePlan(plan.home, plan.places.rooms, doors=plan.places.doors)
+            tracker = RobotTracker(node, plan.robot_owners(), plan.robots, house)
             await run_as(node.full_name, partial(tracker.serve, task_status=task_status))
 
     async def _first_pose_topic(self) -> None:
