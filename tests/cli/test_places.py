@@ -22,6 +22,7 @@ from homebot.discovery.services import DirectoryServices
 from homebot.graph import Graph, Node
 from homebot.messages import Time
 from homebot.places import read_places
+from homebot.places.plan import door_name
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot
@@ -79,19 +80,19 @@ def placed(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], index:
     return made
 
 
-@pytest.fixture
-def run(placed: Homebot, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
-    """Runs a command, and returns its exit code and what it printed."""
-
-    def homebot(*arguments: str) -> tuple[int, str]:
-        code = main(["--door", placed.door, *arguments])
-        out, err = capsys.readouterr()
-        return code, out + err
-
-    return homebot
-
-
 Run = Callable[..., tuple[int, str]]
+
+
+def run_command(homebot: Homebot, capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
+    """Run a command, and return its exit code and what it printed."""
+    code = main(["--door", homebot.door, *arguments])
+    out, err = capsys.readouterr()
+    return code, out + err
+
+
+@pytest.fixture
+def run(placed: Homebot, capsys: pytest.CaptureFixture[str]) -> Run:
+    return partial(run_command, placed, capsys)
 
 
 def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
@@ -115,8 +116,8 @@ def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (("place", "Desk lamp"), "give either a ROOM or --undo"),
-        (("place", "Desk lamp", "Hall", "--undo"), "give either a ROOM or --undo"),
+        (("place", "Desk lamp"), "give either a ROOM, --at, or both, or --undo"),
+        (("place", "Desk lamp", "Hall", "--undo"), "give either a ROOM, --at, or both, or --undo"),
         (("place", "Desk lamp", "--undo"), "no command stated the room of desk_lamp"),
         (("place", "Desk lamp", "Kichen"), "no room 'Kichen'; did you mean Kitchen? For another room, add --new"),
         (("place", "Desk lamp", "Hal"), "there is no room 'Hal'; did you mean Hall? For another room, add --new"),
@@ -278,10 +279,21 @@ def test_rooms_are_listed_as_json(run: Run) -> None:
         {
             "home": "home425",
             "rooms": [
-                {"name": "Hall", "floor": "Downstairs", "doors": ["Kitchen"], "devices": 1},
-                {"name": "Kitchen", "floor": "Downstairs", "doors": ["Hall"], "devices": 0},
-                {"name": "Study", "floor": "", "doors": [], "devices": 1},
+                {"name": "Hall", "floor": "Downstairs", "doors": ["Kitchen"], "devices": 1, "areas": []},
+                {"name": "Kitchen", "floor": "Downstairs", "doors": ["Hall"], "devices": 0, "areas": []},
+                {"name": "Study", "floor": "", "doors": [], "devices": 1, "areas": []},
             ],
+            "doors": [
+                {
+                    "name": door_name(("Hall", "Kitchen")),
+                    "rooms": ["Hall", "Kitchen"],
+                    "position": [],
+                    "width": 0.8,
+                    "contact": "",
+                    "lock": "",
+                },
+            ],
+            "positions": {},
             "absent": [{"device": "garden_lamp", "room": "Terrace"}],
         },
     )
@@ -364,3 +376,71 @@ def test_a_file_comes_from_standard_input_and_has_a_limit(run: Run, monkeypatch:
     ):
         monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=io.BytesIO(content)))
         assert run("places", "import", "-") == expected
+
+
+GEOMETRY = {
+    "rooms": {
+        "Hall": {"floor": "Downstairs", "polygon": [[0, 0], [4, 0], [4, 5], [0, 5]]},
+        "Kitchen": {"floor": "Downstairs", "polygon": [[3.5, 0], [8, 0], [8, 5], [3.5, 5]]},
+    },
+    "doors": [{"rooms": ["Hall", "Kitchen"], "position": [3.8, 4.5]}],
+    "devices": {"mac:000000000007": {"at": [7, 1], "error": 0.5}},
+}
+
+
+@pytest.fixture
+def house(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+    places = read_places(GEOMETRY, "home425", "homebot.toml", "configuration")
+    index = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
+    homebot = homebot_with(partial(index_node, index), ManualClock(NOW))
+    return partial(run_command, homebot, capsys)
+
+
+def test_a_device_at_a_position_is_in_the_room_that_is_there(house: Run) -> None:
+    for arguments, told in (
+        (("Desk lamp", "--at", "6,1"), "desk_lamp is at 6,1 ±0.1 m in Kitchen now\n"),
+        (("Ceiling", "--at", "20,1,downstairs"), "ceiling is at 20,1,Downstairs ±0.1 m now; its room is unknown\n"),
+        (
+            ("Shelf lamp", "--at", "1,1"),
+            "there is no device Shelf lamp yet; shelf_lamp will be at 1,1 ±0.1 m when it appears\n",
+        ),
+    ):
+        assert house("place", *arguments) == (0, told)
+    assert "desk_lamp  6,1 ±0.1 m" in house("places", "list")[1]
+    shown = house("show", "Desk lamp")[1]
+    assert any("6,1 ±0.1 m" in line and "by the owner" in line for line in shown.splitlines())
+    assert "at = [6.0, 1.0]" in house("places", "export")[1]
+    assert house("place", "Desk lamp", "--undo") == (0, "desk_lamp is in Study now\n")
+
+
+@pytest.mark.parametrize(
+    ("position", "problem"),
+    [
+        ("6", "is no position; write X,Y"),
+        ("nan,1", "is not within 10,000 m"),
+        ("6,1,Attic", "there is no floor 'Attic'; floors are Downstairs"),
+    ],
+)
+def test_a_position_that_cannot_be_is_refused(house: Run, position: str, problem: str) -> None:
+    code, printed = house("place", "Desk lamp", "--at", position)
+    assert code
+    assert problem in printed
+
+
+def test_the_geometry_of_the_house_is_listed_and_exported(house: Run) -> None:
+    listed = json.loads(house("places", "list", "--json")[1])
+    corners = [[0, 0], [4, 0], [4, 5], [0, 5]]
+    assert listed["rooms"][0]["areas"] == [{"corners": corners, "is_hole": False}]
+    assert [(one["rooms"], one["position"]) for one in listed["doors"]] == [(["Hall", "Kitchen"], [[3.8, 4.5]])]
+    lines = house("places", "export")[1].splitlines()
+    for line in (
+        "polygon = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [0.0, 5.0]]",
+        "position = [3.8, 4.5]",
+        "at = [7.0, 1.0]",
+        "error = 0.5",
+    ):
+        assert line in lines
+
+
+def test_rooms_that_overlap_are_a_note_of_the_doctor(house: Run) -> None:
+    assert "note on discovery: the rooms Hall and Kitchen overlap by 2.5 m²" in house("doctor")[1]

@@ -10,7 +10,9 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = [
     "AliasDevice",
+    "AreaRing",
     "ChangeRoom",
+    "DoorInfo",
     "ExportPlaces",
     "GetPlaces",
     "ImportPlaces",
@@ -33,12 +35,18 @@ class PlaceDeviceRequest(Message):
         room: The room, or a floor; empty to take back a statement of this service or an import.
         is_new: Whether it may be a room with a name one typo away from that of another.
         may_be_absent: Whether the device need not be there yet: it is placed when it appears.
+        at: Its position, x and y in metres; empty for none. Without a room it is in the room that is there.
+        floor: The floor of that; not needed where one floor alone has areas.
+        error: Metres by which that may be wrong; 0 for the usual 0.1 m.
     """
 
     device: str
     room: str = ""
     is_new: bool = False
     may_be_absent: bool = False
+    at: Annotated[tuple[float, ...], Field(max_length=2)] = ()
+    floor: str = ""
+    error: float = 0.0
 
 
 class PlaceDeviceResponse(ServiceAnswer):
@@ -47,10 +55,12 @@ class PlaceDeviceResponse(ServiceAnswer):
     Attributes:
         room: The room that the device is in now, or will be; empty for none.
         absent: The id or hardware address by which a device that is not there yet will be known; empty for one that is.
+        position: Its position as text, if one was stated.
     """
 
     room: str = ""
     absent: str = ""
+    position: str = ""
 
 
 class AliasDeviceRequest(Message):
@@ -105,6 +115,20 @@ class GetPlacesRequest(Message):
     """A question for the rooms of the house."""
 
 
+class AreaRing(Message):
+    """The corners of an area, or of a hole in the area before it.
+
+    Attributes:
+        x: Metres in the frame ``map``.
+        y: Metres in the frame ``map``.
+        is_hole: Whether it is a hole.
+    """
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    is_hole: bool = False
+
+
 class RoomInfo(Message):
     """A room.
 
@@ -112,11 +136,39 @@ class RoomInfo(Message):
         name: Its name.
         floor: The floor that it is on; empty if none is stated.
         doors: The rooms that a door joins it to.
+        areas: Its area; empty if that is not known.
     """
 
     name: str
     floor: str = ""
     doors: tuple[str, ...] = ()
+    areas: tuple[AreaRing, ...] = ()
+
+
+class DoorInfo(Message):
+    """A door, an opening, or a stair, between two rooms.
+
+    Attributes:
+        name: Its name.
+        rooms: The two rooms.
+        x: Metres of its two ends, or of its centre; empty if that is not known.
+        y: Likewise.
+        width: Metres; only for a centre.
+        contact: The device that reports whether it is open; empty for none.
+        lock: The device that locks it; empty for none.
+        has_cost: Whether a cost is stated; else it is 10 between two floors, and 0.
+        cost: Metres that going through it counts, besides the way.
+    """
+
+    name: str
+    rooms: tuple[str, ...]
+    x: tuple[float, ...] = ()
+    y: tuple[float, ...] = ()
+    width: float = 0.8
+    contact: str = ""
+    lock: str = ""
+    has_cost: bool = False
+    cost: float = 0.0
 
 
 class GetPlacesResponse(Message):
@@ -126,10 +178,12 @@ class GetPlacesResponse(Message):
         home: The name of the home, in which all rooms are.
         rooms: The rooms.
         absent: The rooms of devices that are not there, by their ids or hardware addresses; at most 1,000.
+        doors: The doors between rooms.
     """
 
     home: str
     rooms: tuple[RoomInfo, ...] = ()
+    doors: tuple[DoorInfo, ...] = ()
     absent: tuple[KeyValue, ...] = ()
 
 

@@ -21,7 +21,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
-from homebot.places import NO_AREAS, HousePlan, OwnerFact
+from homebot.places import NO_AREAS, HousePlan, OwnerFact, position_of
 
 __all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_approvals", "with_stated_facts"]
 
@@ -136,7 +136,7 @@ def with_stated_facts(
     values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in _VALUES}
     names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
     area, outer_areas = described.area, described.outer_areas
-    if stated_area := values["area"] or (() if area else values["taught_area"]):
+    if stated_area := values["area"] or _room_at(stated, plan) or (() if area else values["taught_area"]):
         area, outer_areas = plan.locate(stated_area[0])
     own = [_stated_fact(fact) for fact in stated if fact.name != "taught_area"]
     taught = [_stated_fact(fact) for fact in stated if fact.name == "taught_area"]
@@ -149,6 +149,14 @@ def with_stated_facts(
         tags=values["tag"],
         facts=((*own, *described.facts)[: MAX_FACTS - len(taught)] + tuple(taught)),
     )
+
+
+def _room_at(stated: tuple[OwnerFact, ...], plan: HousePlan) -> tuple[str, ...]:
+    """Return the room at the position that is stated of a device; empty for none."""
+    if (position := position_of(stated)) is None:
+        return ()
+    found = plan.floor_plan.place_of(position)
+    return () if found is None else (found.room,)
 
 
 def with_approvals(

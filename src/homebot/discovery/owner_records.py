@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
+from homebot.config import value_errors
 from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import WireError
-from homebot.places import HouseDoor, HouseRoom, OwnerFact
+from homebot.places import HouseDoor, HouseRoom, OwnerFact, position_of
 
 __all__ = ["PlacesRecord", "places_record", "read_places_record"]
 
@@ -29,6 +30,13 @@ class _StatementRecord(BaseModel):
         if not isinstance(facts, list):
             return facts
         return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
+
+    @field_validator("facts")
+    @classmethod
+    def _with_positions_that_can_be_read(cls, facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
+        with value_errors():
+            position_of(facts)
+        return facts
 
 
 class PlacesRecord(BaseModel):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import final
+from typing import Final, final
 
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.places import FactName, OwnerFact, check_name
+from homebot.places import FactName, OwnerFact, Position, check_floor, check_name, read_position
 from homebot.support.folding import fold, is_room_typo
 
 __all__ = ["PlacesEditor"]
@@ -20,10 +20,14 @@ _MOST = 50
 
 _WORDS: Mapping[FactName, str] = {
     "area": "room",
+    "position": "position",
     "name": "alias",
     "tag": "tag",
     "taught_area": "room",
 }
+
+
+_WHERE: Final = ("area", "position")
 
 
 @final
@@ -64,6 +68,37 @@ class PlacesEditor:
         self.state(entry, [OwnerFact("area", name, "command", now), *facts], f"the owner placed it in {name}")
         return name
 
+    def put_at(
+        self, device: str, position: Position, now: float, *, may_be_absent: bool = False
+    ) -> tuple[str, str, str]:
+        """Set the position of a device.
+
+        Args:
+            device: Its id; of one that is not there yet as for :meth:`place_absent`.
+            position: The position.
+            now: Seconds since the Unix epoch.
+            may_be_absent: Whether it need not be there.
+
+        Returns:
+            The position as text, the room that the device is in now, and the id or hardware address by which it will be
+            known if it is not there.
+
+        Raises:
+            RefusedError: There is no such device, or there are too many statements.
+            UsageError: The device cannot be called so, there is no such floor, or the numbers are no position.
+        """
+        floor = check_floor(position.floor, self._table.owner.plan)
+        text = read_position(position._replace(floor=floor).text).text
+        fact = OwnerFact("position", text, "command", now)
+        if may_be_absent and not self.has(device):
+            key = _future_name(check_name(device))
+            self._state_absent(key, fact, "position")
+            return text, "", key
+        entry = self._entry(device)
+        facts = [one for one in self.stated(entry) if one.name != "position"]
+        self.state(entry, [fact, *facts], f"the owner placed it at {text}")
+        return text, entry.to_device(self._table.topics).area, ""
+
     def place_absent(self, device: str, room: str, now: float, *, is_new: bool = False) -> tuple[str, str]:
         """Set the room of a device that is not there yet.
 
@@ -84,7 +119,7 @@ class PlacesEditor:
         if not is_new:
             self._check_typo(name)
         key = _future_name(check_name(device))
-        self._state_absent(key, OwnerFact("area", name, "command", now))
+        self._state_absent(key, OwnerFact("area", name, "command", now), "area")
         return key, name
 
     def unplace_absent(self, device: str) -> str:
@@ -95,9 +130,9 @@ class PlacesEditor:
             UsageError: *device* cannot be a name.
         """
         key = _future_name(check_name(device))
-        if all(fact.name != "area" for fact in self._table.owner.stated_of((key,))):
+        if not any(fact.name in _WHERE for fact in self._table.owner.stated_of((key,))):
             raise RefusedError("taking back the room", f"there is no device {device}, and no command stated its room")
-        self._state_absent(key, None)
+        self._state_absent(key, None, *_WHERE)
         return key
 
     def absent(self) -> Iterator[tuple[str, str]]:
@@ -108,13 +143,13 @@ class PlacesEditor:
         for key, facts in self._table.owner.unknown(known):
             yield from ((key, fact.value) for fact in facts if fact.name == "area")
 
-    def _state_absent(self, key: str, area: OwnerFact | None) -> None:
-        others = [fact for fact in self._table.owner.stated_of((key,)) if fact.name != "area"]
-        facts = others if area is None else [area, *others]
+    def _state_absent(self, key: str, fact: OwnerFact | None, *replaced: FactName) -> None:
+        others = [one for one in self._table.owner.stated_of((key,)) if one.name not in replaced]
+        facts = others if fact is None else [fact, *others]
         self._table.owner.put_unknown((key,), facts, self._table.owners)
 
     def unplace(self, device_id: str) -> str:
-        """Take back the room that a command or an import stated, or a tag taught.
+        """Take back the room and position that a command or an import stated, or the room that a tag taught.
 
         Returns:
             The room that it is in now; empty for none.
@@ -124,8 +159,9 @@ class PlacesEditor:
         """
         entry = self._entry(device_id)
         stated = self.stated(entry)
-        first = next((one for one in ("area", "taught_area") if any(fact.name == one for fact in stated)), "")
-        facts = [fact for fact in stated if fact.name != first]
+        facts = [fact for fact in stated if fact.name not in _WHERE]
+        if len(facts) == len(stated):
+            facts = [fact for fact in stated if fact.name != "taught_area"]
         if len(facts) == len(stated):
             where = self._where_configured("area", entry)
             raise RefusedError("taking back the room", where or f"no command stated the room of {device_id}")

@@ -11,7 +11,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
-from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, read_places
+from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, position_of, read_places
 from homebot.support.folding import fold
 from homebot.support.toml_file import parse_toml
 
@@ -159,7 +159,9 @@ class PlacesExchange:
         for entry in tuple(self._table.entries.values()):
             yield
             area = entry.to_device(self._table.topics).area
-            if area and before.locate(area) != now.locate(area) and self._table.entries.get(entry.id) is entry:
+            has_moved = bool(area) and before.locate(area) != now.locate(area)
+            has_moved = has_moved or position_of(self._table.owner.of(entry.id, entry.sources.values())) is not None
+            if has_moved and self._table.entries.get(entry.id) is entry:
                 self._editor.restate((entry,), "the rooms of the house changed")
 
     def _by_identifier(self, wanted: frozenset[str]) -> Generator[None, None, dict[str, list[SourceKey]]]:

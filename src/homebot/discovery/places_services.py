@@ -34,9 +34,11 @@ from homebot.devices.places_messages import (
     AliasDevice,
     AliasDeviceRequest,
     AliasDeviceResponse,
+    AreaRing,
     ChangeRoom,
     ChangeRoomRequest,
     ChangeRoomResponse,
+    DoorInfo,
     ExportPlaces,
     ExportPlacesRequest,
     ExportPlacesResponse,
@@ -62,6 +64,9 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
+from homebot.places import HouseDoor, HouseRoom, Position
+from homebot.places.facts import OWNER_ERROR
+from homebot.places.plan import Point
 from homebot.support.folding import fold
 
 __all__ = ["PlacesServices"]
@@ -101,22 +106,25 @@ class PlacesServices:
         node.create_service(ImportPlaces, IMPORT_PLACES, partial(self._import, owner))
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
-        places, absent, room = self._index.places, "", ""
-        now = self._clock.now()
+        places, now = self._index.places, self._clock.now()
+        absent = room = position = ""
+        is_absent = request.may_be_absent and not places.has(request.device)
         try:
-            if request.may_be_absent and not places.has(request.device):
-                if request.room:
-                    absent, room = places.place_absent(request.device, request.room, now, is_new=request.is_new)
-                else:
-                    absent = places.unplace_absent(request.device)
+            at = _position(request)
+            if request.room and is_absent:
+                absent, room = places.place_absent(request.device, request.room, now, is_new=request.is_new)
             elif request.room:
                 room = places.place(request.device, request.room, now, is_new=request.is_new)
-            else:
-                room = places.unplace(request.device)
+            elif at is None:
+                absent = places.unplace_absent(request.device) if is_absent else ""
+                room = "" if is_absent else places.unplace(request.device)
+            if at is not None:
+                position, inside, absent = places.put_at(request.device, at, now, may_be_absent=is_absent)
+                room = room or inside
         except (RefusedError, UsageError) as exc:
             return PlaceDeviceResponse(success=False, message=str(exc))
         self._publish_all()
-        return PlaceDeviceResponse(success=True, room=room, absent=absent)
+        return PlaceDeviceResponse(success=True, room=room, absent=absent, position=position)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
         try:
@@ -162,10 +170,12 @@ class PlacesServices:
 
     def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
         plan = self._index.owner.plan
-        rooms = tuple(RoomInfo(name=room.name, floor=room.floor, doors=room.doors) for room in plan.rooms)
         absent = sorted(self._index.places.absent())[:_MOST_ABSENT]
         return GetPlacesResponse(
-            home=plan.home, rooms=rooms, absent=tuple(KeyValue(key=key, value=room) for key, room in absent)
+            home=plan.home,
+            rooms=tuple(map(_room_info, plan.rooms)),
+            absent=tuple(KeyValue(key=key, value=room) for key, room in absent),
+            doors=tuple(map(_door_info, plan.doors)),
         )
 
     def _teach(self, request: TeachPlaceRequest) -> TeachPlaceResponse:
@@ -242,3 +252,39 @@ class PlacesServices:
                 return result
             if turns.is_over:
                 await turns.pause()
+
+
+def _position(request: PlaceDeviceRequest) -> Position | None:
+    """Return the position in a request, None for none.
+
+    Raises:
+        UsageError: It has one number.
+    """
+    if not request.at:
+        return None
+    if len(request.at) == 1:
+        raise UsageError("a position has two numbers, x and y; one was given")
+    return Position(request.at[0], request.at[1], request.floor, request.error or OWNER_ERROR)
+
+
+def _room_info(room: HouseRoom) -> RoomInfo:
+    areas = (_ring(ring, is_hole=index > 0) for rings in room.polygons for index, ring in enumerate(rings))
+    return RoomInfo(name=room.name, floor=room.floor, doors=room.doors, areas=tuple(areas))
+
+
+def _ring(corners: tuple[Point, ...], *, is_hole: bool) -> AreaRing:
+    return AreaRing(x=tuple(x for x, _ in corners), y=tuple(y for _, y in corners), is_hole=is_hole)
+
+
+def _door_info(door: HouseDoor) -> DoorInfo:
+    return DoorInfo(
+        name=door.name,
+        rooms=door.rooms,
+        x=tuple(x for x, _ in door.position),
+        y=tuple(y for _, y in door.position),
+        width=door.width,
+        contact=door.contact,
+        lock=door.lock,
+        has_cost=door.cost is not None,
+        cost=door.cost or 0.0,
+    )

@@ -232,4 +232,9 @@ class DirectoryServices:
             "index_file_damaged": self._persistence.damaged,
         }
         troubles = () if self._persistence.state in {"off", "ok"} else (self._persistence.state,)
-        return HealthResponse(counts=Count.each(counts), troubles=troubles)
+        plan = self._index.owner.plan
+        overlaps = plan.floor_plan.overlaps() if any(room.polygons for room in plan.rooms) else ()
+        notes = [
+            f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
+        ]
+        return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))

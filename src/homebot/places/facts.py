@@ -58,10 +58,9 @@ class Position(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The position, floor and unusual error as text, such as ``3.2,1,Attic ±0.5``."""
+        """The position, floor and error as text, such as ``3.2,1,Attic ±0.1 m``."""
         floor = f",{self.floor}" if self.floor else ""
-        error = "" if self.error == OWNER_ERROR else f" ±{self.error:g}"
-        return f"{self.x:.12g},{self.y:.12g}{floor}{error}"
+        return f"{self.x:.12g},{self.y:.12g}{floor} ±{self.error:g} m"
 
 
 class OwnerFact(NamedTuple):
@@ -102,7 +101,7 @@ NO_PLACES = Places()
 
 
 def read_position(text: str, error: float = OWNER_ERROR, source: str = "", at: float = 0.0) -> Position:
-    """Return the position of a text ``X,Y[,FLOOR][ ±ERROR]``.
+    """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``.
 
     Args:
         text: The text.
@@ -116,7 +115,7 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "", at: f
     place, _, stated = text.partition("±")
     x, y, floor = (*place.split(",", 2), "", "")[:3]
     try:
-        numbers = float(x), float(y), float(stated or error)
+        numbers = float(x), float(y), float(stated.removesuffix("m") or error)
     except ValueError:
         raise UsageError(f"{text!r} is no position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
     if not all(math.isfinite(one) and abs(one) <= _FARTHEST for one in numbers) or numbers[2] < 0:

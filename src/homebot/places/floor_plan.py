@@ -16,7 +16,7 @@ from homebot.places.room_paths import RoomPaths
 from homebot.places.room_shapes import RoomAt, RoomShape, RoomShapes
 from homebot.support.folding import fold
 
-__all__ = ["HYSTERESIS", "SURE", "FloorPlan", "RoomChance", "check_geometry"]
+__all__ = ["HYSTERESIS", "SURE", "FloorPlan", "RoomChance"]
 
 HYSTERESIS = 0.2
 """Metres that a robot must be away from its last room, to be in another one."""
@@ -67,18 +67,22 @@ class FloorPlan:
     Attributes:
         plan: Likewise.
         shapes: The areas of rooms.
+
+    Raises:
+        ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
     """
 
     __slots__ = ("_areas", "_levels", "_paths", "plan", "shapes")
 
     def __init__(self, plan: HousePlan) -> None:
         self.plan = plan
-        self._areas = {room.name: _polygons(room) for room in plan.rooms if room.polygons}
+        self._areas = {room.name: _polygons(room, plan.source) for room in plan.rooms if room.polygons}
         self.shapes = RoomShapes(
             RoomShape(room.name, room.floor, area) for room in plan.rooms for area in self._areas.get(room.name, ())
         )
         self._levels = {fold(shape.floor): shape.floor for shape in self.shapes.shapes}
         self._paths: dict[str, RoomPaths | _SeveralPaths] | None = None
+        self._check_doors()
 
     @staticmethod
     @lru_cache(maxsize=2)
@@ -193,30 +197,25 @@ class FloorPlan:
         """Yield each two rooms that overlap by more than 0.1 m² without one being inside the other, and the area."""
         from homebot.places.overlap import overlap_area  # noqa: PLC0415 - for checks alone
 
-        shapes = self.shapes.shapes
+        shapes = sorted(self.shapes.shapes, key=lambda one: one.polygon.box.left)
         for index, one in enumerate(shapes):
             for other in shapes[index + 1 :]:
+                if other.polygon.box.left >= one.polygon.box.right:
+                    break
                 if one.floor == other.floor and one.room != other.room:
                     area = overlap_area(one.polygon, other.polygon)
-                    if _LEAST_OVERLAP < area < one.polygon.area - _LEAST_OVERLAP:  # the smaller one comes first
+                    smaller = min(one.polygon.area, other.polygon.area)
+                    if _LEAST_OVERLAP < area < smaller - _LEAST_OVERLAP:
                         yield one.room, other.room, area
 
-    def check_doors(self, source: str) -> None:
-        """Check that each door is at both its rooms.
-
-        Raises:
-            ConfigError: One is not; names the key, the room and the distance.
-        """
+    def _check_doors(self) -> None:
         for door in self.plan.doors:
-            if not door.position:
-                continue
-            known = [room for room in door.rooms if room in self._areas]
-            middle = _crossings(_ends(door, self._areas[known[0]]))[0] if known else (0.0, 0.0)
+            known = [room for room in door.rooms if room in self._areas] if door.position else []
             for room in known:
-                away = self.distance(room, *middle)
+                away = self.distance(room, *_crossings(_ends(door, self._areas[known[0]]))[0])
                 if away > _REACH:
                     reason = f"is {away:.2f} m from {room}; {_REACH} m is the limit"
-                    raise ConfigError(source, f"places.doors.{door.name}.position", reason)
+                    raise ConfigError(self.plan.source, f"places.doors.{door.name}.position", reason)
 
     def _border(self, x: float, y: float, level: str) -> float:
         """Return metres from a point to the nearest border of any room on a floor."""
@@ -225,20 +224,6 @@ class FloorPlan:
 
 
 _LEAST_OVERLAP = 0.1
-
-
-def check_geometry(plan: HousePlan, source: str) -> None:
-    """Check the areas of rooms, and that doors are at them.
-
-    Raises:
-        ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
-    """
-    for room in plan.rooms:
-        try:
-            _polygons(room)
-        except UsageError as exc:
-            raise ConfigError(source, f"places.rooms.{room.name}.polygon", str(exc)) from exc
-    FloorPlan(plan).check_doors(source)
 
 
 @final
@@ -260,8 +245,11 @@ def _paths(areas: Sequence[Polygon]) -> RoomPaths | _SeveralPaths:
     return RoomPaths(areas[0]) if len(areas) == 1 else _SeveralPaths(areas)
 
 
-def _polygons(room: HouseRoom) -> tuple[Polygon, ...]:
-    return tuple(Polygon(rings[0] if rings else (), rings[1:]) for rings in room.polygons)
+def _polygons(room: HouseRoom, source: str) -> tuple[Polygon, ...]:
+    try:
+        return tuple(Polygon(rings[0] if rings else (), rings[1:]) for rings in room.polygons)
+    except UsageError as exc:
+        raise ConfigError(source, f"places.rooms.{room.name}.polygon", str(exc)) from exc
 
 
 def _nearest(areas: Sequence[Polygon], point: Point) -> Point:

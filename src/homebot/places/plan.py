@@ -13,6 +13,10 @@ from homebot.errors import ConfigError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.places.floor_plan import FloorPlan
+
 __all__ = [
     "MAX_ROOMS",
     "NO_AREAS",
@@ -107,6 +111,7 @@ class HousePlan:
 
     Attributes:
         home: The name of the home.
+        source: Where the rooms are from, for messages.
         rooms: Its rooms, with each door at both its ends.
         floors: The names of its floors.
         doors: All its doors, those of rooms too of which nothing else is stated.
@@ -116,12 +121,13 @@ class HousePlan:
             rooms; names the key and the value.
     """
 
-    __slots__ = ("__weakref__", "_in_home", "_located", "_rooms", "doors", "floors", "home", "rooms")
+    __slots__ = ("__weakref__", "_in_home", "_located", "_rooms", "doors", "floors", "home", "rooms", "source")
 
     def __init__(
         self, home: str, rooms: Iterable[HouseRoom] = (), source: str = "places", doors: Iterable[HouseDoor] = ()
     ) -> None:
         self.home = home
+        self.source = source
         stated = tuple({fold(door.name): door for door in doors}.values())
         joined = _joined(rooms, source, stated)
         floors: dict[str, str] = {}
@@ -142,9 +148,14 @@ class HousePlan:
         }
         self.doors = self._with_plain(stated)
         if any(room.polygons for room in self.rooms) or any(door.position for door in stated):
-            from homebot.places.floor_plan import check_geometry  # noqa: PLC0415 - with the first polygon
+            _ = self.floor_plan
 
-            check_geometry(self, source)
+    @property
+    def floor_plan(self) -> FloorPlan:
+        """The rooms and doors in the plane."""
+        from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
+
+        return FloorPlan.of(self)
 
     def locate(self, area: str) -> tuple[str, tuple[str, ...]]:
         """Return *area* as the plan spells it, and the areas that it is in, the innermost first: its floor, the home.

@@ -12,6 +12,7 @@ from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import PLACE_DEVICE
 from homebot.errors import PeerError, UsageError
+from homebot.places import read_position
 
 if TYPE_CHECKING:
     from homebot.devices.places_messages import PlaceDeviceResponse
@@ -21,7 +22,10 @@ __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
   homebot place 'Kitchen lamp' Kitchen
+  homebot place 'Kitchen lamp' --at 3.2,1.0
   homebot place 'Kitchen lamp' --undo
+
+A position is in metres, as in the polygons of rooms; without a ROOM the device is in the room that is there.
 
 A device that is not there yet, by its name, id or hardware address (mac:a4cf12f04ab1), is placed when it appears. The
 directory remembers it over a restart. It outranks the room that the device announces, and the one in the
@@ -34,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _place, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("room", nargs="?", default="", metavar="ROOM", help="the room or floor that it is in")
+    parser.add_argument("--at", default="", metavar="X,Y[,FLOOR]", help="its position, in metres")
     parser.add_argument("--undo", action="store_true", help="take back what was said by this command or an import")
     parser.add_argument(
         "--new",
@@ -42,21 +47,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _told(device: str, room: str, absent: str) -> str:
+def _told(device: str, answer: PlaceDeviceResponse) -> str:
+    room, absent, position = printable(answer.room), printable(answer.absent), printable(answer.position)
+    where = " ".join([f"at {position}"] * bool(position) + [f"in {room}"] * bool(room))
     if absent:
-        later = f"will be in {room} when it appears" if room else "will be in no stated room"
+        later = f"will be {where} when it appears" if where else "will be in no stated room"
         return f"there is no device {device} yet; {absent} {later}"
-    return f"{device} is in {room} now" if room else f"the room of {device} is unknown now"
+    if position and not room:
+        return f"{device} is {where} now; its room is unknown"
+    return f"{device} is {where} now" if where else f"the room of {device} is unknown now"
 
 
 def _place(options: argparse.Namespace) -> int:
     """Set the room of a device, or take it back."""
-    if options.undo is bool(options.room):
-        raise UsageError("give either a ROOM or --undo")
+    if options.undo is bool(options.room or options.at):
+        raise UsageError("give either a ROOM, --at, or both, or --undo")
+    position = read_position(options.at) if options.at else None
 
     def run(door: DoorClient) -> int:
         known = device_or_similar(door, options.device)
-        if isinstance(known, list) and known and options.room and not options.new:
+        if isinstance(known, list) and known and not options.undo and not options.new:
             hint = "For another one, which is not there yet, add --new"
             raise PeerError(f"there is no device {options.device}; did you mean {' or '.join(known)}? {hint}")
         device = options.device if isinstance(known, list) else known.id
@@ -66,11 +76,13 @@ def _place(options: argparse.Namespace) -> int:
             "is_new": options.new,
             "may_be_absent": isinstance(known, list),
         }
+        if position is not None:
+            request |= {"at": [position.x, position.y], "floor": position.floor}
         answer = cast("PlaceDeviceResponse", JsonMessage(door.call(PLACE_DEVICE, request)))
         if not answer.success:
             hint = "" if options.new or "did you mean" not in answer.message else " For another room, add --new"
             raise PeerError(f"{answer.message}{hint}")
-        print(_told(printable(device), printable(answer.room), printable(answer.absent)))
+        print(_told(printable(device), answer))
         return 0
 
     return with_client(options, run)

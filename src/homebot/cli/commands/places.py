@@ -20,9 +20,11 @@ from homebot.errors import PeerError, UsageError
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
-    from homebot.devices import KeyValue
+    from homebot.devices import Device, KeyValue
     from homebot.devices.places_messages import (
+        AreaRing,
         ChangeRoomResponse,
+        DoorInfo,
         ExportPlacesResponse,
         GetPlacesResponse,
         ImportPlacesResponse,
@@ -66,7 +68,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
     listed = add_verb(verbs, "list", "list the rooms of the house")
     set_client_command(listed, _list, _LIST)
-    listed.add_argument("--json", action="store_true", help="print a JSON object: the home, its rooms, absent devices")
+    listed.add_argument(
+        "--json", action="store_true", help="print a JSON object: home, rooms, doors, positions, absent devices"
+    )
     rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
     set_client_command(rename, _edit, _EDIT)
     rename.add_argument("room", metavar="ROOM", help="the room")
@@ -93,13 +97,17 @@ def _list(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         places = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {})))
-        areas = all_devices(door, lambda device: device.area)
-        rooms = _rooms(places, areas)
+        devices = all_devices(door, lambda device: (device.id, device.area, _position(device)))
+        rooms = _rooms(places, [area for _, area, _ in devices])
+        positions = {device_id: position for device_id, _, position in devices if position}
         if options.json:
             absent = [{"device": one.key, "room": one.value} for one in places.absent]
-            print(json_text({"home": places.home, "rooms": rooms, "absent": absent}))
+            doors = [_door(one) for one in places.doors]
+            found = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
+            print(json_text(found))
         else:
             _print(rooms, places.absent)
+            print_rows([(printable(one), printable(at)) for one, at in positions.items()], "positions:")
         return 0
 
     return with_client(options, run)
@@ -115,6 +123,20 @@ def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
     print_rows(absent, "placed, and not there yet:")
 
 
+def _position(device: Device) -> str:
+    return next((fact.value for fact in device.facts if fact.name == "position"), "")
+
+
+def _area(ring: AreaRing) -> dict[str, object]:
+    return {"corners": [[x, y] for x, y in zip(ring.x, ring.y, strict=True)], "is_hole": ring.is_hole}
+
+
+def _door(door: DoorInfo) -> dict[str, object]:
+    position = [[x, y] for x, y in zip(door.x, door.y, strict=True)]
+    more = {"width": door.width, "contact": door.contact, "lock": door.lock}
+    return {"name": door.name, "rooms": [*door.rooms], "position": position} | more
+
+
 class _Room(TypedDict):
     """A room as it is printed, with the number of devices in it."""
 
@@ -122,6 +144,7 @@ class _Room(TypedDict):
     floor: str
     doors: list[str]
     devices: int
+    areas: list[dict[str, object]]
 
 
 def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
@@ -136,9 +159,12 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     for room in places.rooms:
         names.pop(fold(room.name), None)
         count = counts.get(fold(room.name), 0)
-        rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count})
+        shape = [_area(ring) for ring in room.areas]
+        rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count, "areas": shape})
     announced = [names[key] for key in sorted(names)]
-    return rooms + [{"name": name, "floor": "", "doors": [], "devices": counts[fold(name)]} for name in announced]
+    return rooms + [
+        {"name": name, "floor": "", "doors": [], "devices": counts[fold(name)], "areas": []} for name in announced
+    ]
 
 
 def _edit(options: argparse.Namespace) -> int:
