@@ -48,17 +48,33 @@ class CommandService:
         self._lookup = lookup
         self._targets = CommandTargets(node, lookup)
 
-    async def serve(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
-        """Carry out *request*; never raises."""
+    async def serve(
+        self, request: CommandDevicesRequest, on_commanded: Callable[[CommandedPart, int], None] | None = None
+    ) -> CommandDevicesResponse:
+        """Carry out *request*; never raises.
+
+        Args:
+            on_commanded: Called with each outcome as soon as it is known, and the number of parts without one.
+        """
         try:
             targets = await self._targets.find(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[CommandedPart] = []
+        commands = [
+            (device, part, spoken)
+            for device, parts in targets
+            for part, spoken in settings_by_part(request, device, parts)
+        ]
+
+        async def command(device: Device, part: DevicePart, spoken: SpokenSettings) -> None:
+            commanded.append(await self._command(request, device, part, spoken))
+            if on_commanded is not None:
+                on_commanded(commanded[-1], len(commands) - len(commanded))
+
         async with anyio.create_task_group() as tasks:
-            for device, parts in targets:
-                for part, spoken in settings_by_part(request, device, parts):
-                    tasks.start_soon(self._command, request, device, part, spoken, commanded)
+            for one in commands:
+                tasks.start_soon(command, *one)
         commanded.sort(key=lambda one: (one.device, one.part))
         outcomes = tuple(outcome_of(one.result) for one in commanded)
         worst_one = commanded[outcomes.index(worst(outcomes))]
@@ -76,8 +92,7 @@ class CommandService:
         device: Device,
         part: DevicePart,
         spoken: SpokenSettings,
-        commanded: list[CommandedPart],
-    ) -> None:
+    ) -> CommandedPart:
         if isinstance(spoken, RefusedError):
             result = result_of(Refused("device", f"{spoken.what}: {spoken.reason}"))
         else:
@@ -95,7 +110,7 @@ class CommandService:
             )
             if isinstance(outcome_of(result), NoAnswer) and (reason := await self._why_unreachable(device)):
                 result = result.model_copy(update={"text": f"{result.text}; {reason}"})
-        commanded.append(CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result))
+        return CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result)
 
     async def _why_unreachable(self, device: Device) -> str:
         """Return why *device* is unreachable now, which may differ from the time of the command; empty if it is not."""

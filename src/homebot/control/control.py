@@ -26,6 +26,7 @@ from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState,
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
+    from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
     from homebot.control.journal.store import JournalStore
     from homebot.control.rehearsal import Rehearsal
@@ -142,6 +143,9 @@ class Control:
             lambda request: self._layer.explanations.explain_missing(request),
             concurrent=True,
         )
+        offer = self._node.offer_action
+        offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands())
+        offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
         self._node.create_subscription(AccessRefused, names.ACCESS_REFUSALS, self._on_refusal, qos)
         self._node.create_subscription(ClientLeft, names.CLIENTS_LEFT, self._on_client_left, qos)
 
@@ -208,3 +212,9 @@ class Control:
         )
         self._begun.set()
         return layer
+
+    @cached_property
+    def _actions(self) -> ControlActions:
+        from homebot.control.actions import ControlActions  # noqa: PLC0415 - loaded with the first action
+
+        return ControlActions(self._node, lambda: self._layer)

@@ -224,6 +224,13 @@ class CommandExecutor:
             if _is_lost(outcome) and await self._is_gone(command):
                 outcome = Gone(command_id=command.id)
             return self._decided(opened, outcome)
+        except asyncio.CancelledError:
+            progress = opened.progress
+            waited = self._clock.monotonic() - progress.first_sent_at
+            reason = "" if progress.sendings else "it was cancelled"
+            result = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
+            self._journal.decided(command.id, command.issuer, command.place, result)
+            raise
         finally:
             self.witnesses.end(witnesses)
             del self._open[command.id]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity"]
+__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity", "OfferedAction"]
 
 
 TermT = TypeVar("TermT", bound=Hashable)
@@ -84,6 +84,27 @@ class GraphEntity(Protocol):
     def close(self) -> None:
         """Leave the graph. Idempotent."""
         ...
+
+
+@final
+class OfferedAction:
+    """Shows an action on the graph in place of its server, which costs memory and time that most runs do not need.
+
+    Attributes:
+        start: Creates the server; called once, by the graph.
+    """
+
+    def __init__(
+        self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[OfferedAction], None]
+    ) -> None:
+        """Use :meth:`homebot.graph.Node.offer_action` instead."""
+        self.info = info
+        self.start = start
+        self._on_close = on_close
+
+    def close(self) -> None:
+        """Leave the graph. Idempotent."""
+        self._on_close(self)
 
 
 @final

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from homebot import messages
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
-from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange
+from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange, OfferedAction
 from homebot.graph.failures import Failures, ServiceCounts
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
@@ -44,6 +44,7 @@ class Graph:
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}
         self._services: dict[str, ServiceSlot] = {}
+        self._offered_actions: dict[str, OfferedAction] = {}
         self._endpoints = EndpointIndex()
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
@@ -99,8 +100,8 @@ class Graph:
 
     def get_action_type(self, action: str) -> ActionType[Any, Any, Any] | None:  # each message may be any
         """Return the type of *action*, or None if it is unused."""
-        slot = self._services.get(f"{action}/_action/send_goal")
-        return getattr(slot.service_type, "action_type", None) if slot else None
+        service_type = self.get_service_type(f"{action}/_action/send_goal")
+        return getattr(service_type, "action_type", None)
 
     def get_message_type(self, topic: str) -> type[Message] | None:
         """Return the message type of *topic*, or None if it is unused."""
@@ -109,6 +110,7 @@ class Graph:
 
     def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # either type may be any message
         """Return the type of *service*, or None if it is unused."""
+        self._start_offered(service)
         slot = self._services.get(service)
         return slot.service_type if slot else None
 
@@ -212,6 +214,7 @@ class Graph:
         Raises:
             TypeMismatchError: It carries another type.
         """
+        self._start_offered(name)
         topic = self._topics.get(name)
         if topic is None or topic.is_unused:
             topic = self._topics[name] = Topic(name, message_type, self._limit)
@@ -229,6 +232,7 @@ class Graph:
         Raises:
             TypeMismatchError: It is of another type.
         """
+        self._start_offered(name)
         slot = self._services.setdefault(name, ServiceSlot(name, service_type))
         if slot.service_type is not service_type:
             raise TypeMismatchError(
@@ -243,6 +247,22 @@ class Graph:
         if slot.users == 0:
             self._services.pop(slot.name, None)
 
+    def offer_action(self, offered: OfferedAction) -> None:
+        """Start *offered* when a part of it is first used.
+
+        Raises:
+            DuplicateNameError: The action has a server.
+        """
+        name = offered.info.name
+        if self._endpoints.find(EntityKind.ACTION_SERVER, name, None):
+            raise DuplicateNameError(f"the action {name} is already served")
+        self._offered_actions[name] = offered
+
+    def withdraw_action(self, offered: OfferedAction) -> None:
+        """Remove *offered*. Idempotent."""
+        if self._offered_actions.get(offered.info.name) is offered:
+            del self._offered_actions[offered.info.name]
+
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
         """Add *entity* as *info* and notify the watchers."""
         self._endpoints.add(entity, info)
@@ -252,6 +272,15 @@ class Graph:
         """Remove *entity* and notify the watchers. Idempotent."""
         if (info := self._endpoints.remove(entity)) is not None:
             self._notify(GraphChange("removed", info))
+
+    def _start_offered(self, endpoint: str) -> None:
+        """Start the offered action that *endpoint* is a part of."""
+        if not self._offered_actions:
+            return
+        offered = self._offered_actions.get(endpoint.partition("/_action/")[0])
+        if offered is not None:
+            offered.close()
+            offered.start()
 
     def _notify(self, change: GraphChange) -> None:
         for watcher in self._watchers:

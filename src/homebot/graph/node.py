@@ -33,7 +33,7 @@ from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
-from homebot.graph.endpoint import EntityKind, GraphEntity
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedAction
 from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
@@ -252,6 +252,24 @@ class Node:
         client = Client(slot, srv_type, self.full_name, on_close)
         self.add_entity(client)
         return client
+
+    def offer_action(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
+        """Show the action *name* on the graph, and call *start* to create its server when it is first used.
+
+        Raises:
+            InvalidNameError: *name* is not a legal name.
+            DuplicateNameError: The action has a server.
+        """
+        self._check_open()
+        info = EndpointInfo(EntityKind.ACTION_SERVER, self.full_name, self.resolve_name(name, "action name"), ros_type)
+
+        def on_close(offered: OfferedAction) -> None:
+            self.graph.withdraw_action(offered)
+            self.remove_entity(offered)
+
+        offered = OfferedAction(info, start, on_close)
+        self.graph.offer_action(offered)
+        self.add_entity(offered)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
         """Call *callback* every *timer_period_sec* seconds, first one period after now or the start of the node.

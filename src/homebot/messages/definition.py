@@ -84,7 +84,7 @@ def zero_message(message_type: type[MessageT]) -> MessageT:
     defaults = {
         name: field.get_default() for name, field in message_type.model_fields.items() if not field.is_required()
     }
-    return message_type(**(fields | defaults))
+    return message_type.of_checked(**(fields | defaults))
 
 
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:

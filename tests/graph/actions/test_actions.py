@@ -411,3 +411,25 @@ async def test_the_graph_lists_actions_with_servers_and_clients(node: Node, othe
     assert list(graph.get_service_names_and_types()) == [
         f"/fib/_action/{n}" for n in ("cancel_goal", "get_result", "send_goal")
     ]
+
+
+async def test_an_offered_action_is_listed_and_its_server_made_when_it_is_used(
+    node: Node, other: Node, graph: Graph
+) -> None:
+    started: list[ActionServer[Goal, Result, Feedback]] = []
+    node.offer_action(Fibonacci.ros_type, "fib", lambda: started.append(ActionServer(node, Fibonacci, "fib", compute)))
+    with pytest.raises(DuplicateNameError):
+        node.offer_action(Fibonacci.ros_type, "fib", lambda: None)
+    assert graph.actions() == (("/fib", Fibonacci.ros_type, ("/node",), ()),)
+    assert not started
+    assert await client_of(other).perform(Goal(order=3)) == Result(sequence=(0, 1, 1))
+    assert len(started) == 1
+    assert graph.actions() == (("/fib", Fibonacci.ros_type, ("/node",), ("/other",)),)
+
+
+async def test_an_offered_action_goes_with_its_node(graph: Graph, other: Node) -> None:
+    async with Node(graph, "serving") as serving:
+        serving.offer_action(Fibonacci.ros_type, "fib", lambda: None)
+    assert graph.actions() == ()
+    with pytest.raises(ServiceUnavailableError):
+        await client_of(other).perform(Goal(order=1))

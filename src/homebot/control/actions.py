@@ -1,0 +1,132 @@
+"""Actions that command devices and hold values. Loaded when used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, Literal, TypeAlias, final
+
+import anyio
+
+from homebot.control.command_service import UNNAMED_CLIENT
+from homebot.control.control_layer import ControlLayer
+from homebot.control.lease_service import LeaseService
+from homebot.devices.action_messages import (
+    CommandDevicesAction,
+    CommandDevicesFeedback,
+    CommandDevicesGoal,
+    CommandDevicesResult,
+    HoldDevice,
+    HoldDeviceFeedback,
+    HoldDeviceGoal,
+    HoldDeviceResult,
+)
+from homebot.devices.command_messages import CommandedPart
+from homebot.devices.command_results import outcome_of
+from homebot.devices.lease_messages import LONGEST_TTL, HolderRequest, HoldRequest, LeaseResponse
+from homebot.devices.names import HOLD_DEVICE, PERFORM_COMMANDS
+from homebot.devices.outcomes import Contradicted
+from homebot.graph import Node
+from homebot.graph.actions import ActionServer, ServerGoal
+
+__all__ = ["ControlActions"]
+
+_FEEDBACK: Final = 1.0
+"""Seconds between two feedback messages of a hold."""
+
+CommandGoal: TypeAlias = ServerGoal[CommandDevicesGoal, CommandDevicesResult, CommandDevicesFeedback]
+HoldGoal: TypeAlias = ServerGoal[HoldDeviceGoal, HoldDeviceResult, HoldDeviceFeedback]
+Phase: TypeAlias = Literal["commanding", "held", "outranked"]
+
+
+@final
+class ControlActions:
+    """Serves the actions of the control layer.
+
+    Args:
+        node: The node of the layer.
+        layer: Returns its parts.
+    """
+
+    def __init__(self, node: Node, layer: Callable[[], ControlLayer]) -> None:
+        self._node = node
+        self._layer = layer
+
+    def serve_commands(self) -> None:
+        """Create the server of commands in words."""
+        ActionServer(self._node, CommandDevicesAction, PERFORM_COMMANDS, self._perform)
+
+    def serve_holds(self) -> None:
+        """Create the server of holds."""
+        ActionServer(self._node, HoldDevice, HOLD_DEVICE, self._hold)
+
+    async def _perform(self, goal: CommandGoal) -> CommandDevicesResult:
+        known: list[CommandedPart] = []
+
+        def on_commanded(commanded: CommandedPart, waiting: int) -> None:
+            known.append(commanded)
+            goal.publish_feedback(CommandDevicesFeedback(commanded=commanded, waiting=waiting))
+
+        try:
+            response = await self._layer().words.serve(goal.request, on_commanded)
+        except anyio.get_cancelled_exc_class():
+            if goal.is_cancel_requested:
+                goal.canceled(CommandDevicesResult(success=False, message="cancelled", results=tuple(known)))
+            raise
+        (goal.succeed if response.success else goal.abort)()
+        return CommandDevicesResult(**dict(response))
+
+    async def _hold(self, goal: HoldGoal) -> HoldDeviceResult:
+        request, leases = goal.request, self._layer().leases
+        issuer, lease = request.issuer or UNNAMED_CLIENT, goal.goal_id.uuid.hex()
+        _publish_phase(goal, "commanding", request.seconds)
+        holder = HolderRequest(lease=lease, by=request.by, issuer=issuer)
+        answer = None
+        try:
+            answer = await leases.hold(
+                HoldRequest(
+                    device=request.device,
+                    part=request.part,
+                    setting=request.setting,
+                    lease=lease,
+                    by=request.by,
+                    ttl=LONGEST_TTL,
+                    issuer=issuer,
+                    scope=request.scope,
+                )
+            )
+            answer = await self._follow(goal, leases, holder, answer)
+        except anyio.get_cancelled_exc_class():
+            if goal.is_cancel_requested:
+                goal.canceled(HoldDeviceResult(success=answer is not None, message="released"))
+            raise
+        finally:
+            leases.release(holder)
+        (goal.succeed if answer.held else goal.abort)()
+        return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.result.text)
+
+    async def _follow(
+        self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseResponse
+    ) -> LeaseResponse:
+        """Renew a lease and publish its state until its time is over or it was ended; return its last state."""
+        seconds, clock = goal.request.seconds, self._node.graph.clock
+        until: float | None = None
+        while answer.held:
+            phase, now = _phase(answer), clock.monotonic()
+            if until is None and phase == "held":
+                until = now + seconds
+            left = seconds if until is None else until - now
+            if seconds and left <= 0:
+                break
+            _publish_phase(goal, phase, left if seconds else 0.0, answer.result.text)
+            await anyio.sleep(min(left, _FEEDBACK) if seconds else _FEEDBACK)
+            answer = leases.renew(holder)
+        return answer
+
+
+def _publish_phase(goal: HoldGoal, phase: Phase, seconds_left: float, message: str = "") -> None:
+    goal.publish_feedback(HoldDeviceFeedback(phase=phase, seconds_left=seconds_left, message=message))
+
+
+def _phase(answer: LeaseResponse) -> Phase:
+    outcome = outcome_of(answer.result)
+    return "held" if outcome.succeeded else "outranked" if isinstance(outcome, Contradicted) else "commanding"
