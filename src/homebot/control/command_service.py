@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -20,17 +20,20 @@ from homebot.devices.command_messages import (
 )
 from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.outcomes import NoAnswer, Refused, worst
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["CommandService", "Perform"]
+__all__ = ["CommandService", "Perform", "Preview"]
 
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 
 Perform: TypeAlias = Callable[[CommandRequest], Awaitable[CommandResult]]
 """Carries out the command to one part."""
+
+Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], Refused | None]
+"""Returns the refusal of the command to one part at this moment."""
 
 
 @final
@@ -41,12 +44,14 @@ class CommandService:
         node: The node of the client that queries the directory.
         lookup: Looks the devices up.
         perform: Carries out each command.
+        preview: Tells which it would refuse.
     """
 
-    def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform) -> None:
+    def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform, preview: Preview) -> None:
         self._perform = perform
+        self._preview = preview
         self._lookup = lookup
-        self._targets = CommandTargets(node, lookup)
+        self._targets = CommandTargets(node, lookup, self._refusal)
 
     async def serve(
         self, request: CommandDevicesRequest, on_commanded: Callable[[CommandedPart, int], None] | None = None
@@ -96,21 +101,24 @@ class CommandService:
         if isinstance(spoken, RefusedError):
             result = result_of(Refused("device", f"{spoken.what}: {spoken.reason}"))
         else:
-            result = await self._perform(
-                CommandRequest(
-                    device=device.id,
-                    part=part.id,
-                    settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in spoken.items()),
-                    transition=request.transition,
-                    code=request.code,
-                    issuer=request.issuer or UNNAMED_CLIENT,
-                    scope=request.scope,
-                    cause=request.cause,
-                )
-            )
+            result = await self._perform(_part_request(request, device, part, spoken))
             if isinstance(outcome_of(result), NoAnswer) and (reason := await self._why_unreachable(device)):
                 result = result.model_copy(update={"text": f"{result.text}; {reason}"})
         return CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result)
+
+    def _refusal(self, request: CommandDevicesRequest, target: tuple[Device, tuple[DevicePart, ...]]) -> str:
+        """Return why no part of *target* would get the command now; empty if one would."""
+        device, parts = target
+        problem = "it takes no commands"
+        for part, spoken in settings_by_part(request, device, parts):
+            if isinstance(spoken, RefusedError):
+                problem = spoken.reason
+                continue
+            refused = self._preview(_part_request(request, device, part, spoken), device, part)
+            if refused is None:
+                return ""
+            problem = refused.reason
+        return problem
 
     async def _why_unreachable(self, device: Device) -> str:
         """Return why *device* is unreachable now, which may differ from the time of the command; empty if it is not."""
@@ -119,3 +127,18 @@ class CommandService:
         except ServiceError:
             newest = device
         return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""
+
+
+def _part_request(
+    request: CommandDevicesRequest, device: Device, part: DevicePart, settings: Mapping[str, PlainValue]
+) -> CommandRequest:
+    return CommandRequest(
+        device=device.id,
+        part=part.id,
+        settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in settings.items()),
+        transition=request.transition,
+        code=request.code,
+        issuer=request.issuer or UNNAMED_CLIENT,
+        scope=request.scope,
+        cause=request.cause,
+    )

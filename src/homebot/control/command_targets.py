@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from itertools import chain
 from typing import Final, TypeAlias, final
 
@@ -11,7 +12,19 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.spoken_settings import spoken_settings
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
-from homebot.devices.query import And, HasText, NameIs, Or, PartFacets, Query, fits, parse_query, query_terms
+from homebot.devices.query import (
+    And,
+    HasText,
+    IsNear,
+    NameIs,
+    Or,
+    PartFacets,
+    Query,
+    fits,
+    parse_query,
+    query_terms,
+    split_near,
+)
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.terms import FactIs
@@ -47,10 +60,14 @@ class CommandTargets:
     Args:
         node: The node of the client that queries the directory.
         lookup: Looks the devices up.
+        refusal: Returns why a target would be refused the command now; empty if it would not.
     """
 
-    def __init__(self, node: Node, lookup: DeviceLookup) -> None:
+    def __init__(
+        self, node: Node, lookup: DeviceLookup, refusal: Callable[[CommandDevicesRequest, _Target], str]
+    ) -> None:
         self._lookup = lookup
+        self._refusal = refusal
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def find(self, request: CommandDevicesRequest) -> list[_Target]:
@@ -133,6 +150,9 @@ class CommandTargets:
         self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
     ) -> list[_Target]:
         """Return the targets that fit a query without alternatives."""
+        near, rest = split_near(parse_query(text))
+        if near is not None and math.isinf(near.within):
+            return await self._nearest(request, near, rest)
         found = await self._fitting(text, is_alternative=is_alternative)
         if any(_takes(request, one) for one in found):
             return found
@@ -158,6 +178,29 @@ class CommandTargets:
             ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
             raise NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
         return found
+
+    async def _nearest(self, request: CommandDevicesRequest, near: IsNear, rest: Query) -> list[_Target]:
+        """Return the nearest target that may be commanded.
+
+        Raises:
+            NoTargetError: None of the nearest may be; the message names them and the reasons.
+            ServiceError: The directory does not answer.
+        """
+        wanted = query_terms(And((rest, near)))
+        answer = await self._query.call(QueryDevicesRequest(query=wanted, limit=_MOST_NEAR))
+        if not answer.success:
+            raise NoTargetError(answer.message)
+        refused = [f"{one.key}: {one.value}" for one in answer.left_out]
+        for one in answer.results:
+            device = one.device
+            if _is_spelled(rest, facets_of(device).words):
+                target = device, _parts(device, rest)
+                if not (problem := self._refusal(request, target)):
+                    return [target]
+                refused.append(f"{device.name}: {problem}")
+        if refused:
+            raise NoTargetError(f"nothing near {near.robot} may be commanded; left out: {'; '.join(refused)}")
+        return []
 
     async def _fitting(self, text: str, *, is_alternative: bool) -> list[_Target]:
         query = parse_query(text)
@@ -194,6 +237,9 @@ _FUNCTIONS = frozenset({"plug", "switch"})
 _SETTINGS = frozenset({"x_setting"})
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
 _MOST_NAMES = 8
+
+_MOST_NEAR = 10
+"""The nearest devices of which one may be commanded."""
 
 
 def _places(targets: list[_Target]) -> frozenset[tuple[str, str]]:

@@ -102,7 +102,7 @@ class ControlLayer:
         self.executor = CommandExecutor(
             node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
         )
-        self.words = CommandService(node, lookup, self.executor.perform)
+        self.words = CommandService(node, lookup, self.executor.perform, self.executor.preview)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
         self.approvals = Approvals(lookup, is_needed=settings.approvals)

@@ -10,7 +10,7 @@ from homebot.control.policies import PolicySettings
 from homebot.control.policies.command_pattern import QueryText
 from homebot.devices.misspelt_names import ConfiguredNames
 from homebot.devices.query import Query
-from homebot.devices.query.parse import parse_query
+from homebot.devices.query.exact import parse_lasting_query
 from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.units import Seconds
@@ -50,7 +50,7 @@ class ControlSettings(PolicySettings):
     @property
     def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
         """The named sensors, folded, each with its query."""
-        return tuple((parse_query(query), fold(name)) for query, name in self.witnesses.items())
+        return tuple((parse_lasting_query(query), fold(name)) for query, name in self.witnesses.items())
 
     def configured_names(self, node: Node) -> ConfiguredNames:
         """Return the check, by *node*, of the sensors, contacts, rooms and queries in them."""
@@ -61,5 +61,5 @@ class ControlSettings(PolicySettings):
             node,
             rooms=[(_DOORS, room) for room in doors],
             devices=[*contacts, *sensors],
-            queries=[(_WITNESSES, query, parse_query(query)) for query in self.witnesses],
+            queries=[(_WITNESSES, query, parse_lasting_query(query)) for query in self.witnesses],
         )

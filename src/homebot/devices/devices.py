@@ -18,7 +18,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery, HandleType
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import FIND_DEVICES, GatewayNames
-from homebot.devices.query import type_is
+from homebot.devices.query import And, type_is
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -83,8 +83,8 @@ class Devices:
     ) -> tuple[Device, ...] | tuple[HandleT, ...]:
         """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
 
-        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come. A type,
-        an area or a tag that is likely misspelt is logged, once.
+        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come. With
+        ``near="robot"``, those nearest to the robot come first. A type that is likely misspelt is logged, once.
 
         Args:
             service_type: A kind of handle, for example :class:`Light`; or a service type, for example ``"lights"``,
@@ -96,6 +96,9 @@ class Devices:
         Raises:
             TypeError: The kind has no such condition; the message suggests the nearest.
             ValueError: A condition does not accept the value, or the service type is a sentence.
+            UsageError: Nothing in the house has the area, the tag or the name, and something has a similar one, or the
+                house states its rooms; or there is no such robot. It says what was probably meant.
+            RefusedError: The place of the robot is not known now; the message says how old its last pose is.
             ServiceError: The directory did not answer.
         """
         if isinstance(service_type, str):
@@ -105,13 +108,14 @@ class Devices:
                 await self._checks.check(type_is(service_type), f"find({service_type!r})")
             return devices
         wanted = service_type.where(*none, **query)
-        answer = await self._view.find(wanted.search)
+        find = self._view.find if wanted.near is None else self._view.find_near
+        answer = await find(wanted.search)
         handles: list[HandleT] = []
         for device in answer.devices:
             if parts := wanted.parts(device):
                 handles += self._handles_of(device, answer.sequence, wanted.kind, parts)
-        if not handles and wanted.names_places:
-            await self._checks.check(wanted.search, _call_text("find", wanted, query))
+        if not handles and wanted.names:
+            await self._checks.refuse(And(wanted.names), _call_text("find", wanted, query))
         return tuple(handles)
 
     @overload
@@ -127,7 +131,9 @@ class Devices:
     ) -> Follow | FollowHandles[HandleT]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
-        Arguments and errors are those of :meth:`find`. The first form yields :class:`DeviceChange` (see
+        Arguments and errors are those of :meth:`find`; a name that nothing in the house has is refused 10 seconds
+        later, by the reading of the query. With ``near="robot"`` it is asked again when the robot has moved 0.1 m, at
+        most twice a second, and at once for a door. The first form yields :class:`DeviceChange` (see
         :class:`Follow`), the second :class:`HandleChange` (see :class:`FollowHandles`).
         """
         if isinstance(service_type, str):
@@ -136,9 +142,10 @@ class Devices:
                 self._checks.check_later(type_is(service_type), f"follow({service_type!r})")
             return Follow(self._node, service_type)
         wanted = service_type.where(*none, **query)
-        if wanted.names_places:
-            self._checks.check_later(wanted.search, _call_text("follow", wanted, query))
-        return FollowHandles(self._node, wanted)
+        follow = FollowHandles(self._node, wanted)
+        if wanted.names:
+            self._checks.refuse_later(And(wanted.names), _call_text("follow", wanted, query), follow.refuse)
+        return follow
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.

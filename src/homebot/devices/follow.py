@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import deque
-from typing import Final, Generic, Self, TypeVar
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
 
 import anyio
 import anyio.lowlevel
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, type_is
-from homebot.errors import ClosedError
+from homebot.devices.query import And, IsNear, Not, Or, Query, StateIs, facets_of, fits, split_near, type_is
+from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
+
+if TYPE_CHECKING:
+    from homebot.devices.near_watch import NearWatch
 
 __all__ = ["Follow", "LiveQuery"]
 
@@ -31,10 +35,14 @@ class LiveQuery(ABC, Generic[ItemT]):
 
     Args:
         node: The node that asks; the query ends with it.
+        near: The condition to be near a robot, and the query by which the directory is asked for it; None for none.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, near: tuple[IsNear, Query] | None = None) -> None:
         self._node = node
+        self._asked_near = near
+        self._near: NearWatch | None = None
+        self._problem = ""
         self._view: HouseView | None = None
         self._changed: dict[str, DeviceChange | StateChange] = {}
         self._ready: deque[ItemT] = deque()
@@ -51,12 +59,16 @@ class LiveQuery(ABC, Generic[ItemT]):
 
         Raises:
             StopAsyncIteration: The query or its node was closed.
+            UsageError: It has a name that nothing in the house has, but something a similar one.
         """
         view = self._view or self._begin()
         self._turns += 1
         if self._turns % _TURN == 0:
             await anyio.lowlevel.checkpoint()
         while not self._ready:
+            if self._problem:
+                self.close()
+                raise UsageError(self._problem)
             if (cause := self._next_change()) is not None:
                 self._cause = cause
                 self._process(view, cause)
@@ -76,15 +88,25 @@ class LiveQuery(ABC, Generic[ItemT]):
         self._news.set()
         if self._view is not None:
             self._view.remove(self)
+        if self._near is not None:
+            self._near.close()
+
+    def refuse(self, problem: str) -> None:
+        """End the query with an error: *problem* is its mistake."""
+        self._problem = problem
+        self._news.set()
 
     def on_device(self, change: DeviceChange) -> None:
         """Store the newest change of a device for the reader."""
         self._changed[change.device.id] = change
         self._news.set()
+        if self._near is not None:
+            self._near.ask()
 
-    @abstractmethod
     def on_values(self, change: StateChange) -> None:
         """Handle new values of a known device."""
+        if self._near is not None:
+            self._near.on_values(change)
 
     @abstractmethod
     def on_event(self, change: StateChange) -> None:
@@ -95,11 +117,29 @@ class LiveQuery(ABC, Generic[ItemT]):
             raise StopAsyncIteration
         try:
             self._view = view = HouseView.of(self._node)
+            if self._asked_near is not None:
+                from homebot.devices.near_watch import NearWatch  # noqa: PLC0415 - few queries ask for it
+
+                self._near = NearWatch(self._node, view, *self._asked_near, self._compare_near)
             view.add(self)
         except ClosedError:
             self.close()
             raise StopAsyncIteration from None
         return view
+
+    def _is_near(self, device_id: str) -> bool:
+        """Return whether a device is as near as was asked."""
+        return self._near is None or device_id in self._near.ids
+
+    def _compare_near(self, device_ids: Iterable[str]) -> None:
+        """Compare devices that came near, or left, with the query."""
+        for device_id in device_ids:
+            known = self._view.get(device_id) if self._view is not None else None
+            if known is not None:
+                why = "it is near now" if self._is_near(device_id) else "it is no longer near"
+                change = DeviceChange(kind="changed", device=known.current(), sequence=known.sequence, why=why)
+                self._changed[device_id] = change
+        self._news.set()
 
     def _next_change(self) -> DeviceChange | StateChange | None:
         """Remove and return the next change to process; None if there is none."""
@@ -129,16 +169,18 @@ class Follow(LiveQuery[DeviceChange]):
     """
 
     def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
-        super().__init__(node)
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
-        self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
+        whole = terms[0] if len(terms) == 1 else And(tuple(terms))
+        near, self._query = split_near(whole)
+        super().__init__(node, None if near is None else (near, near))
         self._asks_for_values = _has_states(self._query)
         self._matching: set[str] = set()
 
     def on_values(self, change: StateChange) -> None:
         """Store that the values of a device changed, if the query has conditions on values."""
+        super().on_values(change)
         if self._asks_for_values and change.device not in self._changed:
             self._changed[change.device] = change
             self._news.set()
@@ -160,7 +202,7 @@ class Follow(LiveQuery[DeviceChange]):
             self._ready.append(_of_values(change, device, does_match=does_match))
 
     def _wants(self, device: Device) -> bool:
-        return self._query == _ANY or fits(self._query, facets_of(device))
+        return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
 
 
 _ANY: Final = And(())

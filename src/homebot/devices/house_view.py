@@ -11,10 +11,16 @@ import anyio
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.device_view import DeviceView
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, QUERY_DEVICES
 from homebot.devices.query import Query, query_terms
-from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
-from homebot.errors import ClosedError, ServiceError
+from homebot.devices.services import (
+    FindDevices,
+    FindDevicesRequest,
+    FindDevicesResponse,
+    QueryDevices,
+    QueryDevicesRequest,
+)
+from homebot.errors import ClosedError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.log import LogLimit
 
@@ -94,6 +100,22 @@ class HouseView:
             ServiceError: The directory does not answer.
         """
         return await self._find.call(FindDevicesRequest(query=query_terms(query)))
+
+    async def find_near(self, query: Query) -> FindDevicesResponse:
+        """Return the devices that match *query*, which asks for what is near a robot, best first.
+
+        Raises:
+            UsageError: There is no such robot, or another name in it is misspelt.
+            RefusedError: The place of the robot is not known now.
+            ServiceError: The directory does not answer.
+        """
+        client = self._node.create_client(QueryDevices, QUERY_DEVICES)
+        answer = await client.call(QueryDevicesRequest(query=query_terms(query)))
+        if answer.is_mistake:
+            raise UsageError(answer.message)
+        if not answer.success:
+            raise RefusedError("the search", answer.message)
+        return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
 
     def get(self, device_id: str) -> DeviceView | None:
         """Return a device of the watched house; None if there is no such device."""

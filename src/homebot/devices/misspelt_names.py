@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Final, final
 
 import anyio
@@ -14,7 +14,7 @@ from homebot.devices.places_messages import GetPlaces
 from homebot.devices.query.terms import AreaIs, NameIs, Query, TypeIs, query_terms
 from homebot.devices.query.vocabulary import TYPE_WORDS
 from homebot.devices.services import FindDevices, QueryDevices, QueryDevicesRequest
-from homebot.errors import ServiceError
+from homebot.errors import ServiceError, UsageError
 from homebot.graph import Node
 from homebot.support.folding import fold, is_typo
 from homebot.support.similar import did_you_mean
@@ -149,17 +149,29 @@ class QueryCheck:
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._logged: set[str] = set()
 
+    async def refuse(self, query: Query, text: str) -> None:
+        """Check the names in *query*, in the call *text* of an app.
+
+        Raises:
+            UsageError: Nothing in the house has one of them; says what was probably meant.
+        """
+        if problem := await self._mistake(query):
+            raise UsageError(f"{text}: {problem}")
+
+    async def _mistake(self, query: Query) -> str:
+        try:
+            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        except ServiceError:
+            return ""
+        return answer.message if answer.is_mistake else ""
+
     async def check(self, query: Query, text: str) -> None:
         """Log the words of *query*, in the app *text*, that the directory does not know; a failed call logs nothing."""
         if text in self._logged or len(self._logged) >= _MOST_LOGGED:
             return
-        try:
-            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
-        except ServiceError:
-            return
-        if not answer.success and text not in self._logged:
+        if (problem := await self._mistake(query)) and text not in self._logged:
             self._logged.add(text)
-            self._node.log.warning(UNKNOWN_WORD, message=f"{text}: {answer.message}")
+            self._node.log.warning(UNKNOWN_WORD, message=f"{text}: {problem}")
 
     def check_later(self, query: Query, text: str) -> None:
         """Do so soon, and when devices had time to be announced; of a type that may yet be announced only then."""
@@ -170,5 +182,16 @@ class QueryCheck:
                 await self.check(query, text)
             await anyio.sleep(_ANNOUNCED_WITHIN - _FIRST_CHECK)
             await self.check(query, text)
+
+        self._node.create_task(check)
+
+    def refuse_later(self, query: Query, text: str, refuse: Callable[[str], None]) -> None:
+        """Call *refuse* with a misspelt name in *query*, soon, or when devices had time to be announced."""
+
+        async def check() -> None:
+            for wait in (_FIRST_CHECK, _ANNOUNCED_WITHIN - _FIRST_CHECK):
+                await anyio.sleep(wait)
+                if problem := await self._mistake(query):
+                    refuse(f"{text}: {problem}")
 
         self._node.create_task(check)

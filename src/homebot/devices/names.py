@@ -57,6 +57,9 @@ WHERE_IS_ROBOT = "/robots/where"
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""
 
+ROBOTS_NODE = "/robots"
+"""The node of the tracker of robots, the only one that publishes their poses."""
+
 THING_DIRECTORY_NODE = "/thing_directory"
 """The node of homebot's own directory of things, which commands devices for its clients."""
 

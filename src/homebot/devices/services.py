@@ -6,6 +6,7 @@ from homebot.devices.device import Device, DeviceChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
@@ -74,11 +75,14 @@ class FindDevicesRequest(Message):
         query: The query that they match, as terms; empty for all. Programs outside may send it as text. One that is
             not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
         ids: Only the devices with these ids; empty for all.
+        is_checked: Whether the call fails for a name in the query that nothing in the house has, as of
+            :class:`QueryDevicesRequest`; it does for a query as text.
     """
 
     service_type: str = ""
     query: tuple[QueryTerm, ...] = ()
     ids: tuple[str, ...] = ()
+    is_checked: bool = False
 
 
 class FindDevicesResponse(Message):
@@ -129,11 +133,17 @@ class QueryDevicesResponse(ServiceAnswer):
         results: The devices.
         total: Number of matches, before the limit.
         sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
+        is_mistake: Whether it failed for a mistake in the query, so that asking again does not help.
+        pose_age: Of what is near a robot: seconds since its pose was received; the message says where that was.
+        left_out: Likewise: the ids of some devices that fit otherwise and are not results, with the reason.
     """
 
     results: tuple[Found, ...] = ()
     total: UInt32 = 0
     sequence: int = 0
+    is_mistake: bool = False
+    pose_age: float = 0.0
+    left_out: tuple[KeyValue, ...] = ()
 
 
 class GetChangesRequest(Message):

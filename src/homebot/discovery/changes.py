@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TypeAlias, final
 
 from homebot.devices import Device, DeviceChange, StateChange
@@ -246,7 +247,8 @@ class ChangeLog:
 
     def since(self, sequence: int) -> tuple[DeviceChange, ...]:
         """Return the changes after the one with the number *sequence*, as far as they are known."""
-        return tuple(one for one, _ in self._changes if one.sequence > sequence)
+        newer = takewhile(lambda one: one.sequence > sequence, (one for one, _ in reversed(self._changes)))
+        return tuple(newer)[::-1]
 
     def __len__(self) -> int:
         return len(self._changes)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import anyio.lowlevel
 
@@ -19,7 +21,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
-from homebot.devices.query import And, read_terms, type_is
+from homebot.devices.query import And, IsNear, Query, read_terms, split_near, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     ExportIndex,
@@ -50,12 +52,19 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import PlacesServices
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
+from homebot.messages.key_value import KeyValue
+
+if TYPE_CHECKING:
+    from homebot.discovery.nearness import Nearness
 
 __all__ = ["DirectoryServices"]
 
 
 _FEW = 10
 """Changes published, and devices made findable, before others get their turn."""
+
+_MOST_LEFT_OUT = 20
+"""Devices named that fit, but cannot be reached."""
 
 _MOST_TURNS = 1000
 """Turns that others get before an answer, so that none waits for a flood to end."""
@@ -129,21 +138,31 @@ class DirectoryServices:
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
-        found = self._index.find(query)
+        if request.is_checked:
+            self._check_words(query)
+        near, rest = split_near(query)
+        found = self._index.find(rest)
+        if near is not None:
+            found = {one.device for one in self._nearness.find(near, rest, found).found}
         return sorted(found.intersection(request.ids) if request.ids else found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
-        from homebot.discovery.search.unknown_words import unknown_word  # noqa: PLC0415 - as above
 
         await self._catch_up()
         try:
             query = read_terms(request.query)
-        except UsageError as exc:
-            return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.changes.sequence)
+            self._check_words(query)
+            near, rest = split_near(query)
+            if near is not None:
+                return self._near(request, near, rest)
+        except (RefusedError, UsageError) as exc:
+            is_mistake = isinstance(exc, UsageError)
+            reason = exc.reason if isinstance(exc, RefusedError) else str(exc)
+            return QueryDevicesResponse(
+                success=False, message=reason, sequence=self._index.sequence, is_mistake=is_mistake
+            )
         found = self._index.find(query)
-        if problem := unknown_word(query, self._index.postings):
-            return QueryDevicesResponse(success=False, message=problem, sequence=self._index.changes.sequence)
         ranked = rank(query, found, self._index.postings)
         shown = ranked[request.offset :][: request.limit or None]
         results = (
@@ -154,6 +173,56 @@ class DirectoryServices:
         return QueryDevicesResponse(
             success=True, results=tuple(results), total=len(ranked), sequence=self._index.sequence
         )
+
+    def _near(self, request: QueryDevicesRequest, near: IsNear, rest: Query) -> QueryDevicesResponse:
+        """Return the devices near a robot, best first.
+
+        Raises:
+            RefusedError: The place of the robot is not known now.
+            UsageError: There is no such robot.
+        """
+        from homebot.discovery.search.rank import reasons  # noqa: PLC0415 - for searches alone
+
+        index, nearness = self._index, self._nearness
+        found = index.find(rest)
+        answer = nearness.find(near, rest, found, request.offset + request.limit if request.limit else 0)
+        results = (
+            Found(
+                device=device,
+                score=-one.cost,
+                reasons=(answer.why(one, nearness), *reasons(rest, one.device, index.postings)),
+            )
+            for one in answer.found[request.offset :]
+            if (device := index.get(one.device)) is not None
+        )
+        return QueryDevicesResponse(
+            success=True,
+            message=answer.text,
+            results=tuple(results),
+            total=answer.total,
+            sequence=index.sequence,
+            pose_age=answer.age,
+            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in answer.left_out[:_MOST_LEFT_OUT]),
+        )
+
+    @cached_property
+    def _nearness(self) -> Nearness:
+        from homebot.discovery.nearness import Nearness  # noqa: PLC0415 - with the first query for what is near
+
+        return Nearness(self._node, self._index)
+
+    def _check_words(self, query: Query) -> None:
+        """Check that *query* has no misspelt word.
+
+        Raises:
+            UsageError: It has; says what was probably meant.
+        """
+        from homebot.discovery.search.unknown_words import unknown_word  # noqa: PLC0415 - for searches alone
+
+        index = self._index
+        names = (part.part.name for device in index.devices() for part in device.parts)
+        if problem := unknown_word(query, index.postings, index.owner.plan, names):
+            raise UsageError(problem)
 
     def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
         self._publish_all()

@@ -147,6 +147,17 @@ class PathFinder:
         """Return the place of a target."""
         return self._targets.get(target)
 
+    def reachable_rooms(self, room: str, crossing: Crossing) -> set[str]:
+        """Return the rooms to which a way leads from *room*, that itself included."""
+        found, waiting = {room}, [room]
+        while waiting:
+            for gate in self._gates.get(waiting.pop(), ()):
+                other = gate.other
+                if other is not None and other.room not in found and not math.isinf(crossing(gate.door)):
+                    found.add(other.room)
+                    waiting.append(other.room)
+        return found
+
     def nearest(self, start: Place, crossing: Crossing) -> Iterator[Route]:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first."""
         order = count()  # ties are broken by the order in which they were found

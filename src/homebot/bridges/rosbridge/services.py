@@ -51,6 +51,8 @@ def parse_queries(
                 parsed[field.name] = query_terms(parse_query(text))
             except UsageError as exc:
                 parsed[field.name], problem = query_terms(Or(())), exc
+    if parsed and "is_checked" in {field.name for field in fields_of(request_type)}:
+        parsed["is_checked"] = True
     return {**values, **parsed}, problem
 
 
@@ -61,7 +63,7 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
         ServiceFailedError: A call of the service fails for such a text.
     """
     if isinstance(response, QueryDevicesResponse):
-        return response.model_copy(update={"success": False, "message": str(problem)})
+        return response.model_copy(update={"success": False, "message": str(problem), "is_mistake": True})
     raise ServiceFailedError(service, error_text(problem)) from problem
 
 

@@ -24,10 +24,13 @@ __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
   homebot do 'Kitchen lamp' on
+  homebot do 'lamp near robot' on
   homebot do 'light in hall' on --level 40 --transition 3
   homebot do 'window covering' close
   homebot do Heating heating_setpoint 21
   homebot do 'Front door' unlock --ask-code
+
+Of what is near a robot, the nearest is commanded that may be; with `within 5 m of robot`, all of them.
 
 Exit code 0 means that every device did as it was told, or was so already; 1 that one did not. Of several devices the
 last line has the worst outcome. The name of the home is that of the homebot that was asked.

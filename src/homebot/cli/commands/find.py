@@ -10,7 +10,7 @@ from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, unapproved
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.table import to_table, without_empty
+from homebot.cli.table import printable, to_table, without_empty
 from homebot.cli.terminal import is_terminal, print_table
 from homebot.cli.values import life, state_text, types
 
@@ -22,18 +22,21 @@ __all__ = ["add_arguments"]
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
 _IF_ANY = ("AREA", "STATE")
 _NEAR = " is a near match"
+_WIDEST = 300
 
 
 _EXAMPLES = """\
   homebot find 'light and dimmable in kitchen'
   homebot find on lights
   homebot find --why window
+  homebot find 'off light near robot'
+  homebot find 'lamps within 5 m of robot'
   homebot find 'sensor with temperature not stale'
 
 A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-rooms and floors (`in AREA`, `without area`), tags (tag=night), problems (stale, unreachable, disputed), what waits for
-approval (unapproved), settings (category=config) and words from names and models, with `and`, `or`, `not` and
-parentheses.
+rooms and floors (`in AREA`, `without area`), robots (`near ROBOT`: the best first, by the way there), tags (tag=night),
+problems (stale, unreachable, disputed), what waits for approval (unapproved), settings (category=config) and words from
+names and models, with `and`, `or`, `not` and parentheses.
 """
 
 
@@ -62,12 +65,22 @@ def _find(options: argparse.Namespace) -> int:
             from homebot.cli.unknown_words import unknown_area  # noqa: PLC0415 - there is time where nothing is found
 
             print(unknown_area(door, query) or f"no device matches {query!r}; `homebot devices` lists all")
+            _show_left_out(found)
         else:
             _note_near_matches(found)
             _show(found, why=options.why)
+            _show_left_out(found)
         return 0 if found.results else 1
 
     return with_client(options, run)
+
+
+def _show_left_out(found: QueryDevicesResponse) -> None:
+    """Print of what is near a robot where that was, and what cannot be reached from there."""
+    if found.message:
+        print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
+    for one in found.left_out:
+        print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
 
 
 def _note_near_matches(found: QueryDevicesResponse) -> None:

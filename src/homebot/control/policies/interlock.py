@@ -13,7 +13,7 @@ from homebot.control.policies.command_pattern import Patterns, QueryText
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
-from homebot.devices.query.parse import parse_query
+from homebot.devices.query.exact import parse_lasting_query
 
 __all__ = ["Interlock"]
 
@@ -51,7 +51,7 @@ class Interlock(PolicyTable):
 
     @cached_property
     def _rule(self) -> _Rule:
-        query = parse_query(self.condition)
+        query = parse_lasting_query(self.condition)
         return _Rule(self.condition, query, without_states(query), frozenset(_capabilities(query)))
 
     @property

@@ -61,7 +61,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     """
 
     def __init__(self, node: Node, query: HandleQuery[HandleT]) -> None:
-        super().__init__(node)
+        super().__init__(node, (query.near, query.near_search) if query.near is not None else None)
         self._query = query
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, ready as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone, if no new value changes the matches
@@ -83,6 +83,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
 
     def on_values(self, change: StateChange) -> None:
         """Store that the values of a device changed."""
+        super().on_values(change)
         self._changed[change.device] = change
         self._news.set()
 
@@ -128,9 +129,13 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             self._compared.pop(device_id, None)
             self._ready.extend(HandleChange("removed", change.handle) for change in reported.values())
             return
-        if self._query.asks_for_values or self._compared.get(device_id) is not known.device:
+        if (
+            self._query.asks_for_values
+            or self._query.near is not None
+            or self._compared.get(device_id) is not known.device
+        ):
             self._compared[device_id] = known.device
-            parts = self._query.parts(known.current())
+            parts = self._query.parts(known.current()) if self._is_near(device_id) else []
             self._ready.extend(
                 HandleChange("removed", change.handle) for part, change in reported.items() if part not in parts
             )

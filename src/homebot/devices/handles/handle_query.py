@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar, get_args
 
@@ -15,6 +16,7 @@ from homebot.devices.query import (
     CanDo,
     FactIs,
     FreshnessIs,
+    IsNear,
     NameIs,
     Not,
     PartFacets,
@@ -54,6 +56,8 @@ class CommonFilters(TypedDict, total=False):
         fresh: Whether it reported lately.
         category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of the main functions of
             devices: "turn off all switches" does not mean the one of a lamp's own indicator.
+        near: The name of a robot; ``find`` returns what is nearest to it first.
+        within: The most metres of the way from that robot, through doors.
     """
 
     area: str
@@ -62,11 +66,14 @@ class CommonFilters(TypedDict, total=False):
     reachable: bool
     fresh: bool
     category: Category
+    near: str
+    within: float
 
 
 _FILTER_TYPES: Mapping[str, type] = {
-    **dict.fromkeys(("area", "name", "tag", "category"), str),
+    **dict.fromkeys(("area", "name", "tag", "category", "near"), str),
     **dict.fromkeys(("reachable", "fresh"), bool),
+    "within": float,
 }
 
 
@@ -82,14 +89,26 @@ class HandleQuery(Generic[HandleT]):
         kind: The class of the handles.
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new one may change the matches.
-        names_places: Whether there is an area or a tag, which may be misspelt.
+        near: The condition to be near a robot, which the directory alone can judge; None if there is none.
+        near_search: The query for the devices that are near enough and of the kind, whatever their values.
+        names: The conditions with names that may be misspelt: an area, a tag, a name of a device.
 
     Raises:
         TypeError: A filter is unknown, or a value is of another type.
-        ValueError: There is no such category.
+        ValueError: There is no such category, or *within* is no length or of nothing.
     """
 
-    __slots__ = ("_category", "_device_terms", "_part_terms", "asks_for_values", "kind", "names_places", "search")
+    __slots__ = (
+        "_category",
+        "_device_terms",
+        "_part_terms",
+        "asks_for_values",
+        "kind",
+        "names",
+        "near",
+        "near_search",
+        "search",
+    )
 
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
@@ -105,18 +124,23 @@ class HandleQuery(Generic[HandleT]):
         if "tag" in filters:
             device_terms.append(FactIs("tag", fold(filters["tag"])))
         found += device_terms
+        names: list[Query] = [term for term in device_terms if term != AreaIs("")]
         if "fresh" in filters:
             fresh = FreshnessIs("fresh")
             device_terms.append(fresh if filters["fresh"] else Not(fresh))
         if "name" in filters:
-            part_terms.append(NameIs(fold(filters["name"])))
+            names.append(NameIs(fold(filters["name"])))
+            part_terms.append(names[-1])
         if "reachable" in filters:
             part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
         self._device_terms: Final = device_terms
         self._part_terms: Final = (*part_terms, *terms)
         self.kind: Final = kind
-        self.names_places: Final = bool(filters.get("area") or filters.get("tag"))
-        self.search: Final[Query] = And(tuple(found))
+        self.names: Final = tuple(names)
+        self.near: Final = _near(filters)
+        kinds = [term for term in part_terms if isinstance(term, TypeIs)]
+        self.near_search: Final[Query] = And((*kinds, self.near) if self.near is not None else ())
+        self.search: Final[Query] = And((*found, self.near) if self.near is not None else tuple(found))
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
 
     def parts(self, device: Device) -> list[str]:
@@ -142,6 +166,17 @@ class HandleQuery(Generic[HandleT]):
         return matching
 
 
+def _near(filters: CommonFilters) -> IsNear | None:
+    if "near" not in filters:
+        if "within" in filters:
+            raise ValueError("within is the way from a robot: give its name as near, for example near='robot'")
+        return None
+    within = filters.get("within", math.inf)
+    if not within >= 0:
+        raise ValueError(f"within is a number of metres from 0, not {within!r}")
+    return IsNear(filters["near"], float(within))
+
+
 def _is_of_value(term: Query) -> bool:
     return isinstance(term, StateIs) or (isinstance(term, Not) and _is_of_value(term.term))
 
@@ -159,7 +194,9 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
     for name, value in filters.items():
         if name not in _FILTER_TYPES:
             raise TypeError(f"{kind.__name__} cannot be filtered by {name!r}: {_hint(kind, name)}")
-        if not isinstance(value, _FILTER_TYPES[name]):
+        expected = _FILTER_TYPES[name]
+        is_number = expected is float and isinstance(value, int) and not isinstance(value, bool)
+        if not (is_number or isinstance(value, expected)):
             raise TypeError(f"{name} is {_called(_FILTER_TYPES[name])}, not {value!r}")
     if (category := filters.get("category", "")) not in _CATEGORIES:
         known = " or ".join(repr(one) for one in _CATEGORIES if one)

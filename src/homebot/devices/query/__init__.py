@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         HasText,
         InArea,
         IsDisputed,
+        IsNear,
         IsUnapproved,
         NameIs,
         Not,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         TypeIs,
         query_terms,
         read_terms,
+        split_near,
         type_is,
     )
     from homebot.devices.query.tokens import quoted
@@ -43,6 +45,7 @@ __all__ = [
     "HasText",
     "InArea",
     "IsDisputed",
+    "IsNear",
     "IsUnapproved",
     "NameIs",
     "Not",
@@ -59,6 +62,7 @@ __all__ = [
     "query_terms",
     "quoted",
     "read_terms",
+    "split_near",
     "type_is",
 ]
 
@@ -70,8 +74,8 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.query.matching": "PartFacets fits",
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
-                And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsUnapproved NameIs Not Or Query
-                QueryTerm ReachableIs StateIs TypeIs query_terms read_terms type_is
+                And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsNear IsUnapproved NameIs Not
+                Or Query QueryTerm ReachableIs StateIs TypeIs query_terms read_terms split_near type_is
                 """,
             "homebot.devices.query.tokens": "quoted",
         },

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.terms import And, HasText, Not, Or, Query
+from homebot.devices.query.terms import And, HasText, Not, Or, Query, split_near
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
 
-__all__ = ["parse_exact_query"]
+__all__ = ["parse_exact_query", "parse_lasting_query"]
 
 
 def parse_exact_query(text: str) -> Query:
@@ -17,7 +17,7 @@ def parse_exact_query(text: str) -> Query:
     Raises:
         UsageError: It is no query, or has a word that would be searched for in all texts of devices; names the word.
     """
-    query = parse_query(text)
+    query = parse_lasting_query(text)
     if word := _free_text(query):
         meant = sorted(one for one in {*TYPE_WORDS, *CAPABILITY_WORDS} if is_typo(word, one))
         hint = (
@@ -26,6 +26,18 @@ def parse_exact_query(text: str) -> Query:
             else 'searched words may fit anything; write name="…" or id="…" for one device'
         )
         raise UsageError(f"{word!r} is neither a type nor a capability; {hint}")
+    return query
+
+
+def parse_lasting_query(text: str) -> Query:
+    """Return the query that *text* is, for a rule that a device fits or not, wherever a robot is.
+
+    Raises:
+        UsageError: It is no query, or asks for what is near a robot.
+    """
+    query = parse_query(text)
+    if split_near(query)[0] is not None:
+        raise UsageError("a rule cannot ask for what is near a robot; name a room instead")
     return query
 
 

@@ -19,6 +19,7 @@ from homebot.devices.query.terms import (
     HasText,
     InArea,
     IsDisputed,
+    IsNear,
     IsUnapproved,
     NameIs,
     Not,
@@ -244,5 +245,6 @@ _TESTS: Final[Mapping[type[Query], Callable[[Any, Facets | PartFacets], bool]]] 
     FactIs: _fits_fact,
     IsDisputed: lambda _, device: device.is_disputed,
     IsUnapproved: lambda _, device: device.is_unapproved,
+    IsNear: lambda _query, _device: True,
 }
 """The test of each kind of term."""

@@ -4,7 +4,9 @@ Grammar, the loosest binding first::
 
     query      = all {"or" all}
     all        = one {["and" | "but" | ","] one}
-    one        = "not" one | "(" query ")" | "in" AREA | ("with" | "without") (CAPABILITY | "area") | comparison | word
+    one        = "not" one | "(" query ")" | "in" AREA | near | with | comparison | word
+    with       = ("with" | "without") (CAPABILITY | "area")
+    near       = "near" ROBOT ["within" METRES] | "within" METRES "of" ROBOT
     comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
 
@@ -17,6 +19,7 @@ in the same device. ``heating`` is one beside a type, and without one a type: ``
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from functools import lru_cache
@@ -25,7 +28,21 @@ from typing import TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.comparison import UNITS, comparison
-from homebot.devices.query.terms import And, AreaIs, CanDo, HasText, InArea, Not, Or, Query, StateIs, TypeIs, type_is
+from homebot.devices.query.terms import (
+    And,
+    AreaIs,
+    CanDo,
+    HasText,
+    InArea,
+    IsNear,
+    Not,
+    Or,
+    Query,
+    StateIs,
+    TypeIs,
+    split_near,
+    type_is,
+)
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
     ABILITIES,
@@ -49,6 +66,8 @@ _NOWHERE = AreaIs("")
 """A device of which no room is known."""
 
 _AREA_WORDS = ("area", "room", "areas", "rooms")
+_METRES = ("m", "metres", "meters", "metre", "meter")
+_LENGTH = re.compile(rf"(?P<number>\d{{1,6}}(\.\d{{1,6}})?)(?P<unit>{'|'.join(_METRES)})?", re.ASCII)
 _MAX_DEPTH = 20
 _LONGEST_PHRASE = 4
 
@@ -91,6 +110,7 @@ class _Parser:
         found = self._any()
         if (extra := self._peek()) is not None:
             raise UsageError(f"{extra.text!r} at character {extra.at} has no opening bracket")
+        split_near(found)
         return found
 
     def alternatives(self) -> list[list[_Span]]:
@@ -133,6 +153,17 @@ class _Parser:
                 case "in" if not self._is_compared():
                     self._place += 1
                     return InArea(self._area(token))
+                case "near" if not self._is_compared():
+                    self._place += 1
+                    return self._near(token)
+                case "within":
+                    self._place += 1
+                    within = self._metres(token)
+                    if not (self._takes("of") or self._takes("from")):
+                        raise UsageError(
+                            f"{token.text!r} at character {token.at} is not followed by metres 'of' a robot"
+                        )
+                    return IsNear(self._robot(token), within)
                 case "with":
                     self._place += 1
                     return Not(_NOWHERE) if self._takes_area() else self._ability(token)
@@ -192,6 +223,31 @@ class _Parser:
     def _is_compared(self) -> bool:
         following = self._tokens[self._place + 1 : self._place + 2]
         return bool(following) and following[0].kind == "operator"
+
+    def _near(self, token: Token) -> IsNear:
+        robot = self._robot(token)
+        within = self._peek()
+        return IsNear(robot, self._metres(within) if within is not None and self._takes("within") else math.inf)
+
+    def _robot(self, token: Token) -> str:
+        """Parse the name of a robot, after *token*."""
+        self._takes("the")
+        named = self._peek()
+        if named is None or named.kind not in {"word", "text"} or fold(named.text) in KEYWORDS | NOT_UNDERSTOOD:
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by a robot")
+        self._place += 1
+        return named.text
+
+    def _metres(self, token: Token) -> float:
+        """Parse a length, after *token*: ``5 m``, ``5m``, or ``5``."""
+        given = self._peek()
+        found = None if given is None or given.kind != "word" else _LENGTH.fullmatch(given.text.lower())
+        if found is None:
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by metres, such as '5 m'")
+        self._place += 1
+        if not found["unit"]:
+            any(self._takes(unit) for unit in _METRES)
+        return float(found["number"])
 
     def _area(self, token: Token) -> str:
         words: list[str] = []

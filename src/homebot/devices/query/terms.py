@@ -6,6 +6,7 @@ A query is a tree and a ROS message is not, so on the graph its terms are a list
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
@@ -28,6 +29,7 @@ __all__ = [
     "HasText",
     "InArea",
     "IsDisputed",
+    "IsNear",
     "IsUnapproved",
     "NameIs",
     "Not",
@@ -40,6 +42,7 @@ __all__ = [
     "TypeIs",
     "query_terms",
     "read_terms",
+    "split_near",
     "type_is",
 ]
 
@@ -173,6 +176,21 @@ class IsUnapproved:
 
 
 @dataclass(frozen=True, slots=True)
+class IsNear:
+    """A device near a robot, with the best first. Only the directory knows; everybody else takes it as matching.
+
+    It is a condition of a whole query: alone, or in :class:`And`. See :func:`split_near`.
+
+    Attributes:
+        robot: The name of the robot; ``robot`` is the only one, too.
+        within: The most metres of the way there; infinite for any.
+    """
+
+    robot: str
+    within: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
 class _Joined:
     """A term of others, which tells by its class how many of them must match."""
 
@@ -212,6 +230,7 @@ Query: TypeAlias = (
     | FactIs
     | IsDisputed
     | IsUnapproved
+    | IsNear
     | And
     | Or
     | Not
@@ -243,7 +262,9 @@ def type_is(word: str) -> TypeIs:
 
 _TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
 _TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
-TermKind: TypeAlias = Literal[_TextKind, "and", "or", "not", "type", "can", "state", "fact", "disputed", "unapproved"]
+TermKind: TypeAlias = Literal[
+    _TextKind, "and", "or", "not", "type", "can", "state", "fact", "near", "disputed", "unapproved"
+]
 
 _TEXT_KINDS: dict[type[_TextQuery], _TextKind] = {
     AreaIs: "area",
@@ -265,9 +286,9 @@ class QueryTerm(Message):
         kind: The kind of the term.
         operands: Of ``and``, ``or`` and ``not``: the number of the following terms, each with its own, that it joins.
         name: The capability of ``can`` and ``state``, the name of ``fact``; of ``type`` the word that was asked for.
-        text: The value of ``fact``, and of every kind that has one text.
+        text: The value of ``fact``, the robot of ``near``, and of every kind that has one text.
         operator: Of ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
-        value: Of ``state``: the value to compare with.
+        value: Of ``state``: the value to compare with; of ``near``: the most metres of the way, unknown for any.
         types: Of ``type`` and ``state``: the device types.
         tag: Of ``type``: the kind of opening.
         flag: Of ``type``: whether announced words count; of ``can``: whether it must be settable.
@@ -307,6 +328,9 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
                 found.append(QueryTerm(kind="can", name=name, flag=settable))
             case FactIs(name, text):
                 found.append(QueryTerm(kind="fact", name=name, text=text))
+            case IsNear(robot, within):
+                metres = UNKNOWN if math.isinf(within) else Value.of(within)
+                found.append(QueryTerm(kind="near", text=robot, value=metres))
             case IsDisputed():
                 found.append(QueryTerm(kind="disputed"))
             case IsUnapproved():
@@ -347,7 +371,53 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
     if len(read) > 1:
         extra = read[-2][2]
         raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
+    split_near(read[0][0])
     return read[0][0]
+
+
+def split_near(query: Query) -> tuple[IsNear | None, Query]:
+    """Return the term of *query* that asks for what is near a robot, None if there is none, and the rest.
+
+    Raises:
+        UsageError: It is beside ``or`` or after ``not``, or there are several.
+    """
+    found: list[IsNear] = []
+    rest = _without_near(query, found)
+    if len(found) > 1:
+        raise UsageError("the query asks twice for what is near; one robot and one distance is the limit")
+    return (found[0] if found else None), rest
+
+
+def _without_near(query: Query, found: list[IsNear]) -> Query:
+    """Return *query* without the terms for what is near, which are added to *found*."""
+    match query:
+        case IsNear():
+            found.append(query)
+            return And(())
+        case And(terms):
+            before = len(found)
+            rest = tuple(_without_near(term, found) for term in terms)
+            if len(found) == before:
+                return query
+            return And(tuple(term for term in rest if term != And(())))
+        case Or(terms) if any(map(_asks_for_near, terms)):
+            raise UsageError(f"what is near is asked of a whole query, not beside 'or'; {_BRACKETS}")
+        case Not(term) if _asks_for_near(term):
+            raise UsageError("what is near is asked of a whole query, not after 'not'")
+    return query
+
+
+_BRACKETS = "write for example '(lamp or plug) near robot'"
+
+
+def _asks_for_near(query: Query) -> bool:
+    match query:
+        case And(terms) | Or(terms):
+            return any(map(_asks_for_near, terms))
+        case Not(term):
+            return _asks_for_near(term)
+        case _:
+            return isinstance(query, IsNear)
 
 
 def _read_term(term: QueryTerm, number: int) -> Query:
@@ -359,6 +429,8 @@ def _read_term(term: QueryTerm, number: int) -> Query:
             return CanDo(term.name, term.flag)
         case "fact":
             return FactIs(term.name, term.text)
+        case "near":
+            return IsNear(term.text, _metres(term, number))
         case "disputed":
             return IsDisputed()
         case "unapproved":
@@ -371,3 +443,12 @@ def _read_term(term: QueryTerm, number: int) -> Query:
             return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
         case _:
             return _TEXT_TERMS[term.kind](term.text)
+
+
+def _metres(term: QueryTerm, number: int) -> float:
+    metres = term.value.plain()
+    if metres is None:
+        return math.inf
+    if not isinstance(metres, float) or not metres >= 0:
+        raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
+    return metres

@@ -19,6 +19,7 @@ from homebot.devices.query import (
     HasText,
     InArea,
     IsDisputed,
+    IsNear,
     IsUnapproved,
     NameIs,
     Not,
@@ -131,6 +132,11 @@ class Postings:
                 self._leave(key, device_id)
             self._discard_values(device_id, posted)
 
+    @property
+    def unapproved(self) -> Found:
+        """The devices that wait for the owner's approval; not to be changed."""
+        return self._simple(IsUnapproved())
+
     def facets(self, device_id: str) -> Facets:
         """Return the search facets of the device; its values may be older ones."""
         return self._posted[device_id].facets
@@ -162,6 +168,8 @@ class Postings:
                 return self._union(("word", one) for one in self._words.like(word))
             case TypeIs():
                 return self._union(self._type_keys(query))
+            case IsNear():
+                return frozenset(self._posted)
             case _:
                 return self._simple(query)
 

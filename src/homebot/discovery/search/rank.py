@@ -11,7 +11,7 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of
 
-__all__ = ["Ranked", "rank", "reasons"]
+__all__ = ["Ranked", "rank", "reasons", "shortcomings"]
 
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
@@ -142,6 +142,12 @@ def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:
         yield _OFFLINE
     if facets.is_guessed:
         yield _GUESSED
+
+
+def shortcomings(facets: Facets) -> str:
+    """Return in words what is worse about a device than about the best, besides how it fits the terms of a query."""
+    found = [why for score, why in _status_scores(facets) if score <= 0]
+    return ", ".join(found) or "it fits less well"
 
 
 def _shown(value: PlainValue) -> str:

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
+from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Not, Or, Query, TypeIs
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
-from homebot.support.folding import is_room_typo, is_typo
+from homebot.places import OUTSIDE, HousePlan
+from homebot.support.folding import fold, is_room_typo, is_typo
 from homebot.support.similar import did_you_mean
 
 __all__ = ["unknown_word"]
@@ -20,19 +21,27 @@ _SHOWN = 12
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS})
 
 
-def unknown_word(query: Query, postings: Postings) -> str:
+def unknown_word(
+    query: Query, postings: Postings, plan: HousePlan | None = None, part_names: Iterable[str] = ()
+) -> str:
     """Return the misspelt word of *query*, and its probable meaning; empty if there is none.
 
-    That is a type that is none and that no device calls itself; and a room or a word that no device has, where
-    another is one typo away.
+    That is a type that is none and that no device calls itself; a room that no device announced and the plan does not
+    have, where it has others; and a room, a name or a word that no device has, where another is one typo away.
+
+    Args:
+        query: The query.
+        postings: The devices.
+        plan: The rooms of the house.
+        part_names: The names of parts of devices, which count as names.
     """
     for term in _terms(query):
-        if not postings.find(term) and (problem := _problem(term, postings)):
+        if not postings.find(term) and (problem := _problem(term, postings, plan, part_names)):
             return problem
     return ""
 
 
-def _problem(term: Query, postings: Postings) -> str:
+def _problem(term: Query, postings: Postings, plan: HousePlan | None, part_names: Iterable[str]) -> str:
     match term:
         case TypeIs(word, types, _, by_word=True) if not types:
             known = {*TYPE_WORDS, *postings.values_of("advertised")}
@@ -41,8 +50,12 @@ def _problem(term: Query, postings: Postings) -> str:
                 f"{word!r} is not a device type, and no device was announced as one; {did_you_mean(word, known, some)}"
             )
         case InArea(area) | AreaIs(area) if area:
-            meant = sorted(one for one in postings.values_of("area") if is_room_typo(area, one))
-            return f"no device is in {area!r}; did you mean {' or '.join(meant)}?" if meant else ""
+            return _unknown_area(area, postings, plan)
+        case NameIs(name) | FactIs("name", name):
+            known = {*postings.values_of("fact name"), *map(fold, part_names)}
+            meant = sorted(one for one in known if is_room_typo(name, one))
+            is_known = any(f"{one} ".startswith(f"{name} ") for one in known)
+            return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
         case FactIs("tag", tag):
             return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
         case GatewayIs(gateway):
@@ -53,6 +66,20 @@ def _problem(term: Query, postings: Postings) -> str:
             return _typo(f"no device has the word {word!r}", word, _WORDS)
         case _:
             return ""
+
+
+def _unknown_area(area: str, postings: Postings, plan: HousePlan | None) -> str:
+    rooms = [] if plan is None else [room.name for room in plan.rooms]
+    stated = {fold(one): one for one in (*rooms, *(() if plan is None else (*plan.floors, plan.home)))}
+    known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
+    if any(f"{one} ".startswith(f"{area} ") for one in known):
+        return ""
+    if meant := sorted(known[one] for one in known if is_room_typo(area, one)):
+        return f"no device is in {area!r}; did you mean {' or '.join(meant)}?"
+    if not rooms:
+        return ""  # the first device in it may yet be announced
+    hint = did_you_mean(area, known.values(), f"rooms are {', '.join(sorted(rooms)[:_SHOWN])}")
+    return f"no device is in {area!r}, and [places] has no such room; {hint}"
 
 
 def _typo(problem: str, word: str, known: Iterable[str]) -> str:

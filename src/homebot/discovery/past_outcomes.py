@@ -1,0 +1,104 @@
+"""How commands to each device ended lately: a device that often fails is not the right one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, final
+
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.discovery.search.near_rank import CostTerm
+from homebot.errors import ServiceError
+from homebot.graph import Node
+from homebot.messages import Time
+
+__all__ = ["PastOutcomes"]
+
+_HALF_LIFE: Final = 7 * 86_400.0
+_BACK: Final = 3 * _HALF_LIFE
+"""Seconds into the past; older outcomes count less than an eighth."""
+
+_MOST_PAGES: Final = 20
+_SUCCEEDED: Final = {"confirmed": True, "no_answer": False, "contradicted": False, "reverted": False}
+"""The outcomes that say something about a device; a refusal, for example, is about the command."""
+
+_WORST: Final = 6.0
+"""Metres that a device would count which never does as it is told."""
+
+
+@dataclass(slots=True)
+class _Tally:
+    """Numbers of commands and of failures, and the weights by their age."""
+
+    commands: int = 0
+    failures: int = 0
+    weight: float = 0.0
+    succeeded: float = 0.0
+
+
+@final
+class PastOutcomes:
+    """The outcomes of three weeks, from the journal, and from then on as they come.
+
+    Args:
+        node: The node that reads the journal.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._clock = node.graph.clock
+        self._begin = self._clock.now()
+        self._tallies: dict[str, _Tally] = {}
+        self._read = node.create_client(ReadJournal, READ_JOURNAL)
+        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._add, 1000)
+        node.create_task(self._load)
+
+    def term(self, device_id: str) -> tuple[CostTerm, ...]:
+        """Return what the outcomes count against a device; nothing while none is known of any, as it is equal then."""
+        if not self._tallies:
+            return ()
+        known = self._tallies.get(device_id)
+        if known is None:
+            return (CostTerm(_WORST / 10, "no command was tried lately"),)
+        age = 2.0 ** ((self._begin - self._clock.now()) / _HALF_LIFE)
+        expected = (known.succeeded * age + 9) / (known.weight * age + 10)
+        reason = f"{known.failures} of {known.commands} commands failed lately"
+        return (CostTerm(_WORST * (1 - expected), reason),)
+
+    async def _load(self) -> None:
+        """Read the journal, the newest first; without one nothing is known."""
+        until = Time.from_seconds(self._begin)
+        since = Time.from_seconds(self._begin - _BACK)
+        seen: set[JournalEntry] = set()
+        for _ in range(_MOST_PAGES):
+            request = ReadJournalRequest(since=since, until=until, limit=MOST_ENTRIES)
+            try:
+                page = await self._read.call(request)
+            except ServiceError:
+                return
+            new = [one for one in page.entries if one not in seen]
+            self._add_all(new)
+            if page.complete or not new:
+                return
+            seen, until = set(page.entries), page.entries[0].at
+
+    def _add_all(self, entries: Iterable[JournalEntry]) -> None:
+        for one in entries:
+            self._add(one)
+
+    def _add(self, entry: JournalEntry) -> None:
+        if entry.kind not in {"outcome", "reverted"} or not entry.results:
+            return
+        has_succeeded = _SUCCEEDED.get(entry.results[0].outcome)
+        if has_succeeded is None:
+            return
+        tally = self._tallies.setdefault(entry.device, _Tally())
+        weight = 2.0 ** ((entry.at.to_seconds() - self._begin) / _HALF_LIFE)
+        if entry.kind == "reverted":  # after it had succeeded
+            tally.succeeded -= weight
+            tally.failures += 1
+            return
+        tally.commands += 1
+        tally.weight += weight
+        tally.succeeded += weight if has_succeeded else 0.0
+        tally.failures += not has_succeeded

@@ -1,0 +1,147 @@
+"""Ranking of the devices near a robot, in metres, with each term explained. Pure.
+
+The cost of a device is the way to it, what the doors on it cost, the error of its position, and what speaks against it
+besides: a point of relevance less than the best counts a metre. Every term is 0 or more, so the search along the ways
+ends as soon as the way alone costs more than the worst of those that are wanted.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import insort
+from collections.abc import Callable, Collection, Sequence
+from itertools import takewhile
+from typing import NamedTuple, TypeAlias, final
+
+from homebot.places.path import PathFinder, Place, Route
+
+__all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "ago_text", "cost_text", "nearest"]
+
+
+class CostTerm(NamedTuple):
+    """Metres that speak against a device, or a door, and the reason."""
+
+    metres: float
+    reason: str
+
+
+class DoorState(NamedTuple):
+    """A door as a way.
+
+    Attributes:
+        terms: What going through it costs; an infinite term makes it a wall.
+        note: What is only assumed of it, as text; empty for nothing.
+    """
+
+    terms: tuple[CostTerm, ...] = ()
+    note: str = ""
+
+    @property
+    def metres(self) -> float:
+        """The sum of the terms."""
+        return sum([term.metres for term in self.terms])
+
+
+Terms: TypeAlias = Callable[[str], Sequence[CostTerm]]
+"""What speaks against a device besides the way to it."""
+
+Doors: TypeAlias = Callable[[str], DoorState]
+
+
+@final
+class NearDevice(NamedTuple):
+    """A device near a robot.
+
+    Attributes:
+        cost: The metres by which it is ranked.
+        device: Its id.
+        route: The way to it.
+        terms: What counts besides.
+    """
+
+    cost: float
+    device: str
+    route: Route
+    terms: tuple[CostTerm, ...]
+
+
+def nearest(
+    finder: PathFinder,
+    start: Place,
+    doors: Doors,
+    wanted: Collection[str],
+    terms: Terms,
+    *,
+    within: float = math.inf,
+    limit: int = 0,
+) -> tuple[list[NearDevice], Collection[str]]:
+    """Return the best *limit* of the *wanted* devices, best first, and all of them that can be reached.
+
+    Args:
+        finder: Finds the ways.
+        start: The place of the robot.
+        doors: The state of each door.
+        wanted: The ids of the devices that fit otherwise.
+        terms: What speaks against each.
+        within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
+        limit: How many; 0 for all.
+    """
+
+    def crossing(door: str) -> float:
+        return doors(door).metres
+
+    def passing(door: str) -> float:
+        return math.inf if math.isinf(crossing(door)) else 0.0
+
+    if math.isinf(within):
+        rooms = finder.reachable_rooms(start.room, crossing)
+        near: Collection[str] = [
+            one for one in wanted if (place := finder.place_of(one)) is not None and place.room in rooms
+        ]
+    else:
+        routes = takewhile(lambda route: route.path <= within, finder.nearest(start, passing))
+        near = [route.target for route in routes if route.target in wanted]
+    found: list[NearDevice] = []
+    left = set(near)
+    for route in finder.nearest(start, crossing) if left else ():
+        way = route.path + route.extra
+        if limit and len(found) >= limit and way >= found[limit - 1].cost:
+            break
+        if route.target in left:
+            left.discard(route.target)
+            own = tuple(terms(route.target))
+            insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))
+            if not left:
+                break
+    return (found[:limit] if limit else found), near
+
+
+def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str:
+    """Return the cost of *device* and its terms, such as ``10.1 m = 7.1 path by Front door + 3.0 …``.
+
+    Args:
+        device: The device.
+        doors: The state of each door.
+        is_exact: Whether the places of the robot and the device are known better than by their rooms.
+    """
+    route = device.route
+    states = [(name, doors(name)) for name in route.doors]
+    ways = [f"{name} ({state.note})" if state.note else name for name, state in states]
+    path = f"{route.path:.1f} path" + (f" by {', '.join(ways)}" if ways else "")
+    name_of = {name: "that door" if len(states) == 1 else name for name, _ in states}
+    terms = [CostTerm(term.metres, f"{name_of[name]} {term.reason}") for name, state in states for term in state.terms]
+    shown = [path, *(f"{term.metres:.1f} {term.reason}" for term in (*terms, *device.terms) if term.metres >= _SHOWN)]
+    return f"{'' if is_exact else 'about '}{device.cost:.1f} m = {' + '.join(shown)}"
+
+
+_SHOWN = 0.05
+
+_UNITS = ((86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
+
+
+def ago_text(seconds: float) -> str:
+    """Return how long ago something was, such as ``4 s ago``."""
+    for length, unit in _UNITS:
+        if seconds >= 2 * length:
+            return f"{seconds / length:.0f} {unit} ago"
+    return f"{max(0.0, seconds):.0f} s ago" if seconds >= 1 else f"{max(0.0, seconds):.1f} s ago"

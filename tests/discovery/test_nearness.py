@@ -1,0 +1,302 @@
+"""What is near a robot: by ways through doors, with each term explained; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.clock import LoopClock
+from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Devices, FindDevices, QueryDevices, Sighting
+from homebot.devices.command_messages import CommandResult
+from homebot.devices.gateway_messages import Report
+from homebot.devices.handles import Light
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, GatewayNames
+from homebot.devices.part import Part
+from homebot.devices.query import parse_query, query_terms
+from homebot.devices.robot_messages import RobotPose
+from homebot.devices.services import QueryDevicesResponse
+from homebot.discovery import Directory, DirectorySettings
+from homebot.discovery.owner_facts import OwnerFacts
+from homebot.errors import RefusedError, UsageError
+from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
+from homebot.messages import Time
+from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
+
+pytestmark = pytest.mark.virtual_time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+HALL = HouseRoom("Hall", polygons=((((0, 0), (4, 0), (4, 5), (0, 5)),),))
+KITCHEN = HouseRoom("Kitchen", polygons=((((4, 0), (8, 0), (8, 5), (4, 5)),),))
+DOOR = HouseDoor("Hall-Kitchen", ("Hall", "Kitchen"), ((4.0, 4.5),), contact="Kitchen door", lock="Kitchen lock")
+POSITIONS = {"kitchen_lamp": "4.5,1 ±0", "hall_lamp": "1,1 ±0"}
+
+
+@dataclass
+class House:
+    """The golden house of two rooms, a robot, and an app."""
+
+    sightings: Publisher[Sighting]
+    readings: Publisher[Report]
+    poses: Publisher[RobotPose]
+    outcomes: Publisher[JournalEntry]
+    app: Node
+
+    async def hears(self, *messages: Sighting | Report) -> None:
+        for one in messages:
+            self.sightings.publish(one) if isinstance(one, Sighting) else self.readings.publish(one)
+        await anyio.sleep(0.001)
+
+    async def robot_at(self, x: float, y: float, *, room: str = "Hall", counts: bool = True) -> None:
+        at = Time.from_seconds(self.app.graph.clock.now())
+        self.poses.publish(
+            RobotPose(
+                robot="robi", room=room, has_position=True, x=x, y=y, error=0.1, source="/tf", received_at=at,
+                limit=2.0, counts=counts,
+            )
+        )  # fmt: skip
+        await anyio.sleep(0.001)
+
+    async def find(self, text: str, limit: int = 0) -> QueryDevicesResponse:
+        client = self.app.create_client(QueryDevices, QUERY_DEVICES)
+        return await client.call(QueryDevices.Request(query=query_terms(parse_query(text)), limit=limit))
+
+    async def why(self, text: str) -> dict[str, str]:
+        answer = await self.find(text)
+        assert answer.success, answer.message
+        return {one.device.id: one.reasons[0] for one in answer.results}
+
+
+Golden = Callable[[], AbstractAsyncContextManager[House]]
+
+
+@pytest.fixture
+def golden(announce: Announce, part: MakePart) -> Golden:
+    return lambda: _house(announce, part)
+
+
+@asynccontextmanager
+async def _house(announce: Announce, part: MakePart) -> AsyncIterator[House]:
+    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
+        (name,): (OwnerFact("position", at, "configuration", 0.0),) for name, at in POSITIONS.items()
+    }
+    owner = OwnerFacts("Home", Places((HALL, KITCHEN), devices, (DOOR,)))
+    async with (
+        Node(graph, "mqtt", namespace="/gateway") as gateway,
+        Node(graph, "discovery") as node,
+        Node(graph, "robots") as robots,
+        Node(graph, "control") as control,
+        Node(graph, "app") as app,
+    ):
+        sightings = gateway.create_publisher(Sighting, names.received_topics, kept)
+        directory = Directory(node, DirectorySettings(), owner=owner)
+        node.create_task(directory.serve)
+        await anyio.sleep(0.001)
+        house = House(
+            sightings,
+            gateway.create_publisher(Report, names.readings, kept),
+            robots.create_publisher(RobotPose, ROBOT_POSES, kept),
+            control.create_publisher(JournalEntry, JOURNAL_ENTRIES, 10),
+            app,
+        )
+        for name, room in (("Kitchen lamp", "Kitchen"), ("Hall lamp", "Hall")):
+            lamp = part("light", "on_off", id="l", writes=(f"{name}/set",))
+            await house.hears(announce(name, lamp, ids=(f"id:{name}",), name=name, area=room, confirmed=True))
+        for name, kind, capability in (
+            ("Kitchen door", "contact_sensor", "contact"),
+            ("Kitchen lock", "door_lock", "lock"),
+        ):
+            sensor = part(kind, capability, id="s")
+            await house.hears(announce(name, sensor, ids=(f"id:{name}",), name=name, confirmed=True))
+        yield house
+
+
+@pytest.fixture
+def door(announce: Announce, tell: Tell) -> Callable[..., Report]:
+    def make(value: str, at: float) -> Report:
+        named, capability = ("Kitchen lock", "lock") if value.endswith("locked") else ("Kitchen door", "contact")
+        return tell(announce(named), capability, value if capability == "lock" else value == "open", part="s", at=at)
+
+    return make
+
+
+async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_one_message(
+    golden: Golden, door: Callable[..., Report]
+) -> None:
+    """Golden. Through the air the lamp in the kitchen is 1 m away, and that in the hall 2.5 m."""
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        assert await house.why("lamps near robi") == {
+            "hall_lamp": "2.5 m = 2.5 path",
+            "kitchen_lamp": "7.1 m = 7.1 path by Hall-Kitchen (assumed open)",
+        }
+        now = house.app.graph.clock.now()
+        await house.hears(door("closed", now - 4))
+        assert await house.why("lamps near robi") == {
+            "hall_lamp": "2.5 m = 2.5 path",
+            "kitchen_lamp": "10.1 m = 7.1 path by Hall-Kitchen + 3.0 that door is closed (contact, 4 s ago)",
+        }
+        assert list(await house.why("lamps within 7.5 m of robi")) == [
+            "hall_lamp",
+            "kitchen_lamp",
+        ]  # closed, it is a way
+        assert list(await house.why("lamps within 7m of the robi")) == ["hall_lamp"]
+        await house.hears(door("locked", now))
+        answer = await house.find("lamps near robi")
+        assert [one.device.id for one in answer.results] == ["hall_lamp"]
+        assert [(one.key, one.value) for one in answer.left_out] == [
+            ("kitchen_lamp", "no way leads to Kitchen: Hall-Kitchen is locked")
+        ]
+        await house.hears(door("unlocked", now), door("open", now))
+        assert (await house.why("lamps near robi"))["kitchen_lamp"] == "7.1 m = 7.1 path by Hall-Kitchen"
+
+
+async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is(
+    golden: Golden,
+) -> None:
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        await house.find("lamp near robot")
+        await house.robot_at(4.5, 1.5, room="Kitchen")
+        await anyio.sleep(1.2)
+
+        answer = await house.find("lamp near robot", limit=1)
+
+        assert [one.device.id for one in answer.results] == ["kitchen_lamp"]
+        assert answer.total == 2
+        assert answer.pose_age == pytest.approx(1.2, abs=0.01)
+        assert answer.message == "robi was in Kitchen at 4.5, 1.5 ±0.1 m 1 s ago (/tf)"
+
+
+async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake(golden: Golden) -> None:
+    async with golden() as house:
+        before = await house.find("lamp near robi")
+        assert (before.success, before.is_mistake) == (False, False)
+        assert before.message.startswith("no robot has said where it is")
+        await house.robot_at(3.5, 1.0)
+        await anyio.sleep(14)
+        at = Time.from_seconds(house.app.graph.clock.now() - 14)
+        house.poses.publish(RobotPose(robot="robi", room="Hall", received_at=at, limit=2.0, counts=False))
+
+        devices = Devices(house.app)
+        with pytest.raises(RefusedError, match=r"robi's pose is 14 s old \(limit 2 s\)"):
+            await devices.find(Light, near="robi")
+        with pytest.raises(UsageError, match=r"there is no robot 'robbi'; did you mean robi\?"):
+            await devices.find(Light, near="robbi")
+
+
+async def test_apps_find_the_nearest_first_and_by_values(golden: Golden, announce: Announce, tell: Tell) -> None:
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        for name in ("Kitchen lamp", "Hall lamp"):
+            await house.hears(tell(announce(name), "on_off", False, part="l"))
+        devices = Devices(house.app)
+
+        async def found(**filters: Any) -> list[str]:
+            return [one.device.id for one in await devices.find(Light, **filters)]
+
+        assert await found(near="robi", on=False) == ["hall_lamp", "kitchen_lamp"]
+        assert await found(near="robi", within=5, on=False) == ["hall_lamp"]
+        assert await found(near="robi", area="Kitchen") == ["kitchen_lamp"]
+        assert await found(near="robi", on=True) == []
+        answer = await house.app.create_client(FindDevices, FIND_DEVICES).call(
+            FindDevices.Request(query=query_terms(parse_query("lamp within 5 m of robi")))
+        )
+        assert [one.id for one in answer.devices] == ["hall_lamp"]
+
+
+async def test_a_live_query_yields_only_what_came_near_and_what_left(
+    golden: Golden, door: Callable[..., Report]
+) -> None:
+    """Moves of less than 0.1 m ask nothing; a door asks at once, a move at most twice a second."""
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        changes: list[tuple[float, str, str]] = []
+        clock = house.app.graph.clock
+
+        async def follow() -> None:
+            query = Devices(house.app).follow(Light, near="robi", within=8.0)
+            while True:
+                one = await anext(query)
+                changes.append((clock.monotonic(), one.kind, one.handle.device.id))
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(follow)
+            await anyio.sleep(1)
+            assert sorted(one[1:] for one in changes) == [("appeared", "hall_lamp"), ("appeared", "kitchen_lamp")]
+            changes.clear()
+            begin = clock.monotonic()
+            await house.hears(door("locked", clock.now()))
+            await anyio.sleep(0.1)
+            assert [one[1:] for one in changes] == [("removed", "kitchen_lamp")]
+            assert changes[0][0] - begin < 0.05
+            changes.clear()
+            for step in range(100):
+                await house.robot_at(3.5 + step * 0.0005, 1.0)
+                await anyio.sleep(0.01)
+            assert changes == []
+            await house.robot_at(4.5, 1.0, room="Kitchen")
+            await anyio.sleep(0.6)
+            assert [one[1:] for one in sorted(changes, key=lambda one: one[2])] == [
+                ("removed", "hall_lamp"),
+                ("appeared", "kitchen_lamp"),
+            ]
+            tasks.cancel_scope.cancel()
+
+
+async def test_failed_commands_count_metres(golden: Golden) -> None:
+    """Five of five failed: 2.4 m, and 0.6 m for one of which nothing is known; a week later half of it counts."""
+    async with golden() as house:
+        past = [_outcome("hall_lamp", house.app.graph.clock.now(), "no_answer") for _ in range(4)]
+        async with Node(house.app.graph, "journal") as journal:
+
+            def read(_: ReadJournalRequest) -> ReadJournalResponse:
+                return ReadJournalResponse(entries=tuple(past))
+
+            journal.create_service(ReadJournal, READ_JOURNAL, read)
+            await house.robot_at(3.5, 1.0)
+            await house.find("lamp near robi")
+            await anyio.sleep(0.01)
+            house.outcomes.publish(_outcome("hall_lamp", house.app.graph.clock.now(), "no_answer"))
+            await anyio.sleep(0.01)
+            assert await house.why("lamp near robi") == {
+                "hall_lamp": "4.9 m = 2.5 path + 2.4 5 of 5 commands failed lately",
+                "kitchen_lamp": "7.7 m = 7.1 path by Hall-Kitchen (assumed open) + 0.6 no command was tried lately",
+            }
+
+
+def _outcome(device: str, at: float, outcome: str) -> JournalEntry:
+    result = CommandResult(command_id="c", outcome=outcome, text="")
+    return JournalEntry(kind="outcome", at=Time.from_seconds(at), device=device, results=(result,))
+
+
+@pytest.mark.parametrize("ask", ["find", "follow"])
+@pytest.mark.parametrize(
+    ("filters", "problem"),
+    [
+        ({"area": "Hal"}, "no device is in 'hal'; did you mean Hall?"),
+        ({"area": "Garage"}, "no device is in 'garage', and [places] has no such room; rooms are Hall, Kitchen"),
+        ({"name": "Hal lamp"}, "nothing is called 'hal lamp'; did you mean hall lamp?"),
+    ],
+)
+async def test_a_name_that_nothing_has_is_refused(
+    golden: Golden, ask: str, filters: dict[str, Any], problem: str
+) -> None:
+    async with golden() as house:
+        devices = Devices(house.app)
+        assert await devices.find(Light, area="outside") == ()  # a room of the plan, as yet without devices
+        assert await devices.find(Light, name="Porch lamp") == ()  # it may yet be announced
+        with pytest.raises(UsageError) as caught:
+            await (devices.find(Light, **filters) if ask == "find" else anext(devices.follow(Light, **filters)))
+        assert problem in str(caught.value)
+        assert str(caught.value).startswith(f"{ask}(Light, ")
