@@ -56,7 +56,7 @@ class House:
     @asynccontextmanager
     async def peer(self, path: str = "/", **headers: str) -> AsyncIterator[Peer]:
         url = f"ws://127.0.0.1:{self.door.port}{path}"
-        async with connect(url, additional_headers=headers, proxy=None, compression=None) as connection:
+        async with connect(url, additional_headers=headers, proxy=None, compression=None, max_size=None) as connection:
             yield Peer(connection)
 
     def entities(self) -> set[tuple[str, str]]:
