@@ -27,12 +27,20 @@ class RobotPose(NamedTuple):
     heading: float
 
 
+class _Leg(NamedTuple):
+    """A straight piece of a way: its end, and the room of that."""
+
+    room: str
+    x: float
+    y: float
+
+
 @dataclass(eq=False)
 class Robot(SimulatedDevice):
-    """A robot that takes ``go ROOM`` and ``stop``, and reports each room that it enters.
+    """A robot that takes ``go ROOM``, ``go X,Y`` and ``stop``, and reports each room that it enters.
 
-    It drives from the middle of one room to the middle of the next, at one speed. A room that no doors lead to it
-    ignores. Stopped between two rooms it drives on to the nearer one's middle only when told.
+    It drives from the middle of one room to the middle of the next, at one speed, and last to a point in a room. A
+    room that no doors lead to it ignores. Stopped between two rooms it drives on to the nearer one's middle only when told.
 
     Attributes:
         rooms: The plan it has.
@@ -50,7 +58,7 @@ class Robot(SimulatedDevice):
         start = self.rooms.rooms[self.room]
         self._from = self._at_rest = RobotPose(start.x, start.y, 0.0)
         self._left_at = self.now
-        self._ahead: tuple[str, ...] = ()
+        self._ahead: tuple[_Leg, ...] = ()
 
     def state(self) -> str:
         """Return the room it is in, or ``moving``."""
@@ -69,12 +77,20 @@ class Robot(SimulatedDevice):
         """Return where it is at :attr:`now`."""
         if not self._ahead:
             return self._at_rest
-        goal = self.rooms.rooms[self._ahead[0]]
+        goal = self._ahead[0]
         share = (self.now - self._left_at) / self._leg()
         heading = math.atan2(goal.y - self._from.y, goal.x - self._from.x)
         return RobotPose(
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
+
+    def metres_left(self) -> float:
+        """Return the length of the way ahead."""
+        here, metres = self.pose()[:2], 0.0
+        for leg in self._ahead:
+            metres += math.dist(here, leg[1:])
+            here = leg[1:]
+        return metres
 
     def next_event(self) -> float | None:
         """Return when it reaches the next room."""
@@ -86,19 +102,30 @@ class Robot(SimulatedDevice):
 
     def knows(self, command: str) -> bool:
         """Return whether it knows *command*; a room that no doors lead to it does not."""
-        return command == "stop" or (command.startswith("go ") and bool(self._way_to(command.removeprefix("go "))))
+        return command == "stop" or (command.startswith("go ") and bool(self._legs_to(command.removeprefix("go "))))
 
     def _obey(self, command: str) -> tuple[str, ...]:
         if command == "stop":
             self._at_rest, self._ahead = self.pose(), ()
             return (self.state(),)
-        way = self._way_to(command.removeprefix("go ")) if command.startswith("go ") else ()
-        if not way:
+        legs = self._legs_to(command.removeprefix("go ")) if command.startswith("go ") else ()
+        if not legs:
             return ()
-        pose, here = self.pose(), self.rooms.rooms[self.room]
-        is_there = (pose.x, pose.y) == (here.x, here.y)
-        self._from, self._left_at, self._ahead = pose, self.now, way[1:] if is_there else way
+        self._from, self._left_at, self._ahead = self.pose(), self.now, legs
+        if self._from[:2] == legs[0][1:]:
+            self._ahead = legs[1:]
         return (self.state(),)
+
+    def _legs_to(self, goal: str) -> tuple[_Leg, ...]:
+        """Return the way to a room, or to a point in one; empty where there is none."""
+        point = _point(goal)
+        room = goal if point is None else self.rooms.room_at(*point)
+        way = self._way_to(room) if room else ()
+        legs = tuple(_Leg(one, self.rooms.rooms[one].x, self.rooms.rooms[one].y) for one in way)
+        if point is None or not legs:
+            return legs
+        is_there = room == self.room == self.rooms.room_at(*self.pose()[:2])
+        return (*(() if is_there else legs), _Leg(room, *point))
 
     def _way_to(self, room: str) -> tuple[str, ...]:
         """Return the rooms on the way, with both ends; empty where there is none."""
@@ -110,12 +137,22 @@ class Robot(SimulatedDevice):
     def _on_timer(self) -> tuple[str, ...]:
         heading = self.pose().heading
         self._left_at += self._leg()
-        self.room, self._ahead = self._ahead[0], self._ahead[1:]
-        place = self.rooms.rooms[self.room]
-        self._from = self._at_rest = RobotPose(place.x, place.y, heading)
+        leg, self._ahead = self._ahead[0], self._ahead[1:]
+        self.room = leg.room
+        self._from = self._at_rest = RobotPose(leg.x, leg.y, heading)
         return (self.room,)
 
     def _leg(self) -> float:
         """Return seconds from where it set out to the next room."""
-        goal = self.rooms.rooms[self._ahead[0]]
+        goal = self._ahead[0]
         return max(0.01, math.hypot(goal.x - self._from.x, goal.y - self._from.y) / self.speed)
+
+
+def _point(text: str) -> tuple[float, float] | None:
+    """Return the point that *text* spells, as ``X,Y``; None if it is none."""
+    x, comma, y = text.partition(",")
+    try:
+        found = (float(x), float(y)) if comma else None
+    except ValueError:
+        return None
+    return found if found and all(map(math.isfinite, found)) else None

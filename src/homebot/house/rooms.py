@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -51,11 +51,24 @@ class Room(NamedTuple):
         x: Its middle, in metres east.
         y: Its middle, in metres north.
         window: The share of daylight, 0 to 1, that comes in.
+        width: Its extent from west to east, in metres; 0 if it is not known.
+        depth: Its extent from south to north, likewise.
     """
 
     x: float = 0.0
     y: float = 0.0
     window: float = 0.01
+    width: float = 0.0
+    depth: float = 0.0
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Its corners, counter-clockwise; none if its extent is not known."""
+        if not self.width or not self.depth:
+            return ()
+        left, right = self.x - self.width / 2, self.x + self.width / 2
+        bottom, top = self.y - self.depth / 2, self.y + self.depth / 2
+        return (left, bottom), (right, bottom), (right, top), (left, top)
 
 
 @dataclass(frozen=True)
@@ -80,6 +93,20 @@ class Rooms:
                     self._ways[here].append(there)
         for ways in self._ways.values():
             ways.sort()
+
+    def room_at(self, x: float, y: float) -> str:
+        """Return the room at a point; empty for none."""
+        for name, room in self.rooms.items():
+            if room.corners and abs(x - room.x) <= room.width / 2 and abs(y - room.y) <= room.depth / 2:
+                return name
+        return ""
+
+    def doorways(self) -> Iterator[tuple[str, str, tuple[float, float]]]:
+        """Yield two rooms with a door, and its middle: that of the wall that they share."""
+        for name, ways in self._ways.items():
+            for other in ways:
+                if name < other and (middle := _shared_wall(self.rooms[name], self.rooms[other])):
+                    yield name, other, middle
 
     def path(self, start: str, goal: str) -> tuple[str, ...]:
         """Return the shortest way in rooms, both ends included; of two equally short ones the first by name.
@@ -106,3 +133,14 @@ class Rooms:
         """Return how far the middles of two rooms are apart; at least 1 m."""
         one, other = self.rooms[here], self.rooms[there]
         return max(1.0, math.hypot(other.x - one.x, other.y - one.y))
+
+
+def _shared_wall(one: Room, other: Room) -> tuple[float, float] | None:
+    """Return the middle of the wall that two rooms share; None without one."""
+    if not one.corners or not other.corners:
+        return None
+    (left, bottom), (right, top) = one.corners[0], one.corners[2]
+    (left2, bottom2), (right2, top2) = other.corners[0], other.corners[2]
+    low_x, high_x, low_y, high_y = max(left, left2), min(right, right2), max(bottom, bottom2), min(top, top2)
+    touches = (low_x == high_x and low_y < high_y) or (low_y == high_y and low_x < high_x)
+    return ((low_x + high_x) / 2, (low_y + high_y) / 2) if touches else None
