@@ -2,6 +2,8 @@
 
 from homebot.house.devices import SimulatedLamp, WindowMotor
 from homebot.house.house import SimulatedHouse
+from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.simulated_device import Placed
 from homebot.house.world import World
 
 __all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "thesis_world"]
@@ -9,4 +11,15 @@ __all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "thesis_wo
 
 def thesis_world() -> World:
     """Return the house of the thesis's experiment: two lamps, of which one is on, and a window motor."""
-    return World.of(SimulatedLamp("roomlights405", is_on=True), SimulatedLamp("philips165"), WindowMotor("firstlevel1"))
+    rooms = {
+        OUTSIDE: Room(window=1.0),
+        "Room 405": Room(width=4.0, depth=5.0),
+        "Hall": Room(x=4.0, width=4.0, depth=5.0),
+        "Room 165": Room(x=8.0, width=4.0, depth=5.0),
+    }
+    placed = (
+        Placed(SimulatedLamp("roomlights405", is_on=True), "Room 405", at=(1.0, 1.5)),
+        Placed(SimulatedLamp("philips165"), "Room 165", at=(8.0, 1.5)),
+        Placed(WindowMotor("firstlevel1"), "Hall", at=(4.0, 2.5)),
+    )
+    return World(Rooms(rooms, [("Room 405", "Hall"), ("Hall", "Room 165")]), placed)

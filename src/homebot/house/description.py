@@ -55,6 +55,7 @@ from homebot.support.toml_file import read_toml
 __all__ = ["load_world", "parse_world"]
 
 Metres = Annotated[float, Field(allow_inf_nan=False)]
+_Extent = Annotated[float, Field(ge=0.0, le=1000.0, allow_inf_nan=False)]
 
 
 def load_world(path: Path, *, seed: int | None = None) -> World:
@@ -138,12 +139,14 @@ class _RoomTable(_Strict):
     x: Metres = 0.0
     y: Metres = 0.0
     window: float = Field(default=0.01, ge=0.0, le=1.0)
+    size: tuple[_Extent, _Extent] = (0.0, 0.0)
     doors: tuple[str, ...] = ()
 
 
 class _PlaceTable(_Strict):
     room: str
     door: str = ""
+    at: tuple[Metres, Metres] | None = None
     dialect: str | None = None
     faults: dict[str, Table] = Field(default_factory=dict)
 
@@ -174,7 +177,7 @@ def _rooms(tables: Mapping[str, Table], source: str) -> Rooms:
     doors: list[tuple[str, str]] = []
     for name, table in tables.items():
         room = parse_settings(_RoomTable, table, source, f"rooms.{name}")
-        rooms[name] = Room(room.x, room.y, room.window)
+        rooms[name] = Room(room.x, room.y, room.window, *room.size)
         doors += [(name, other) for other in room.doors]
     for name, other in doors:
         _known(other, rooms, source, f"rooms.{name}.doors")
@@ -186,7 +189,7 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         raise ConfigError(source, f"{key}.kind", f"must be one of {', '.join(KINDS)}, got {kind!r}")
-    where = ("room", "door", "dialect", "faults")
+    where = ("room", "door", "at", "dialect", "faults")
     place = parse_settings(_PlaceTable, {k: v for k, v in table.items() if k in where}, source, key)
     _known(place.room, rooms.rooms, source, f"{key}.room")
     _known(place.door or place.room, rooms.rooms, source, f"{key}.door")
@@ -201,7 +204,7 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
     device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, rng))
     for fault, fault_table in place.faults.items():
         device = _faulty(device, fault, fault_table, rng, source, f"{key}.faults.{fault}")
-    return Placed(device, place.room, place.door, dialect)
+    return Placed(device, place.room, place.door, dialect, place.at)
 
 
 def _faulty(

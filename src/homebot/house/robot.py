@@ -40,7 +40,8 @@ class Robot(SimulatedDevice):
     """A robot that takes ``go ROOM``, ``go X,Y`` and ``stop``, and reports each room that it enters.
 
     It drives from the middle of one room to the middle of the next, at one speed, and last to a point in a room. A
-    room that no doors lead to it ignores. Stopped between two rooms it drives on to the nearer one's middle only when told.
+    room that no doors lead to it ignores. Stopped between two rooms it drives on to the nearer one's middle only when
+    told.
 
     Attributes:
         rooms: The plan it has.

@@ -113,12 +113,14 @@ class Placed(NamedTuple):
         room: Where it is.
         door: For a contact or a lock: the room on the other side of the door it is on.
         dialect: Its family where it is carried over a wire, by name.
+        at: Its position in metres, if it is known.
     """
 
     device: SimulatedDevice
     room: str
     door: str = ""
     dialect: str = "thesis"
+    at: tuple[float, float] | None = None
 
 
 class ScheduledCommand(NamedTuple):

@@ -134,6 +134,11 @@ class World:
         return cls(Rooms({OUTSIDE: Room(window=1.0), "room": Room()}, []), [Placed(each, "room") for each in devices])
 
     @property
+    def rooms(self) -> Rooms:
+        """Its plan."""
+        return self._rooms
+
+    @property
     def devices(self) -> Mapping[str, Placed]:
         """The devices by name, in the order they were given."""
         return {name: entry.placed for name, entry in self._entries.items()}

@@ -76,6 +76,7 @@ class Runtime:
     Args:
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
             where the configuration has none of that name; its state is that of last midnight, UTC.
+        robot: The name of the robot with ROS that a *house* with a floor plan has; empty for none.
         with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
         services: Running services for gateways, such as a broker in memory, in place of those it would start itself.
@@ -104,6 +105,7 @@ class Runtime:
         config: Config,
         *,
         house: World | None = None,
+        robot: str = "",
         with_door: bool = True,
         clock: Clock | None = None,
         services: Iterable[object] = (),
@@ -118,9 +120,11 @@ class Runtime:
         known: Sequence[IndexRow] = (),
         detected: Sequence[str] = (),
     ) -> None:
-        self._house = None if house is None else _house_of_run(house, config)
+        self._house = None if house is None else _house_of_run(house, config, robot)
         if self._house is not None:
             config = config.model_copy(update={"gateways": {**self._house.gateways(), **config.gateways}})
+            if self._house.robot and not config.places:
+                config = config.model_copy(update={"places": self._house.places()})
         self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
         self._rehearsal = rehearsal
         if is_dry_run:
@@ -391,12 +395,12 @@ class Runtime:
 
     def _simulate(self, house: HouseOfRun, home: str) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            await house.serve(self._context, home, self._clock, task_status=task_status)
+            await house.serve(self._context, home, self.graph, task_status=task_status)
 
         return work
 
 
-def _house_of_run(world: World, config: Config) -> HouseOfRun:
+def _house_of_run(world: World, config: Config, robot: str) -> HouseOfRun:
     from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
 
-    return HouseOfRun(world, config.gateways)
+    return HouseOfRun(world, config.gateways, robot)

@@ -37,6 +37,8 @@ THESIS_ROOT = "home425"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 """The apps of a simulated house. In a real house no app runs unasked: the light service switches off every lamp."""
 
+ROBOT_OF_THE_SIMULATED_HOUSE = "robot"
+
 _TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKEN"}
 
 COLLECT_AFTER = (5_000, 0, 420)
@@ -167,6 +169,7 @@ def _run_apart(
         Runtime,
         config,
         house=house,
+        robot=ROBOT_OF_THE_SIMULATED_HOUSE,
         index_file=index_file,
         lost_lines=lost_lines,
         record_into=record_into,

@@ -1,0 +1,163 @@
+"""The robot of a simulated house as a robot with ROS: its map, frames, pose and battery on the graph."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final, final
+
+import anyio
+
+from homebot.graph import Node, qos_profile_latched
+from homebot.house.floor import occupancy_grid
+from homebot.house.robot import Robot, RobotPose
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.definition import zero_message
+from homebot.messages.geometry_msgs import (
+    Point,
+    Pose,
+    PoseWithCovariance,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    Transform,
+    TransformStamped,
+    Vector3,
+)
+from homebot.messages.nav_msgs import OccupancyGrid
+from homebot.messages.sensor_msgs import BatteryState
+from homebot.messages.std_msgs.header import Header
+from homebot.messages.tf2_msgs import TFMessage
+
+__all__ = ["FRAMES", "RosRobot", "ros_pose"]
+
+FRAMES: Final = ("odom", "base_footprint", "base_link")
+"""Its frames on ``/tf`` and ``/tf_static``, from ``map`` on."""
+
+_DRIVING: Final = 0.1
+_PARKED: Final = 1.0
+"""Seconds between two messages on ``/tf``."""
+
+_MOVED: Final = 0.25
+_TURNED: Final = 0.2
+"""Metres and radians after which AMCL publishes the next pose; none while it is parked."""
+
+_VARIANCE: Final = 0.01
+_HEIGHT: Final = 0.1
+_VOLTS: Final = 14.4
+_DRAINS: Final = 1 / 7200
+_CHARGES: Final = 1 / 3600
+"""Shares of a full battery in a second, driving and in the dock."""
+
+_CHARGING, _DISCHARGING, _FULL = 1, 2, 4
+
+
+@final
+class RosRobot:
+    """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose`` and ``/battery_state`` of one robot.
+
+    Args:
+        node: Its node.
+        read: Returns the robot as it is now.
+        command: Gives it a command, as text such as ``go 3.2,1.0``.
+
+    Attributes:
+        node: Its node.
+        read: As above.
+        dock: The position of its dock, where it begins.
+    """
+
+    def __init__(self, node: Node, read: Callable[[], Robot], command: Callable[[str], None]) -> None:
+        self.node = node
+        self.read = read
+        self.dock = read().pose()
+        self._command = command
+        self._clock = node.graph.clock
+        self._woken = anyio.Event()
+        self._charge = 1.0
+        self._charged_at = self._clock.monotonic()
+        self._last: RobotPose | None = None
+        map_publisher = node.create_publisher(OccupancyGrid, "/map", qos_profile_latched)
+        static = node.create_publisher(TFMessage, "/tf_static", qos_profile_latched)
+        self._tf = node.create_publisher(TFMessage, "/tf", 100)
+        self._amcl = node.create_publisher(PoseWithCovarianceStamped, "/amcl_pose", qos_profile_latched)
+        self._battery = node.create_publisher(BatteryState, "/battery_state", 10)
+        map_publisher.publish(occupancy_grid(read().rooms, self.stamp()))
+        base = Transform(translation=Vector3(x=0.0, y=0.0, z=_HEIGHT), rotation=_turned(0.0))
+        static.publish(TFMessage(transforms=(self._transform("base_footprint", "base_link", base),)))
+
+    async def serve(self) -> None:
+        """Publish until cancelled."""
+        while True:
+            robot = self.read()
+            self._publish(robot)
+            self._woken = anyio.Event()
+            with anyio.move_on_after(_DRIVING if robot.drives else _PARKED):
+                await self._woken.wait()
+
+    def command(self, command: str) -> None:
+        """Give the robot a *command*."""
+        self._command(command)
+        self._woken.set()
+
+    def is_docked(self) -> bool:
+        """Return whether it stands in its dock."""
+        robot = self.read()
+        return not robot.drives and robot.pose()[:2] == self.dock[:2]
+
+    def stamp(self) -> Time:
+        """Return the time."""
+        return Time.from_seconds(self._clock.now())
+
+    def _publish(self, robot: Robot) -> None:
+        pose, start = robot.pose(), self.dock
+        moved = Vector3(x=pose.x - start.x, y=pose.y - start.y, z=0.0)
+        origin = Transform(translation=Vector3(x=start.x, y=start.y, z=0.0), rotation=_turned(0.0))
+        driven = Transform(translation=moved, rotation=_turned(pose.heading))
+        chain = (self._transform("map", "odom", origin), self._transform("odom", "base_footprint", driven))
+        self._tf.publish(TFMessage(transforms=chain))
+        if self._last is None or _has_moved(self._last, pose):
+            self._last = pose
+            self._publish_pose(pose)
+        self._publish_battery(robot)
+
+    def _publish_pose(self, pose: RobotPose) -> None:
+        covariance = [0.0] * 36
+        covariance[0] = covariance[7] = covariance[35] = _VARIANCE
+        header = Header(stamp=self.stamp(), frame_id="map")
+        stated = PoseWithCovariance(pose=ros_pose(pose), covariance=tuple(covariance))
+        self._amcl.publish(PoseWithCovarianceStamped(header=header, pose=stated))
+
+    def _publish_battery(self, robot: Robot) -> None:
+        now = self._clock.monotonic()
+        seconds, self._charged_at = now - self._charged_at, now
+        is_docked = not robot.drives and robot.pose()[:2] == self.dock[:2]
+        rate = _CHARGES if is_docked else -_DRAINS if robot.drives else 0.0
+        self._charge = min(1.0, max(0.0, self._charge + rate * seconds))
+        status = _DISCHARGING if not is_docked else _FULL if self._charge == 1.0 else _CHARGING
+        unknown = dict.fromkeys(("temperature", "current", "charge", "capacity", "design_capacity"), math.nan)
+        known = {
+            "header": Header(stamp=self.stamp(), frame_id="base_link"),
+            "voltage": _VOLTS,
+            "percentage": self._charge,
+            "power_supply_status": status,
+            "present": True,
+        }
+        self._battery.publish(zero_message(BatteryState).model_copy(update={**unknown, **known}))
+
+    def _transform(self, parent: str, child: str, transform: Transform) -> TransformStamped:
+        header = Header(stamp=self.stamp(), frame_id=parent)
+        return TransformStamped(header=header, child_frame_id=child, transform=transform)
+
+
+def ros_pose(pose: RobotPose) -> Pose:
+    """Return *pose* as a message."""
+    return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turned(pose.heading))
+
+
+def _turned(yaw: float) -> Quaternion:
+    return Quaternion(x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
+
+
+def _has_moved(before: RobotPose, pose: RobotPose) -> bool:
+    turned = abs(math.remainder(pose.heading - before.heading, math.tau))
+    return math.dist(before[:2], pose[:2]) >= _MOVED or turned >= _TURNED
