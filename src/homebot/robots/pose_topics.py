@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from homebot.devices.robot_messages import RobotRoom
 from homebot.devices.robot_owners import DEFAULT_ROBOT
 from homebot.errors import TypeMismatchError
-from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile
 from homebot.log import LogLimit
 from homebot.messages.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from homebot.messages.message import Message
@@ -96,6 +96,8 @@ class PoseTopics:
         """Call *handle* with each message on *topic*, first with those that publishers keep for those who come late."""
         try:
             self._node.create_subscription(message_type, topic, handle, _DEPTH)
+            if not self._is_kept(topic):
+                return
             qos = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
             kept = self._node.create_subscription(message_type, topic, None, qos)
         except TypeMismatchError as exc:
@@ -104,6 +106,11 @@ class PoseTopics:
         while (message := kept.take()) is not None:
             handle(message)
         kept.close()
+
+    def _is_kept(self, topic: str) -> bool:
+        """Return whether a publisher keeps its messages; to ask another one for them is logged as a mistake."""
+        publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
+        return any(one.qos is not None and one.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in publishers)
 
     def _on_tf(self, robot: str, message: TFMessage, *, is_static: bool) -> None:
         topic = f"/{robot}/tf" if robot else "/tf"

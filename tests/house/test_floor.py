@@ -1,0 +1,46 @@
+"""The floor of a simulated house, as places and as a map."""
+
+from __future__ import annotations
+
+from homebot.house import thesis_world
+from homebot.house.floor import occupancy_grid, places_table
+from homebot.house.rooms import Room, Rooms
+from homebot.messages.builtin_interfaces import Time
+from homebot.places import FloorPlan, HousePlan, read_places
+
+
+def test_the_places_of_the_small_house_are_valid_and_its_doors_are_at_their_rooms() -> None:
+    world = thesis_world()
+    places = read_places(places_table(world.rooms, world.devices), "home425", "the house", "configuration")
+    plan = FloorPlan(HousePlan("home425", places.rooms, "the house", places.doors))
+    plan.check_doors("the house")
+    assert {room.name for room in places.rooms} == {"Room 405", "Hall", "Room 165"}
+    assert {one.rooms for one in places.doors} == {("Hall", "Room 405"), ("Hall", "Room 165")}
+    for name, placed in world.devices.items():
+        assert placed.at is not None, name
+        found = plan.room_at(*placed.at)
+        assert found is not None
+        assert found.room == placed.room
+
+
+def test_a_house_without_extents_has_no_places() -> None:
+    assert places_table(Rooms({"room": Room()}, []), {}) == {}
+
+
+def test_the_map_has_walls_with_a_door_in_them_and_the_row_in_front_is_the_southern_one() -> None:
+    rooms = Rooms(
+        {"hall": Room(width=2.0, depth=3.0), "kitchen": Room(x=2.0, width=2.0, depth=3.0)}, [("hall", "kitchen")]
+    )
+    grid = occupancy_grid(rooms, Time(sec=1, nanosec=0))
+    info = grid.info
+    assert (info.width, info.height, len(grid.data)) == (81, 61, 81 * 61)
+
+    def cell(x: float, y: float) -> int:
+        column = int((x - info.origin.position.x) / info.resolution)
+        return grid.data[int((y - info.origin.position.y) / info.resolution) * info.width + column]
+
+    assert [cell(0.0, 0.0), cell(2.0, 1.0)] == [0, 0]
+    assert [cell(-1.0, 0.0), cell(3.0, 1.0), cell(0.5, 1.5), cell(2.5, -1.5)] == [100] * 4
+    assert [cell(1.0, y) for y in (-1.0, -0.4, 0.0, 0.4, 1.0)] == [100, 0, 0, 0, 100]
+    rooms = Rooms({"hall": Room(width=1.0, depth=1.0), "attic": Room(x=4.0, y=4.0, width=1.0, depth=1.0)}, [])
+    assert occupancy_grid(rooms, Time(sec=1, nanosec=0)).data[-81 * 50] == -1
