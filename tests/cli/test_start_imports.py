@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 317
+_MOST_MODULES = 323
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -51,7 +51,6 @@ NOT_NEEDED = (
     "homebot.devices.near_watch",
     "homebot.discovery.nearness",
     "homebot.discovery.store",
-    "homebot.places.path",
     "homebot.house.description",
     "homebot.house.kinds",
     "homebot.messages.geometry_msgs",

@@ -56,6 +56,7 @@ async def read_volatile(node: Node, message_type: type[Message], topic: str) -> 
 async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while_parked() -> None:
     """It counts without a table, and its parked AMCL sends no pose."""
     async with running() as (_, node):
+        await anyio.sleep(2)  # it boots
         poses = await read(node, PoseWithCovarianceStamped, "/amcl_pose")
         (grid,) = await read(node, OccupancyGrid, "/map")
         (static,) = await read(node, TFMessage, "/tf_static")
@@ -66,6 +67,7 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
         found = await client.call(WhereIsRobotRequest())
         assert found.success, found.message
         assert (found.pose[0].robot, found.pose[0].x, found.pose[0].y) == ("robot", 0.0, 0.0)
+        assert found.pose[0].room == "Room 405"
         assert len(poses) == 1
         assert isinstance(grid, OccupancyGrid)
         assert grid.info.width * grid.info.height == len(grid.data)
@@ -78,4 +80,5 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
 
 async def test_a_house_without_a_robot_gains_nothing() -> None:
     async with running("") as (runtime, _):
+        await anyio.sleep(2)
         assert not {"/map", "/tf", "/amcl_pose"} & {one.name for one in runtime.graph.get_endpoints()}

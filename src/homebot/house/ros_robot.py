@@ -9,7 +9,7 @@ from typing import Final, final
 import anyio
 
 from homebot.graph import Node, qos_profile_latched
-from homebot.house.floor import occupancy_grid
+from homebot.house.floor_map import occupancy_grid
 from homebot.house.robot import Robot, RobotPose
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message

@@ -25,6 +25,9 @@ __all__ = ["HouseOfRun"]
 
 ROBOT = "house.robot"
 
+_BOOTS = 1.0
+"""Seconds that a robot boots longer than a house starts, so that its code does not delay the start."""
+
 
 @final
 class HouseOfRun:
@@ -105,6 +108,7 @@ class HouseOfRun:
 
     async def _serve_robot(self, house: SimulatedHouse, graph: Graph) -> None:
         """Run the robot of the house: the first device that is one, else one that is in the first room."""
+        await anyio.sleep(_BOOTS)
         from homebot.house.ros_robot import RosRobot  # noqa: PLC0415 - as above
 
         world, clock = self._world, graph.clock
