@@ -22,6 +22,8 @@
 
     [robots.rosie]                   # one table a robot: where its pose comes from
 
+    [ros]                            # interfaces of ROS that clients use, beside those that homebot comes with
+
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
 The table of a gateway or an app belongs to that plug-in: :func:`parse_settings` checks it with
@@ -135,6 +137,7 @@ class Config(BaseModel):
         control: The table ``[control]``: how commands are carried out.
         places: The table ``[places]``: rooms and the owner's statements about devices.
         robots: The tables ``[robots.NAME]``, by name.
+        ros: The table ``[ros]``: further interfaces of ROS, and its distribution.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.
@@ -150,6 +153,7 @@ class Config(BaseModel):
     control: Table = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
+    ros: Table = Field(default_factory=dict)
     thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
@@ -180,7 +184,7 @@ def load_tables(path: Path) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, places, robots, "
+                "unknown key; known are home, gateways, apps, door, discovery, control, places, robots, ros, "
                 "thing_directory",
             )
     return tables

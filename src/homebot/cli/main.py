@@ -52,6 +52,7 @@ COMMANDS: Final = {
     "token": "make a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
+    "interface": "list, show and import messages, services and actions of ROS",
     "node": "list and inspect nodes",
     "broker": "run an MQTT broker and nothing else",
 }
@@ -74,8 +75,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 an MQTT broker and nothing else
 
-All commands but `run`, `replay`, `broker`, `config` and `token` connect to a running homebot, by default on
-127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands but `run`, `replay`, `broker`, `config`, `interface` and `token` connect to a running homebot, by default
+on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

@@ -1,9 +1,9 @@
-"""Messages of the rosbridge server about its clients."""
+"""Messages of the rosbridge server about its clients, and about the types that they define."""
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, UInt32
+from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = ["AccessRefused", "ClientLeft"]
+__all__ = ["AccessRefused", "ClientLeft", "DefineType", "DefineTypeRequest", "DefineTypeResponse"]
 
 
 class AccessRefused(Message):
@@ -43,3 +43,29 @@ class ClientLeft(Message):
     """
 
     issuer: str
+
+
+class DefineTypeRequest(Message):
+    """A type that a client wants to use by name.
+
+    Attributes:
+        type: Its name, ``package/msg/Name``, with ``srv`` or ``action`` for those.
+        definition: The text of its file; nested messages may follow, each after a line of 80 ``=`` and a line
+            ``MSG: package/Name``.
+    """
+
+    type: str
+    definition: str
+
+
+class DefineTypeResponse(ServiceAnswer):
+    """Whether the type is known now; it stays until homebot ends.
+
+    Attributes:
+        type_hash: Its hash in ROS 2 (RIHS01).
+    """
+
+    type_hash: str = ""
+
+
+DefineType = ServiceType("homebot/srv/DefineType", DefineTypeRequest, DefineTypeResponse)

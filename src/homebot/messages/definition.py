@@ -17,7 +17,7 @@ from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
 from homebot.messages.numeric_array import RosArray
 
-__all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types", "zero_message"]
+__all__ = ["FieldDefinition", "definition_body", "definition_text", "fields_of", "nested_types", "zero_message"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -96,10 +96,10 @@ def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
 
 def definition_text(message_type: type[Message]) -> str:
     """Return the text of the ``.msg`` file, the nested types after it as ``gendeps --cat`` and rosbag2 write them."""
-    sections = [_body(message_type)]
+    sections = [definition_body(message_type)]
     for nested in nested_types(message_type):
         package, _, name = nested.ros_type.split("/")
-        sections.append(f"{'=' * 80}\nMSG: {package}/{name}\n{_body(nested)}")
+        sections.append(f"{'=' * 80}\nMSG: {package}/{name}\n{definition_body(nested)}")
     return "".join(sections)
 
 
@@ -116,7 +116,8 @@ def _zero(field: FieldDefinition) -> object:
     return (zero,) * (field.size or 0) if field.is_array else zero
 
 
-def _body(message_type: type[Message]) -> str:
+def definition_body(message_type: type[Message]) -> str:
+    """Return the text of the ``.msg`` file without the nested types."""
     return "".join(f"{field.declaration}\n" for field in fields_of(message_type))
 
 

@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
+    from homebot.messages import Interfaces
     from homebot.robots import RobotSettings
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_interfaces", "make_plan", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
@@ -95,6 +96,7 @@ class Plan:
         grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
             full names of their nodes.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
+        interfaces: The interfaces of ROS that clients may name; None for those that homebot comes with.
         places: The rooms and the owner's statements about devices.
         robots: The settings of the robots that have a table.
     """
@@ -106,6 +108,7 @@ class Plan:
     control: ControlSettings | None
     door: DoorSettings
     thing_directory: DirectoryBridgeSettings | None = None
+    interfaces: Interfaces | None = None
     places: Places = NO_PLACES
     grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
@@ -135,6 +138,7 @@ def make_plan(config: Config) -> Plan:
         control=_control(config),
         door=_door(config),
         thing_directory=_thing_directory(config),
+        interfaces=_interfaces(config),
         places=_places(config),
         grants=dict(_grants(config)),
         robots=_robots(config),
@@ -148,6 +152,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
         partial(_control, config),
         partial(_door, config),
         partial(_thing_directory, config),
+        partial(_interfaces, config),
         partial(_places, config),
         partial(_robots, config),
     ]
@@ -320,6 +325,25 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
         raise ConfigError(config.source, key, str(exc)) from exc
     values = _access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
     return DirectoryBridgeSettings(**values)
+
+
+def _interfaces(config: Config) -> Interfaces | None:
+    return make_interfaces(config.ros, config.source, config.folder) if config.ros else None
+
+
+def make_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
+    """Return the interfaces by the *table* ``[ros]`` of the file *source*, with paths that start from *folder*.
+
+    Raises:
+        ConfigError: A key, a folder or a definition is wrong.
+    """
+    from homebot.messages.interfaces.settings import RosSettings  # noqa: PLC0415 - only with the table
+
+    settings = parse_settings(RosSettings, table, source, "ros", folder)
+    try:
+        return settings.read()
+    except (OSError, UsageError) as exc:
+        raise ConfigError(source, "ros.interfaces", str(exc)) from exc
 
 
 def _places(config: Config) -> Places:

@@ -158,6 +158,8 @@ class Runtime:
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
+        if self._plan.interfaces is not None:
+            self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
         self.door: Door | None = None
         self._start_is_cut = False

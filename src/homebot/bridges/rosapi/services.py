@@ -14,7 +14,15 @@ from pydantic import create_model
 from homebot.bridges.rosapi import parameters
 from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
 from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
-from homebot.bridges.rosbridge.types import find_action_type, find_message_type, find_service_type, same_type
+from homebot.bridges.rosbridge.types import (
+    define_type,
+    find_action_type,
+    find_message_type,
+    find_service_type,
+    same_type,
+)
+from homebot.devices.access_messages import DefineType
+from homebot.devices.names import DEFINE_TYPE
 from homebot.graph import EndpointInfo, EntityKind, Graph, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import definition_text
@@ -277,7 +285,7 @@ SERVICES: Final = (
 
 
 class RosApi:
-    """Offers the rosapi services on *node*; they go with it.
+    """Offers the rosapi services on *node*, and the definition of types; they go with it.
 
     Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints``, which is ours, shows them too.
 
@@ -288,4 +296,5 @@ class RosApi:
     def __init__(self, node: Node) -> None:
         for service in SERVICES:
             service.serve(node)
+        node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))

@@ -28,6 +28,7 @@ from homebot.bridges.rosbridge.protocol import (
 from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
 from homebot.devices.names import (
     COMMAND_DEVICES,
+    DEFINE_TYPE,
     EXPLAIN_DEVICE,
     EXPLAIN_MISSING_STATE,
     EXPORT_PLACES,
@@ -94,7 +95,9 @@ _READING: Final = frozenset(
         "/subscribe_to_mqtt_topic",
     }
 )
-_ACTING: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT})
+_ACTING: Final = frozenset(
+    {COMMAND_DEVICES, DEFINE_TYPE, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT}
+)
 _SEVERAL: Final = "?"
 _LONGEST_ORIGIN: Final = 100
 _LONGEST_NAME: Final = 247

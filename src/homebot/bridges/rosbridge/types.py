@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
+from homebot.devices.access_messages import DefineTypeRequest, DefineTypeResponse
 from homebot.errors import PeerError, TypeMismatchError, UsageError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "action_type_of",
+    "define_type",
     "find_action_type",
     "find_message_type",
     "find_service_type",
@@ -36,6 +38,7 @@ __all__ = [
 
 
 _OWN_MODULES: Final = (
+    "homebot.devices.access_messages",
     "homebot.devices.device",
     "homebot.devices.gateway_messages",
     "homebot.devices.command_messages",
@@ -113,6 +116,17 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
         with _refusing():
             found = _interfaces(graph).find_service(ros_type)
     return found
+
+
+def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
+    """Define a type for the clients of *graph*; the answer says why it cannot be."""
+    from homebot.messages.type_hash import type_hash  # noqa: PLC0415 - few clients define types
+
+    try:
+        defined = _interfaces(graph).define(request.type, request.definition)
+    except UsageError as exc:
+        return DefineTypeResponse(success=False, message=str(exc))
+    return DefineTypeResponse(success=True, type_hash=type_hash(defined))
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.action import ActionType
-from homebot.messages.definition import fields_of
+from homebot.messages.definition import definition_body, fields_of
 from homebot.messages.interfaces.interface_classes import Interface, build_interface, messages_in
 from homebot.messages.interfaces.interface_text import (
     KINDS,
@@ -84,8 +84,10 @@ class Interfaces:
 
         Raises:
             OSError: A file or folder cannot be read.
-            UsageError: A file has a name that no interface has, or is not text.
+            UsageError: There is no such folder, or a file has a name that no interface has, or is not text.
         """
+        if not folder.is_dir():
+            raise UsageError(f"there is no folder {folder}")
         texts = {}
         for path in sorted(path for kind in KINDS for path in folder.rglob(f"{kind}/*.{kind}")):
             kind = path.parent.name
@@ -101,6 +103,10 @@ class Interfaces:
     def add_modules(self, package: str, modules: tuple[str, ...]) -> None:
         """Add the interfaces that *modules* export, the classes of *package*; they are loaded when one is named."""
         self._modules[package] = modules
+
+    def with_texts(self, texts: Mapping[str, str]) -> Interfaces:
+        """Return these interfaces of the owner with *texts*, which replace those of the same keys."""
+        return Interfaces(self._texts | dict(texts), self._distribution)
 
     def find_message(self, ros_type: str) -> type[Message]:
         """Return the message called *ros_type*, ``package/msg/Name`` or ``package/Name``.
@@ -131,6 +137,18 @@ class Interfaces:
         for own in self._modules.keys() - set(_CLASSES):
             known |= self._classes_of(own).keys()
         return tuple(sorted(key for key in known if not package or key.startswith(f"{package}/")))
+
+    def text(self, ros_type: str, kind: str) -> str:
+        """Return the text of the file of *ros_type*; without constants if it is a class of homebot's.
+
+        Raises:
+            UnknownTypeError: There is none of that name.
+        """
+        interface = self._find(ros_type, kind)
+        key = interface.ros_type
+        if key in self._classes_of(key.partition("/")[0]):
+            return "---\n".join(definition_body(message) for message in messages_in(interface))
+        return self._text(key)
 
     def define(self, ros_type: str, definition: str) -> Interface:
         """Define *ros_type* (``package/kind/Name``) by the text of its file, with nested messages after it.
