@@ -57,14 +57,14 @@ class RobotFrames:
         stated = header.stamp.to_seconds()
         if stated > stamp + MOST_AHEAD:
             raise TransformException(f"the transform of {child[:100]!r} is {stated - stamp:.0f} s ahead of our clock")
-        at = header.stamp if stated else Time.from_seconds(stamp)
-        known = transform.model_copy(
-            update={"header": header.model_copy(update={"frame_id": parent, "stamp": at}), "child_frame_id": child}
-        )
+        if not stated or (parent, child) != (header.frame_id, transform.child_frame_id):
+            at = header.stamp if stated else Time.from_seconds(stamp)
+            header = header.model_copy(update={"frame_id": parent, "stamp": at})
+            transform = transform.model_copy(update={"header": header, "child_frame_id": child})
         if is_static:
-            self._buffer.set_transform_static(known, owner)
+            self._buffer.set_transform_static(transform, owner)
             self._received.pop(child, None)
-        elif self._buffer.set_transform(known, owner):
+        elif self._buffer.set_transform(transform, owner):
             self._received[child] = now
         return owner
 

@@ -9,7 +9,7 @@ topic                 type                                           counts for
 ``amcl_pose``         ``geometry_msgs/PoseWithCovarianceStamped``    10 s since the robot's last sign of life, until
                                                                      its odometry moved 0.25 m
 ``pose``              ``geometry_msgs/PoseStamped``                  5 s (``limit``); without a name: ``/robot/pose``
-``odom``              ``nav_msgs/Odometry``                          a sign of life
+``odom``              ``nav_msgs/Odometry``                          read with ``amcl_pose`` alone
 ``initialpose``       ``geometry_msgs/PoseWithCovarianceStamped``    makes it unsure, as a pose that jumps does
 ``room``              ``homebot/RobotRoom``                          10 min; without a name: ``/robot/room``
 ====================  =============================================  =================================================
@@ -65,7 +65,7 @@ class PoseTopics:
         self._frames, self._owners = tracker.frames, tracker.owners
         self._node = node
         self._clock = node.graph.clock
-        self._odometry: dict[str, tuple[float, float]] = {}
+        self._odometry: dict[str, tuple[float, float] | None] = {}
         self._log = LogLimit(self._clock)
 
     def open(self) -> None:
@@ -83,10 +83,10 @@ class PoseTopics:
         if namespace:
             self._read(TFMessage, f"{namespace}/tf", partial(self._on_tf, robot, is_static=False))
             self._read(TFMessage, f"{namespace}/tf_static", partial(self._on_tf, robot, is_static=True))
-        amcl = f"{namespace}/amcl_pose"
-        self._read(PoseWithCovarianceStamped, amcl, partial(self._on_amcl, robot, frames_of, amcl))
+        self._read(
+            PoseWithCovarianceStamped, f"{namespace}/amcl_pose", partial(self._on_amcl, robot, frames_of, namespace)
+        )
         self._read(PoseWithCovarianceStamped, f"{namespace}/initialpose", partial(self._on_initial_pose, robot))
-        self._read(Odometry, f"{namespace}/odom", partial(self._on_odometry, robot, amcl))
         if namespace or robot != DEFAULT_ROBOT:
             own = namespace or f"/{DEFAULT_ROBOT}"
             self._read(PoseStamped, f"{own}/pose", partial(self._on_pose, robot, frames_of, f"{own}/pose"))
@@ -124,8 +124,11 @@ class PoseTopics:
             except TransformException as exc:
                 self._refuse(topic, str(exc))
 
-    def _on_amcl(self, robot: str, frames_of: str, topic: str, message: PoseWithCovarianceStamped) -> None:
-        self._odometry.pop(robot, None)
+    def _on_amcl(self, robot: str, frames_of: str, namespace: str, message: PoseWithCovarianceStamped) -> None:
+        topic, odometry = f"{namespace}/amcl_pose", f"{namespace}/odom"
+        if odometry not in self._odometry:  # it comes often, and is of no use without these poses
+            self._read(Odometry, odometry, partial(self._on_odometry, robot, namespace))
+        self._odometry[odometry] = None
         x, y = (max(0.0, message.pose.covariance[index]) for index in (0, 7))
         sigma = math.sqrt(max(x, y))
         evidence = PoseEvidence(topic, 0.0, AMCL_LIMIT, max(_LEAST_ERROR, math.sqrt(x + y)), by_life=True, sigma=sigma)
@@ -134,12 +137,13 @@ class PoseTopics:
     def _on_initial_pose(self, robot: str, _message: PoseWithCovarianceStamped) -> None:
         self._tracker.make_unsure(robot, "it was told a new initial pose")
 
-    def _on_odometry(self, robot: str, amcl: str, message: Odometry) -> None:
+    def _on_odometry(self, robot: str, namespace: str, message: Odometry) -> None:
         self._tracker.add_life(robot)
-        point = message.pose.pose.position
-        begin = self._odometry.setdefault(robot, (point.x, point.y))
-        if not math.dist(begin, (point.x, point.y)) <= ODOMETRY_MOVED:  # also if one is NaN
-            self._tracker.drop(robot, amcl)
+        point, begin = message.pose.pose.position, self._odometry[f"{namespace}/odom"]
+        if begin is None:
+            self._odometry[f"{namespace}/odom"] = point.x, point.y
+        elif not math.dist(begin, (point.x, point.y)) <= ODOMETRY_MOVED:  # also if one is NaN
+            self._tracker.drop(robot, f"{namespace}/amcl_pose")
 
     def _on_pose(self, robot: str, frames_of: str, topic: str, message: PoseStamped) -> None:
         evidence = PoseEvidence(topic, 0.0, self._tracker.settings[robot].limit, _POSE_ERROR)

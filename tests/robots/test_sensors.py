@@ -1,0 +1,32 @@
+"""Rooms of robots by motion sensors, in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import OpenHome
+
+from homebot.devices.names import WHERE_IS_ROBOT
+from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
+from homebot.devices.robot_owners import RobotOwners
+from homebot.graph import Node
+from homebot.robots import RobotSettings, RobotTracker
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute(open_home: OpenHome) -> None:
+    async with open_home() as home, Node(home.graph, "robots") as node:
+        home.put("low motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="kitchen")
+        table = RobotSettings(motion_sensors=("Low Motion",))
+        home.tasks.start_soon(RobotTracker(node, RobotOwners({"rosie": ()}), {"rosie": table}).serve)
+        where = home.app.create_client(WhereIsRobot, WHERE_IS_ROBOT)
+        await anyio.sleep(1)
+        await home.report("motion", "occupancy", True)
+        await home.report("low motion", "occupancy", True)
+        await anyio.sleep(1)
+        answer = await where.call(WhereIsRobotRequest())
+        assert [(pose.room, pose.has_position, pose.limit) for pose in answer.pose] == [("hall", False, 60.0)]
+        await anyio.sleep(60)
+        assert not (await where.call(WhereIsRobotRequest())).success
