@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
-from homebot.messages.numeric_array import RosArray
+from homebot.messages.numeric_array import LAYOUTS, NumericArray, RosArray
 
 __all__ = ["FieldDefinition", "definition_body", "definition_text", "fields_of", "nested_types", "zero_message"]
 
@@ -106,6 +106,8 @@ def definition_text(message_type: type[Message]) -> str:
 def _zero(field: FieldDefinition) -> object:
     if field.is_bytes:
         return bytes(field.size or 0)
+    if field.is_numeric:
+        return NumericArray(LAYOUTS[field.ros_type], (0,) * (field.size or 0))
     zero: object = 0
     if field.message is not None:
         zero = zero_message(field.message)
