@@ -21,6 +21,7 @@ from homebot.devices.handles import Closure
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.lease_messages import EndLeases, GetLeases, HeldPart
 from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_DEVICE, PERFORM_COMMANDS
+from homebot.devices.outcomes import Refused
 from homebot.errors import GoalAbortedError
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, GoalState
@@ -146,6 +147,19 @@ async def test_a_hold_ends_after_its_seconds_which_it_counts_from_the_first_succ
         assert anyio.current_time() - began == pytest.approx(8.0, abs=0.2)
         assert left == [3, 3, 2, 1]
         assert await leases(home) == ()
+
+
+async def test_a_hold_lasts_while_its_first_command_takes_long(open_home: OpenHome) -> None:
+    """Its lease is short, so that others read when they may hope for the part."""
+    async with open_home(always_ask=False, rate_limit=False, timeout=60) as home:
+        await put_door(home)
+        home.behaviours["door"] = obey_after(40.0)
+        goal = await hold_client(home.app).send_goal(hold_goal())
+        await anyio.sleep(50.0)
+        refused = await (await home.handle(Closure)).close()
+        assert isinstance(refused, Refused)
+        assert refused.reason in {f"held open by robot for {seconds} s more" for seconds in range(6, 11)}
+        assert goal.status is GoalState.EXECUTING
 
 
 async def test_a_hand_outranks_a_hold_and_an_owner_ends_it(open_home: OpenHome) -> None:

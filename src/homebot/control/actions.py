@@ -22,7 +22,7 @@ from homebot.devices.action_messages import (
 )
 from homebot.devices.command_messages import CommandedPart
 from homebot.devices.command_results import outcome_of
-from homebot.devices.lease_messages import LONGEST_TTL, HolderRequest, HoldRequest, LeaseResponse
+from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
 from homebot.devices.names import HOLD_DEVICE, PERFORM_COMMANDS
 from homebot.devices.outcomes import Contradicted
 from homebot.graph import Node
@@ -32,6 +32,9 @@ __all__ = ["ControlActions"]
 
 _FEEDBACK: Final = 1.0
 """Seconds between two feedback messages of a hold."""
+
+_TTL: Final = 10.0
+"""Seconds after which a lease ends that is not renewed."""
 
 CommandGoal: TypeAlias = ServerGoal[CommandDevicesGoal, CommandDevicesResult, CommandDevicesFeedback]
 HoldGoal: TypeAlias = ServerGoal[HoldDeviceGoal, HoldDeviceResult, HoldDeviceFeedback]
@@ -82,19 +85,22 @@ class ControlActions:
         holder = HolderRequest(lease=lease, by=request.by, issuer=issuer)
         answer = None
         try:
-            answer = await leases.hold(
-                HoldRequest(
-                    device=request.device,
-                    part=request.part,
-                    setting=request.setting,
-                    lease=lease,
-                    by=request.by,
-                    ttl=LONGEST_TTL,
-                    issuer=issuer,
-                    scope=request.scope,
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(_renew, leases, holder)
+                answer = await leases.hold(
+                    HoldRequest(
+                        device=request.device,
+                        part=request.part,
+                        setting=request.setting,
+                        lease=lease,
+                        by=request.by,
+                        ttl=_TTL,
+                        issuer=issuer,
+                        scope=request.scope,
+                    )
                 )
-            )
-            answer = await self._follow(goal, leases, holder, answer)
+                answer = await self._follow(goal, leases, holder, answer)
+                tasks.cancel_scope.cancel()
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
                 goal.canceled(HoldDeviceResult(success=answer is not None, message="released"))
@@ -107,7 +113,7 @@ class ControlActions:
     async def _follow(
         self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseResponse
     ) -> LeaseResponse:
-        """Renew a lease and publish its state until its time is over or it was ended; return its last state."""
+        """Publish the state of a lease until its time is over or it was ended; return its last state."""
         seconds, clock = goal.request.seconds, self._node.graph.clock
         until: float | None = None
         while answer.held:
@@ -121,6 +127,13 @@ class ControlActions:
             await anyio.sleep(min(left, _FEEDBACK) if seconds else _FEEDBACK)
             answer = leases.renew(holder)
         return answer
+
+
+async def _renew(leases: LeaseService, holder: HolderRequest) -> None:
+    """Renew a lease until cancelled, also while its first command is on its way."""
+    while True:
+        await anyio.sleep(_TTL / 3)
+        leases.renew(holder)
 
 
 def _publish_phase(goal: HoldGoal, phase: Phase, seconds_left: float, message: str = "") -> None:
