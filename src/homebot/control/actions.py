@@ -83,37 +83,41 @@ class ControlActions:
         issuer, lease = request.issuer or UNNAMED_CLIENT, goal.goal_id.uuid.hex()
         _publish_phase(goal, "commanding", request.seconds)
         holder = HolderRequest(lease=lease, by=request.by, issuer=issuer)
-        answer = None
+        wanted = HoldRequest(
+            device=request.device,
+            part=request.part,
+            setting=request.setting,
+            lease=lease,
+            by=request.by,
+            ttl=_TTL,
+            issuer=issuer,
+            scope=request.scope,
+        )
         try:
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(_renew, leases, holder)
-                answer = await leases.hold(
-                    HoldRequest(
-                        device=request.device,
-                        part=request.part,
-                        setting=request.setting,
-                        lease=lease,
-                        by=request.by,
-                        ttl=_TTL,
-                        issuer=issuer,
-                        scope=request.scope,
-                    )
-                )
-                answer = await self._follow(goal, leases, holder, answer)
-                tasks.cancel_scope.cancel()
+            answer = await self._keep(goal, leases, wanted, holder)
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
-                goal.canceled(HoldDeviceResult(success=answer is not None, message="released"))
+                is_held = _phase(leases.renew(holder)) == "held"
+                goal.canceled(HoldDeviceResult(success=is_held, message="released"))
             raise
         finally:
             leases.release(holder)
         (goal.succeed if answer.held else goal.abort)()
         return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.result.text)
 
+    async def _keep(
+        self, goal: HoldGoal, leases: LeaseService, wanted: HoldRequest, holder: HolderRequest
+    ) -> LeaseResponse:
+        """Hold a value and publish its state until its time is over or the lease ends; return its last state."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(_renew, leases, holder)
+            answer = await self._follow(goal, leases, holder, await leases.hold(wanted))
+            tasks.cancel_scope.cancel()
+        return answer
+
     async def _follow(
         self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseResponse
     ) -> LeaseResponse:
-        """Publish the state of a lease until its time is over or it was ended; return its last state."""
         seconds, clock = goal.request.seconds, self._node.graph.clock
         until: float | None = None
         while answer.held:
