@@ -168,3 +168,15 @@ async def test_roslib_cancels_all_goals_with_an_empty_call(open_house: OpenHouse
             await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
         await peer.send("call_service", service="fib/_action/cancel_goal", args={})
         await the_end(fib)
+
+
+async def test_what_a_goal_and_its_end_lack_is_zero_or_empty(open_house: OpenHouse) -> None:
+    async with open_house() as house, house.peer() as robot, house.peer() as user:
+        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+        await robot.settle()
+        await user.send("send_action_goal", id="g", args={}, **GOAL)
+        asked = await robot.receive()
+        assert asked["args"] == {"order": 0}
+        await robot.send("action_result", id=asked["id"], action="/fib", values={}, status=4, result=True)
+        ended = await user.receive()
+        assert (ended["status"], ended["values"]) == (4, {"sequence": []})

@@ -39,8 +39,10 @@ from homebot.devices.names import (
     GET_LEASES,
     GET_PLACES,
     GET_UNAPPROVED,
+    HOLD_DEVICE,
     HOLD_PART,
     PERFORM_COMMAND,
+    PERFORM_COMMANDS,
     QUERY_DEVICES,
     READ_JOURNAL,
     RELEASE_LEASE,
@@ -96,7 +98,17 @@ _READING: Final = frozenset(
     }
 )
 _ACTING: Final = frozenset(
-    {COMMAND_DEVICES, DEFINE_TYPE, HOLD_PART, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE, SEND_TEXT}
+    {
+        COMMAND_DEVICES,
+        DEFINE_TYPE,
+        HOLD_DEVICE,
+        HOLD_PART,
+        PERFORM_COMMAND,
+        PERFORM_COMMANDS,
+        RELEASE_LEASE,
+        RENEW_LEASE,
+        SEND_TEXT,
+    }
 )
 _SEVERAL: Final = "?"
 _LONGEST_ORIGIN: Final = 100
@@ -246,12 +258,14 @@ def right_to_publish(name: str) -> Right:
 
 @lru_cache(maxsize=1024)
 def right_to_call(name: str) -> Right:
-    """Return the right that it takes to call the service with the full *name*."""
+    """Return the right that it takes to call the service, or to send a goal to the action, with the full *name*."""
     *path, last = name.split("/")[1:]
     if last == "health":
         return Right.READ
     if name in _ACTING or not _is_own(name):
         return Right.ACT
+    if path[-1:] == ["_action"] and last == "send_goal":
+        return Right.RAW  # the goal inside would keep the issuer that the client gave it
     if path and path[0] == "gateway":
         if last == "send_command":
             return Right.RAW

@@ -16,7 +16,7 @@ from homebot.bridges.rosbridge.protocol import (
     action_goal,
 )
 from homebot.bridges.rosbridge.provided_services import Provider
-from homebot.bridges.rosbridge.types import action_type_of, message_from_client
+from homebot.bridges.rosbridge.types import action_type_of, partial_message_from_client
 from homebot.errors import PeerError
 from homebot.graph import Node
 from homebot.graph.actions import ActionServer, GoalState, ServerGoal
@@ -122,7 +122,7 @@ class ProvidedActions:
         """
         running = self._find(op)
         if running is not None:
-            running.goal.publish_feedback(message_from_client(running.action_type.Feedback, op.values))
+            running.goal.publish_feedback(partial_message_from_client(running.action_type.Feedback, op.values)[0])
 
     def end(self, op: ActionResult) -> None:
         """End a goal; a second result is ignored, which roslib sends after it has advertised twice.
@@ -138,7 +138,7 @@ class ProvidedActions:
         result: Message | None = None
         try:
             if isinstance(op.values, dict):
-                result = message_from_client(running.action_type.Result, op.values)
+                result, _ = partial_message_from_client(running.action_type.Result, op.values)
                 status = op.status
         finally:
             running.end.set_result((status, result))

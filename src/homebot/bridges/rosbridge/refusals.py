@@ -29,6 +29,12 @@ _DEEDS: Final = {
     "service_response": "answering a call of",
     "advertise_service": "offering",
     "unadvertise_service": "withdrawing",
+    "send_action_goal": "sending a goal to",
+    "cancel_action_goal": "cancelling a goal of",
+    "action_feedback": "giving feedback of",
+    "action_result": "ending a goal of",
+    "advertise_action": "offering",
+    "unadvertise_action": "withdrawing",
 }
 
 

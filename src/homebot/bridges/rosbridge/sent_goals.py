@@ -9,7 +9,7 @@ from typing import Any
 import anyio.lowlevel
 from anyio.abc import TaskGroup
 
-from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     CancelActionGoal,
@@ -20,7 +20,8 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.services import parse_queries
 from homebot.bridges.rosbridge.shared_state import DoorCounters
-from homebot.bridges.rosbridge.types import message_from_client, same_type
+from homebot.bridges.rosbridge.types import message_from_client, partial_message_from_client, same_type
+from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, PeerError, TypeMismatchError
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ClientGoal, GoalState
@@ -95,7 +96,7 @@ class SentGoals:
             raise PeerError(f"action {name} has no server now; /rosapi/action_servers lists all")
         if op.action_type and not same_type(action_type.ros_type, op.action_type):
             raise TypeMismatchError(f"action {name} is a {action_type.ros_type}, not a {op.action_type}")
-        request = self._goal_message(action_type.Goal, op.args)
+        request = self._goal_message(name, action_type.Goal, op.args)
         client = self._clients.get(name)
         if client is None:
             client = self._clients[name] = ActionClient(self._node, action_type, name)
@@ -123,11 +124,15 @@ class SentGoals:
         self._clients.popitem()[1].close()
         return True
 
-    def _goal_message(self, goal_type: type[Message], args: Mapping[str, object]) -> Message:
+    def _goal_message(self, action: str, goal_type: type[Message], args: Mapping[str, object]) -> Message:
+        """Return the goal; what it lacks is zero or empty, but on homebot's own actions refused."""
         values, problem = parse_queries(goal_type, args)
         if problem is not None:
             raise problem
-        return message_from_client(goal_type, self._access.stamped(goal_type, values))
+        values = self._access.stamped(goal_type, values)
+        if right_to_publish(action) is Right.RAW:
+            return message_from_client(goal_type, values)
+        return partial_message_from_client(goal_type, values)[0]
 
     async def _run(self, client: ActionClient[Any, Any, Any], sent: _Sent, request: Message) -> None:
         """Wait for the end of a goal and answer it."""
