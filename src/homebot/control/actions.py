@@ -94,7 +94,7 @@ class ControlActions:
             scope=request.scope,
         )
         try:
-            answer = await self._keep(goal, leases, wanted, holder)
+            answer = await self._hold_until_over(goal, leases, wanted, holder)
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
                 is_held = _phase(leases.renew(holder)) == "held"
@@ -105,7 +105,7 @@ class ControlActions:
         (goal.succeed if answer.held else goal.abort)()
         return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.result.text)
 
-    async def _keep(
+    async def _hold_until_over(
         self, goal: HoldGoal, leases: LeaseService, wanted: HoldRequest, holder: HolderRequest
     ) -> LeaseResponse:
         """Hold a value and publish its state until its time is over or the lease ends; return its last state."""

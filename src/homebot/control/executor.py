@@ -225,15 +225,19 @@ class CommandExecutor:
                 outcome = Gone(command_id=command.id)
             return self._decided(opened, outcome)
         except asyncio.CancelledError:
-            progress = opened.progress
-            waited = self._clock.monotonic() - progress.first_sent_at
-            reason = "" if progress.sendings else "it was cancelled"
-            result = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
-            self._journal.decided(command.id, command.issuer, command.place, result)
+            self._on_cancelled(opened)
             raise
         finally:
             self.witnesses.end(witnesses)
             del self._open[command.id]
+
+    def _on_cancelled(self, opened: OpenCommand) -> None:
+        """Record the outcome of a command that is cancelled by its issuer: it is not sent again."""
+        command, progress = opened.command, opened.progress
+        waited = self._clock.monotonic() - progress.first_sent_at
+        reason = "" if progress.sendings else "it was cancelled"
+        result = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
+        self._journal.decided(command.id, command.issuer, command.place, result)
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the present values of the part are certain."""

@@ -43,6 +43,7 @@ FeedbackT = TypeVar("FeedbackT", bound=Message)
 MAX_ACTIVE: Final = 256
 MAX_ENDED: Final = 256
 _NO_ID: Final = bytes(16)
+_NO_TIME: Final = (0, 0)
 
 NO_TERMINAL_STATE: Final = "graph.goal_without_end"
 
@@ -166,25 +167,30 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     def _cancel(self, request: CancelGoalRequest) -> CancelGoalResponse:
         goal_id, stamp = request.goal_info.goal_id.uuid, request.goal_info.stamp
-        named = self._goals.get(goal_id)
-        at = (stamp.sec, stamp.nanosec)
-        if goal_id != _NO_ID and at == (0, 0):
+        named, at = self._goals.get(goal_id), (stamp.sec, stamp.nanosec)
+        if goal_id != _NO_ID and at == _NO_TIME:
             if named is None:
                 return _cancel_response(CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID)
             if not named.state.can_become(GoalState.CANCELING):
                 return _cancel_response(CancelGoalResponse.ERROR_GOAL_TERMINATED)
             selected = [named]
         else:
-            selected = [
-                goal
-                for goal in self._goals.values()
-                if goal.state.can_become(GoalState.CANCELING)
-                and (at == (0, 0) or (goal.info.stamp.sec, goal.info.stamp.nanosec) <= at or goal is named)
-            ]
+            selected = self._cancellable(named, at)
         canceling = [goal.info for goal in selected if self._cancel_goal(goal)]
         is_rejected = selected and not canceling
         code = CancelGoalResponse.ERROR_REJECTED if is_rejected else CancelGoalResponse.ERROR_NONE
         return _cancel_response(code, *canceling)
+
+    def _cancellable(
+        self, named: ServerGoal[GoalT, ResultT, FeedbackT] | None, at: tuple[int, int]
+    ) -> list[ServerGoal[GoalT, ResultT, FeedbackT]]:
+        """Return *named* and the goals accepted until *at*, or all goals, as far as they can be cancelled."""
+        return [
+            goal
+            for goal in self._goals.values()
+            if goal.state.can_become(GoalState.CANCELING)
+            and (at == _NO_TIME or (goal.info.stamp.sec, goal.info.stamp.nanosec) <= at or goal is named)
+        ]
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""
@@ -233,7 +239,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
             if goal.is_active:  # the node ends
                 goal.revoke()
             goal.finish(result)
-            self._keep(goal)
+            self._retain(goal)
 
     async def _run_isolated(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> ResultT | None:
         """Return the result of the execution; a failure aborts the goal."""
@@ -257,7 +263,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
                 goal.abort(zero_message(self._type.Result))
             return None
 
-    def _keep(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
+    def _retain(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
         """Keep the result of an ended *goal* for a while."""
         if self._closed:
             return
