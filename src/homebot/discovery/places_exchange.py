@@ -12,6 +12,7 @@ from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
 from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, position_of, read_places
+from homebot.places.geojson import geojson_table
 from homebot.support.folding import fold
 from homebot.support.toml_file import parse_toml
 
@@ -186,7 +187,7 @@ def parse_places(text: str, home: str, now: float) -> Places:
     """Return the content of a places file.
 
     Args:
-        text: Its text.
+        text: Its text: TOML, or GeoJSON.
         home: The name of the home.
         now: Seconds since the Unix epoch.
 
@@ -201,6 +202,8 @@ def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
 
 
 def _places_table(text: str) -> Mapping[str, object]:
+    if text.lstrip().startswith("{"):
+        return geojson_table(text, SOURCE)
     tables = parse_toml(text, SOURCE)
     for name in tables:
         if name != "places":
