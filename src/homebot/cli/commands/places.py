@@ -59,7 +59,18 @@ _IMPORT = """\
   homebot places import house.toml
   homebot places import house.toml --replace
 
-An import adds; what was stated here stays. With a mistake in the file nothing is imported.
+  homebot places import house.geojson
+
+An import adds; what was stated here stays. With a mistake in the file nothing is imported. In GeoJSON polygons with a
+`name` are rooms, lines doors, and points with a `device` positions. A map of map_server (YAML) has no rooms: it is
+compared with those that are stated, as by `homebot places check`.
+"""
+_CHECK = """\
+  homebot places check
+  homebot places check map.yaml
+
+Names the rooms of which more than a quarter is not free in the map: their polygons are misplaced, or the map is another
+one. The exit status is 1 if there are any.
 """
 
 
@@ -89,6 +100,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     imported.add_argument("file", metavar="FILE", help="the file; - for standard input")
     imported.add_argument(
         "--replace", action="store_true", help="where a device is in another room in the file, take that of the file"
+    )
+    checked = add_verb(verbs, "check", "compare the areas of rooms with a robot's map")
+    set_client_command(checked, _check, _CHECK)
+    checked.add_argument(
+        "file", nargs="?", default="", metavar="FILE", help="the map's YAML file; without one the topic /map"
     )
 
 
@@ -209,8 +225,33 @@ def _export(options: argparse.Namespace) -> int:
     return with_client(options, run)
 
 
+def _check(options: argparse.Namespace) -> int:
+    """Compare the areas of rooms with a map."""
+    from homebot.cli.map_check import map_on_graph, misfits, read_map  # noqa: PLC0415 - for maps alone
+
+    def run(door: DoorClient) -> int:
+        grid, warning = read_map(options.file) if options.file else (map_on_graph(door), "")
+        print(f"the map has {grid.width} x {grid.height} cells of {grid.resolution:g} m")
+        if warning:
+            print(f"warning: {printable(warning)}")
+        places = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {})))
+        found = [*misfits(grid, places.rooms)]
+        for room, share in found:
+            print(f"{share:.0%} of {printable(room)} is not free in the map")
+        known = sum(bool(room.areas) for room in places.rooms)
+        if not found:
+            print(
+                f"the areas of {known} rooms fit the map" if known else "no room has an area; state a polygon of each"
+            )
+        return 1 if found else 0
+
+    return with_client(options, run)
+
+
 def _import(options: argparse.Namespace) -> int:
     """Read a places file, and have it taken over."""
+    if Path(options.file).suffix in {".yaml", ".yml"}:
+        return _check(options)
     text = _read(options.file)
 
     def run(door: DoorClient) -> int:

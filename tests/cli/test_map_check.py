@@ -1,0 +1,102 @@
+"""``homebot places check`` and ``import`` with a map: of a file, and of the topic ``/map``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.cli.test_places import NOW, index_node
+
+from homebot.cli import main
+from homebot.clock import Clock, ManualClock
+from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.geometry_msgs import Point, Pose, Quaternion
+from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid
+from homebot.messages.std_msgs.header import Header
+from homebot.places import read_places
+
+ROOMS = {
+    "Hall": {"polygon": [[0, 0], [4, 0], [4, 5], [0, 5]]},
+    "Kitchen": {"polygon": [[4, 0], [8, 0], [8, 5], [4, 5]]},
+}
+YAML = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n"
+ROW = bytes([254] * 60 + [205] * 20)
+"""The upper half of the map: the hall is free, and of the kitchen a half is unknown."""
+
+Run = Callable[..., tuple[int, str]]
+
+
+def node(graph: Graph, message: OccupancyGrid | None) -> Node:
+    index = DeviceIndex(
+        forget_after=1000.0, owner=OwnerFacts("home425", read_places({"rooms": ROOMS}, "home425", "x", "x"), NOW)
+    )
+    made = index_node(index, graph)
+    if message is not None:
+        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        made.create_publisher(OccupancyGrid, "/map", kept).publish(message)
+    return made
+
+
+@pytest.fixture
+def run(
+    homebot_with: Callable[[Callable[[Graph], Node], Clock], Any],
+    capsys: pytest.CaptureFixture[str],
+    request: pytest.FixtureRequest,
+) -> Run:
+    homebot = homebot_with(partial(node, message=getattr(request, "param", None)), ManualClock(NOW))
+
+    def command(*arguments: str) -> tuple[int, str]:
+        code = main(["--door", homebot.door, *arguments])
+        out, err = capsys.readouterr()
+        return code, out + err
+
+    return command
+
+
+@pytest.mark.parametrize("verb", ["check", "import"])
+def test_a_room_that_a_map_does_not_have_is_named(run: Run, tmp_path: Path, verb: str) -> None:
+    (tmp_path / "map.pgm").write_bytes(b"P5 80 50 255\n" + ROW * 50)
+    (tmp_path / "map.yaml").write_text(YAML.replace("0.25", "0.196"))
+
+    assert run("places", verb, str(tmp_path / "map.yaml")) == (
+        1,
+        "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
+    )
+    (tmp_path / "map.yaml").write_text(YAML)
+    code, printed = run("places", verb, str(tmp_path / "map.yaml"))
+    assert code == 0
+    assert "warning: free_thresh 0.25 makes the grey 205" in printed
+    assert printed.endswith("the areas of 2 rooms fit the map\n")
+
+
+def test_a_map_without_its_image_is_refused(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text(YAML)
+    code, printed = run("places", "check", str(tmp_path / "map.yaml"))
+    assert code == 1
+    assert "map.pgm cannot be read: No such file" in printed
+
+
+FLOOR = OccupancyGrid(
+    header=Header(stamp=Time(sec=0, nanosec=0), frame_id="map"),
+    info=MapMetaData(
+        map_load_time=Time(sec=0, nanosec=0),
+        resolution=0.1,
+        width=80,
+        height=50,
+        origin=Pose(position=Point(x=0.0, y=0.0, z=0.0), orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)),
+    ),
+    data=((0,) * 60 + (-1,) * 20) * 50,
+)
+
+
+@pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
+def test_the_map_of_a_robot_is_compared(run: Run) -> None:
+    assert run("places", "check") == (
+        1,
+        "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
+    )
