@@ -30,6 +30,8 @@ def test_types_are_listed_shown_and_found(workspace: Path, capsys: pytest.Captur
         "# std_msgs/msg/Header\n# RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01\n"
         "builtin_interfaces/Time stamp\nstring frame_id\n"
     )
+    assert main(["interface", "show", "homebot/srv/WhereIsRobot"]) == 0
+    assert "---\nbool success\nstring message\nhomebot/RobotPose[] pose\n" in capsys.readouterr().out
     assert main(["interface", "find", "requester_id"]) == 0
     assert capsys.readouterr().out == "rmf_door_msgs/msg/DoorRequest\nrmf_door_msgs/msg/Session\n"
     assert main(["interface", "find", "gotgot"]) == 1

@@ -56,7 +56,7 @@ def type_hash(interface: type[Message] | ServiceType[Any, Any] | ActionType[Any,
     elif isinstance(interface, ActionType):
         _add_action(types, interface)
     else:
-        _add_message(types, interface)
+        _add_message(types, interface, interface.ros_type)
     name = interface.ros_type
     description = {
         "type_description": _individual(name, types.pop(name)),
@@ -69,37 +69,35 @@ def _individual(name: str, fields: list[_Field]) -> dict[str, object]:
     return {"type_name": name, "fields": fields}
 
 
-def _add_message(types: dict[str, list[_Field]], message: type[Message]) -> None:
-    for one in (message, *nested_types(message)):
-        types[one.ros_type] = _described(fields_of(one))
+def _add_message(types: dict[str, list[_Field]], message: type[Message], name: str) -> None:
+    """Add *message* under its *name* in ROS, and the messages inside."""
+    types[name] = _described(fields_of(message))
+    for nested in nested_types(message):
+        types[nested.ros_type] = _described(fields_of(nested))
 
 
 def _add_service(types: dict[str, list[_Field]], service: ServiceType[Any, Any]) -> None:
-    _add_message(types, service.Request)
-    _add_message(types, service.Response)
+    sides = {"request": service.Request, "response": service.Response}
+    names = {side: f"{service.ros_type}_{side.capitalize()}" for side in sides}
+    for side, message in sides.items():
+        _add_message(types, message, names[side])
     types["builtin_interfaces/msg/Time"] = _described(_TIME_FIELDS)
     types[_EVENT_INFO] = _described(_EVENT_FIELDS)
     event = f"{service.ros_type}_Event"
-    sides = (("request", f"{service.ros_type}_Request"), ("response", f"{service.ros_type}_Response"))
-    types[event] = _described(
-        (
-            FieldDefinition("info", _EVENT_INFO),
-            *(FieldDefinition(side, name, is_array=True, bound=1) for side, name in sides),
-        )
-    )
-    members = (*((f"{side}_message", name) for side, name in sides), ("event_message", event))
-    types[service.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members)
+    kept = (FieldDefinition(side, name, is_array=True, bound=1) for side, name in names.items())
+    types[event] = _described((FieldDefinition("info", _EVENT_INFO), *kept))
+    members = {f"{side}_message": name for side, name in names.items()} | {"event_message": event}
+    types[service.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members.items())
 
 
 def _add_action(types: dict[str, list[_Field]], action: ActionType[Any, Any, Any]) -> None:
-    for message in (action.Goal, action.Result, action.Feedback, action.FeedbackMessage):
-        _add_message(types, message)
+    parts = {"Goal": action.Goal, "Result": action.Result, "Feedback": action.Feedback}
+    for part, message in parts.items():
+        _add_message(types, message, f"{action.ros_type}_{part}")
     for service in (action.SendGoal, action.GetResult):
         _add_service(types, service)
-    members = {
-        "goal": action.Goal.ros_type,
-        "result": action.Result.ros_type,
-        "feedback": action.Feedback.ros_type,
+    _add_message(types, action.FeedbackMessage, action.FeedbackMessage.ros_type)
+    members = {part.lower(): f"{action.ros_type}_{part}" for part in parts} | {
         "send_goal_service": action.SendGoal.ros_type,
         "get_result_service": action.GetResult.ros_type,
         "feedback_message": action.FeedbackMessage.ros_type,

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from homebot.messages.action import ActionType
 
 __all__ = [
+    "OWN_MODULES",
     "action_type_of",
     "define_type",
     "find_action_type",
@@ -37,7 +38,7 @@ __all__ = [
 ]
 
 
-_OWN_MODULES: Final = (
+OWN_MODULES: Final = (
     "homebot.devices.access_messages",
     "homebot.devices.device",
     "homebot.devices.gateway_messages",
@@ -139,7 +140,7 @@ def _refusing() -> Iterator[None]:
 
 def _interfaces(graph: Graph) -> Interfaces:
     """Return the interfaces of *graph* with homebot's own among them."""
-    graph.interfaces.add_modules("homebot", _OWN_MODULES)
+    graph.interfaces.add_modules("homebot", OWN_MODULES)
     return graph.interfaces
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
+from homebot.bridges.rosbridge.types import OWN_MODULES
 from homebot.cli.arguments import DEFAULT_CONFIG, Command, add_verb, add_verbs, set_command
 from homebot.config import load_config
 from homebot.errors import UnknownTypeError, UsageError
@@ -59,7 +60,9 @@ def _add(parser: argparse.ArgumentParser, command: Command) -> None:
 
 def _interfaces(options: argparse.Namespace) -> Interfaces:
     path = options.config or (DEFAULT_CONFIG if DEFAULT_CONFIG.exists() else None)
-    return make_interfaces(load_config(path).ros if path else {}, str(path), path.parent if path else Path())
+    known = make_interfaces(load_config(path).ros if path else {}, str(path), path.parent if path else Path())
+    known.add_modules("homebot", OWN_MODULES)
+    return known
 
 
 def _list(options: argparse.Namespace) -> int:

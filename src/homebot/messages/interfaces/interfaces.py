@@ -50,7 +50,7 @@ _CLASSES: Final = (
 
 _MOST_DEFINED: Final = 500
 _LONGEST_TEXT: Final = 65_536
-_MOST_FIELDS: Final = 1_000
+_MOST_FIELDS: Final = 300
 _DEEPEST: Final = 20
 _MOST_VALUES: Final = 100_000
 """Values in a message without any array of open length, as a fixed array of fixed arrays is as large as it likes."""
