@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from tests.sizes import size
 
+from homebot.devices.access_messages import DefineType
 from homebot.messages.action import ActionType
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
@@ -97,6 +98,12 @@ def test_every_shipped_message_is_compared_but_those_of_three_packages() -> None
         "tf2_msgs",  # a service and an action
         "vision_msgs",
     }
+
+
+def test_a_service_of_ours_is_described_by_the_names_of_ros() -> None:
+    """The request is a class with a name of its own."""
+    texts = "string type\nstring definition\n---\nbool success\nstring message\nstring type_hash\n"
+    assert type_hash(Interfaces().define("homebot/srv/DefineType", texts)) == type_hash(DefineType)
 
 
 @pytest.mark.slow

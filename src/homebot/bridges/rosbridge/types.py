@@ -40,6 +40,7 @@ __all__ = [
 
 OWN_MODULES: Final = (
     "homebot.devices.access_messages",
+    "homebot.devices.action_messages",
     "homebot.devices.device",
     "homebot.devices.gateway_messages",
     "homebot.devices.command_messages",
