@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from itertools import pairwise
 
 import anyio
 import pytest
@@ -136,6 +137,15 @@ async def test_a_chain_of_transforms_counts_for_two_seconds_and_expires_once() -
         answer = await one.ask("rosie")
         assert (answer.success, answer.message) == (False, "rosie's pose is 12 s old (limit 2 s)")
         assert answer.pose[0].room == "Kitchen"
+
+
+async def test_the_pose_of_a_robot_that_stands_is_renewed_every_five_seconds() -> None:
+    async with house() as one:
+        for _ in range(200):
+            await one.say("/tf", tf("map>odom", "odom>base_link"))
+        told = [pose.received_at.to_seconds() for pose in one.news()]
+        assert len(told) == 6
+        assert all(5 <= after - before < 5.3 for before, after in pairwise(told))
 
 
 async def test_half_a_chain_that_is_still_received_gives_no_place() -> None:

@@ -42,6 +42,9 @@ EXPIRED = "robots.expired"
 _TF_ERROR: Final = 0.2
 """Metres by which a position by frames may be wrong."""
 
+_RENEWED: Final = 5.0
+"""Least seconds, and at least its limit, after which a pose that only was received again is published again."""
+
 _PACE: Final = 0.1
 _MOVED: Final = 0.1
 _TURNED: Final = 0.2
@@ -267,6 +270,8 @@ def _differs(pose: RobotPose, before: RobotPose) -> bool:
     """Return whether *pose* is worth a message after *before*."""
     words = ("room", "is_nearest_room", "floor", "has_position", "source", "limit", "counts", "is_sure")
     if any(getattr(pose, word) != getattr(before, word) for word in words):
+        return True
+    if pose.received_at.to_seconds() - before.received_at.to_seconds() >= max(_RENEWED, pose.limit):
         return True
     moved, turned = math.dist((pose.x, pose.y), (before.x, before.y)), abs(pose.yaw - before.yaw)
     has_new_error = not 0.5 < pose.error / (before.error or 1) < 2
