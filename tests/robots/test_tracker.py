@@ -203,6 +203,15 @@ async def test_the_smaller_error_wins_after_two_seconds() -> None:
         assert [told.source for told in one.news()] == ["/amcl_pose"]
 
 
+async def test_frames_follow_a_driving_robot_closer_than_the_poses_of_amcl() -> None:
+    async with house() as one:
+        await one.say("/amcl_pose", amcl(1, 1))
+        for step in range(30):
+            await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 1 + step / 10, 1))
+        assert [told.source for told in one.news()][-1] == "/tf"
+        assert (await one.ask()).pose[0].x == 3.9
+
+
 async def test_a_robot_that_is_carried_away_is_unsure_until_three_poses_are_consistent() -> None:
     async with house() as one:
         await one.say("/robot/pose", stamped(1, 1))

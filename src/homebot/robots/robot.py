@@ -29,14 +29,14 @@ class TrackedRobot:
     Attributes:
         alive_at: When it last gave a sign of life, on the monotonic clock.
         unsure_because: Why the robot does not know where it is; empty if it does.
-        sigma: The standard deviation of its position that it stated last, in metres.
+        sigma: The standard deviation of its position that it stated last, in metres; None if it stated none.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.alive_at = -math.inf
         self.unsure_because = ""
-        self.sigma = 0.0
+        self.sigma: float | None = None
         self._by_source: dict[str, PoseEvidence] = {}
         self._current: PoseEvidence | None = None
         self._better_since: float | None = None

@@ -40,7 +40,9 @@ UNSURE = "robots.unsure"
 EXPIRED = "robots.expired"
 
 _TF_ERROR: Final = 0.2
-"""Metres by which a position by frames may be wrong."""
+_LEAST_TF_ERROR: Final = 0.04
+"""Metres by which a position by frames may be wrong where no covariance is stated, and at least. They are newer than
+the last pose of AMCL, so they are taken to be a little better."""
 
 _RENEWED: Final = 5.0
 """Least seconds, and at least its limit, after which a pose that only was received again is published again."""
@@ -210,13 +212,9 @@ class RobotTracker:
         last = self._robots[robot].last_of("/tf")
         if last is not None and (last.received_at, last.position) == (received_at, position):
             return
-        sigma = self._robots[robot].sigma
-        self.add(
-            robot,
-            PoseEvidence(
-                "/tf", received_at, TF_LIMIT, max(_TF_ERROR, sigma), position, floor=self.floor_of(robot), sigma=sigma
-            ),
-        )
+        sigma, floor = self._robots[robot].sigma, self.floor_of(robot)
+        error = _TF_ERROR if sigma is None else max(_LEAST_TF_ERROR, sigma)
+        self.add(robot, PoseEvidence("/tf", received_at, TF_LIMIT, error, position, "", floor, sigma=sigma or 0.0))
 
     def _publish_change(self, robot: TrackedRobot, now: float) -> float:
         """Publish where *robot* is if that changed; return when it may change next by itself."""
