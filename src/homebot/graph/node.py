@@ -318,13 +318,13 @@ class Node:
         return expand_name(name, self.name, self.namespace, kind)
 
     def lost_messages(self) -> Iterator[tuple[str, int]]:
-        """Yield topics with lost messages of open subscriptions, and their number.
+        """Yield topics with messages of open subscriptions that were lost or expired unread, and their number.
 
         Messages replaced by newer ones on a topic of depth 1 are outdated, not lost.
         """
         for entity in self._entities.values():
-            if isinstance(entity, Subscription) and entity.lost and entity.wants_all:
-                yield entity.topic_name, entity.lost
+            if isinstance(entity, Subscription) and entity.wants_all and (lost := entity.lost + entity.expired):
+                yield entity.topic_name, lost
 
     @property
     def is_closed(self) -> bool:

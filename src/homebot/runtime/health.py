@@ -79,7 +79,9 @@ class RuntimeHealth:
         if watch is not None and watch.exits:
             yield _failure("event loop", "called exit", watch.exits, now - watch.seconds_since_exit(), watch.exited)
         for node, topic, count in self._losses():
-            yield _failure(node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full")
+            yield _failure(
+                node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full, or they expired in it"
+            )
 
     def _losses(self) -> Iterator[tuple[str, str, int]]:
         """Return the losses of subscriptions that want more than the newest, without those of the door's clients."""

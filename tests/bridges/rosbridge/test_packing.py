@@ -152,6 +152,7 @@ def test_of_too_many_frames_that_do_not_end_the_oldest_is_forgotten() -> None:
     reader = FrameAssembler(1000)
     for number in range(11):
         result_of(reader.read(fragment(0, 2, SET_LEVEL[:20], f"{number}")))
+    assert reader.dropped == 1
     assert result_of(reader.read(fragment(1, 2, SET_LEVEL[20:], "0"))) is None
     assert isinstance(result_of(reader.read(fragment(1, 2, SET_LEVEL[20:], "10"))), SetLevel)
 

@@ -8,10 +8,14 @@ from typing import Any
 import anyio
 import pytest
 from pydantic import SecretStr
+from tests.bridges.conftest import OpenHouse
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
-from homebot.errors import ServiceFailedError, ServiceGoneError, ServiceTimeoutError
+from homebot.devices.access_messages import ClientLeft
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
+from homebot.devices.names import CLIENTS_LEFT, HOLD_PART
+from homebot.errors import RefusedError, ServiceFailedError, ServiceGoneError, ServiceTimeoutError
 from homebot.messages import SetBool, Trigger
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse, SuccessResponse, TriggerRequest
 
@@ -269,3 +273,41 @@ async def test_the_service_of_another_client_is_not_taken_over(open_house: Any) 
         await one.settle()
         await two.send("advertise_service", service="/mine", type="std_srvs/Trigger")
         assert "already served by /rosbridge_websocket" in (await two.receive())["msg"]
+
+
+async def test_a_value_is_written_as_it_is_in_json(open_house: OpenHouse) -> None:
+    async with open_house() as house, house.node("control") as control, house.peer() as peer:
+        held: list[object] = []
+
+        def hold(request: HoldRequest) -> LeaseResponse:
+            held.append(request.setting.value.plain())
+            raise RefusedError("the hold", "this is a test")
+
+        control.create_service(HoldPart, HOLD_PART, hold)
+        fields = {"device": "lamp", "lease": "l", "by": "robot", "ttl": 9, "issuer": ""}
+        plain: list[object] = [True, 40, "warm", [30.0, 0.5], None, {"type": 2, "number": 0.5}]
+        for value in plain:
+            await peer.call(HOLD_PART, setting={"capability": "x", "value": value}, **fields)
+        assert held == [True, 40.0, "warm", (30.0, 0.5), None, 0.5]
+
+
+async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(open_house: OpenHouse) -> None:
+    """Then control ends the lease, as it is told that the client left."""
+    async with open_house() as house, house.node("control") as control, house.peer() as peer:
+        left = control.create_subscription(ClientLeft, CLIENTS_LEFT)
+
+        async def hold(_request: HoldRequest) -> LeaseResponse:
+            await anyio.sleep_forever()
+            raise AssertionError
+
+        control.create_service(HoldPart, HOLD_PART, hold)
+        wanted = {"capability": "on", "value": True}
+        fields = {"device": "lamp", "lease": "l", "by": "robot", "ttl": 99, "setting": wanted, "issuer": ""}
+        await peer.send("call_service", service=HOLD_PART, args=fields)
+        await peer.settle()
+        peer.connection.transport.pause_reading()
+        began = anyio.current_time()
+        with anyio.fail_after(PATIENCE):
+            assert (await left.receive()).issuer == "client:local"
+        assert 0.4 < anyio.current_time() - began < 2
+        peer.connection.transport.abort()

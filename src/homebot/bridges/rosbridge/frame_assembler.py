@@ -20,9 +20,13 @@ class FrameAssembler:
 
     Args:
         limit: Characters that may wait.
+
+    Attributes:
+        dropped: Frames whose fragments were replaced.
     """
 
     def __init__(self, limit: int) -> None:
+        self.dropped = 0
         self._limit = limit
         self._open: dict[Identifier, _Collected] = {}
 
@@ -57,6 +61,7 @@ class FrameAssembler:
         self._open[fragment.id] = collected
         if len(self._open) > _MOST_OPEN:
             del self._open[next(iter(self._open))]
+            self.dropped += 1
         return None
 
 

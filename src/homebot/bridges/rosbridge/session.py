@@ -200,6 +200,8 @@ class ClientSession:
             self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         if op is None:
+            self._shared.counters.fragments_dropped += self._assembler.dropped
+            self._assembler.dropped = 0
             return
         try:
             self._check(op)

@@ -38,6 +38,7 @@ class DoorCounters:
         slowed_down: Frames that had to wait because their client sends too many.
         clients_cut: Clients cut off because they took no bytes.
         clients_vanished: Clients cut off because they answered no ping while a goal or lease of theirs ran.
+        fragments_dropped: Frames in fragments that were given up for newer ones.
         feedback_lost: Feedback messages dropped because a client did not read.
     """
 
@@ -49,6 +50,7 @@ class DoorCounters:
     slowed_down: int = 0
     clients_cut: int = 0
     clients_vanished: int = 0
+    fragments_dropped: int = 0
     feedback_lost: int = 0
 
 

@@ -1,7 +1,8 @@
 """Python classes by ROS type name, and messages as clients write them.
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
-``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
+``nsecs``). A value of a device may be given
+as it is in JSON (``true``, ``40``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from homebot.devices.access_messages import DefineTypeRequest, DefineTypeResponse
+from homebot.devices.value import Value
 from homebot.errors import PeerError, TypeMismatchError, UsageError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
@@ -218,9 +220,27 @@ def _in_ros2(message_type: type[Message], value: Mapping[str, object]) -> dict[s
 def _element(field: FieldDefinition, value: object) -> object:
     if field.message is None:
         return value
-    if isinstance(value, list):
+    if isinstance(value, list) and field.is_array:
         return [_element(field, item) for item in value]
+    if field.message is Value and not isinstance(value, dict):
+        return _spelled_out(value)
     return _in_ros2(field.message, value) if isinstance(value, dict) else value
+
+
+def _spelled_out(plain: object) -> object:
+    """Return the fields of the :class:`Value` that a client wrote as it is in JSON, such as ``true`` or ``40``."""
+    match plain:
+        case None:
+            return {}
+        case bool():
+            return {"type": 1, "flag": plain}
+        case int() | float():
+            return {"type": 2, "number": plain}
+        case str():
+            return {"type": 3, "text": plain}
+        case list():
+            return {"type": 4, "numbers": plain}
+    return plain
 
 
 _ZEROS: Final[Mapping[str, object]] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
