@@ -27,6 +27,14 @@ class GoalStatus(Message, ros_type="action_msgs/msg/GoalStatus"):
         status: 0 unknown, 1 accepted, 2 executing, 3 canceling, 4 succeeded, 5 canceled, 6 aborted.
     """
 
+    STATUS_UNKNOWN: ClassVar = 0
+    STATUS_ACCEPTED: ClassVar = 1
+    STATUS_EXECUTING: ClassVar = 2
+    STATUS_CANCELING: ClassVar = 3
+    STATUS_SUCCEEDED: ClassVar = 4
+    STATUS_CANCELED: ClassVar = 5
+    STATUS_ABORTED: ClassVar = 6
+
     goal_info: GoalInfo
     status: Int8
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import get_data
+from threading import RLock
 from typing import Any, Final
 
 from homebot.errors import UnknownTypeError, UsageError
@@ -59,7 +60,7 @@ _LONGEST_NAME: Final = 100
 
 
 class Interfaces:
-    """The interfaces known by name; the class of each is made when it is first named.
+    """The interfaces known by name; the class of each is made once, when it is first named, by whichever thread.
 
     Args:
         texts: Definitions of the owner by ``package/kind/Name``; see :meth:`read_folder`.
@@ -77,6 +78,7 @@ class Interfaces:
         self._defined: dict[str, str] = {}
         self._built: dict[str, Interface] = {}
         self._open: list[str] = []
+        self._lock = RLock()
 
     @staticmethod
     def read_folder(folder: Path) -> dict[str, str]:
@@ -211,9 +213,10 @@ class Interfaces:
         return [names[similar] for similar in similar_to(name, names, 0.7)]
 
     def _resolve(self, key: str) -> Interface:
-        if key not in self._built:
-            self._built[key] = self._classes_of(key.partition("/")[0]).get(key) or self._build(key)
-        return self._built[key]
+        with self._lock:
+            if key not in self._built:
+                self._built[key] = self._classes_of(key.partition("/")[0]).get(key) or self._build(key)
+            return self._built[key]
 
     def _build(self, key: str) -> Interface:
         if key in self._open:
