@@ -17,7 +17,7 @@ from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.support.isolation import crash_of, error_text
 
-__all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value"]
+__all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value", "value_of"]
 
 Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str]
 Kind: TypeAlias = Literal["new", "changed"]
@@ -76,6 +76,11 @@ class ParameterSet:
         self._on_failure = on_failure
         self._declared: dict[str, _Declared] = {}
         self._checks: list[Callable[[Parameter], str | None]] = []
+        self._sources: list[Callable[[], None]] = []
+
+    def declare_later(self, declare: Callable[[], None]) -> None:
+        """Call *declare*, which declares parameters, when a parameter is first asked for."""
+        self._sources.append(declare)
 
     def declare(self, name: str, default: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
         """Declare a parameter and return it with its start-up value.
@@ -95,6 +100,7 @@ class ParameterSet:
 
     def has(self, name: str) -> bool:
         """Return whether *name* is declared."""
+        self._declare_waiting()
         return name in self._declared
 
     def get(self, name: str) -> Parameter:
@@ -105,24 +111,37 @@ class ParameterSet:
         """
         return Parameter(name, self._find(name).value)
 
+    def describe(self, name: str) -> tuple[int, ParameterDescriptor]:
+        """Return the type of the parameter *name*, a number of ``rcl_interfaces/msg/ParameterType``, and its limits.
+
+        Raises:
+            ParameterError: It is not declared.
+        """
+        declared = self._find(name)
+        return _NUMBERS[declared.kind], declared.descriptor
+
     def set(self, name: str, value: Value) -> Parameter:
         """Set *name* to a new value and return it; an equal value is not announced.
 
         Raises:
             ParameterError: It is not declared, read-only, of another type, out of its range, or refused by a check.
         """
-        declared = self._find(name)
-        if declared.descriptor.read_only:
-            raise ParameterError(f"{self._node}: parameter {name!r} is read-only")
-        parameter = Parameter(name, self._fitting(name, declared, value))
-        self._check(parameter)
-        if parameter.value != declared.value:
-            declared.value = parameter.value
-            self._on_event("changed", parameter)
+        (parameter,) = self.set_atomically({name: value})
         return parameter
+
+    def set_atomically(self, values: Mapping[str, Value]) -> tuple[Parameter, ...]:
+        """Set all of *values*, or none of them; otherwise as :meth:`set`."""
+        parameters = tuple(self._settable(name, value) for name, value in values.items())
+        for parameter in parameters:
+            declared = self._declared[parameter.name]
+            if parameter.value != declared.value:
+                declared.value = parameter.value
+                self._on_event("changed", parameter)
+        return parameters
 
     def names(self) -> tuple[str, ...]:
         """Return the declared names, sorted."""
+        self._declare_waiting()
         return tuple(sorted(self._declared))
 
     def add_on_set_callback(self, check: Callable[[Parameter], str | None]) -> None:
@@ -132,7 +151,21 @@ class ParameterSet:
         """
         self._checks.append(check)
 
+    def _declare_waiting(self) -> None:
+        sources, self._sources = self._sources, []
+        for declare in sources:
+            declare()
+
+    def _settable(self, name: str, value: Value) -> Parameter:
+        declared = self._find(name)
+        if declared.descriptor.read_only:
+            raise ParameterError(f"{self._node}: parameter {name!r} is read-only")
+        parameter = Parameter(name, self._fitting(name, declared, value))
+        self._check(parameter)
+        return parameter
+
     def _find(self, name: str) -> _Declared:
+        self._declare_waiting()
         try:
             return self._declared[name]
         except KeyError:
@@ -202,8 +235,27 @@ def _kind_of_one(value: object) -> str:
     return _KINDS.get(type(value), "")
 
 
+def value_of(message: ParameterValue) -> Value:
+    """Return the value in *message*.
+
+    Raises:
+        ParameterError: It is not set, or of no known type.
+    """
+    for kind, number in _NUMBERS.items():
+        if number == message.type:
+            value = getattr(message, _field_name(kind))
+            plain: Value = bytes(value) if kind == "byte[]" else tuple(value) if kind.endswith("[]") else value
+            return plain
+    raise ParameterError(f"a value has a type from 1 to 9, got {message.type}; a parameter cannot be unset")
+
+
 def _to_message_value(value: Value) -> ParameterValue:
     kind = _kind_of(value)
-    field_name = f"{kind.removesuffix('[]')}{'_array' if kind.endswith('[]') else ''}_value"
     plain = tuple(value) if isinstance(value, list) else value
-    return ParameterValue.model_validate({"type": _NUMBERS[kind], field_name: plain})
+    return ParameterValue.model_validate({"type": _NUMBERS[kind], _field_name(kind): plain})
+
+
+def _field_name(kind: str) -> str:
+    if kind == "byte[]":
+        return "byte_array_value"
+    return f"{kind.removesuffix('[]')}{'_array' if kind.endswith('[]') else ''}_value"

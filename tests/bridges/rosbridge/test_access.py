@@ -382,6 +382,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/control/release", Right.ACT),
         ("/my_app/go", Right.ACT),
         ("/rosapi/set_param", Right.MANAGE),
+        ("/robot/set_parameters", Right.MANAGE),
+        ("/gateway/mqtt/get_parameters", Right.READ),
         ("/discovery/forget", Right.MANAGE),
         ("/discovery/merge", Right.MANAGE),
         ("/discovery/place", Right.MANAGE),

@@ -116,6 +116,15 @@ _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it holds no code."""
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
+_PARAMETER_SERVICES: Final = {
+    "describe_parameters": Right.READ,
+    "get_parameter_types": Right.READ,
+    "get_parameters": Right.READ,
+    "list_parameters": Right.READ,
+    "set_parameters": Right.MANAGE,
+    "set_parameters_atomically": Right.MANAGE,
+}
+"""Services that a node offers for its parameters, by the ends of their names."""
 
 
 class MissingRightError(PeerError):
@@ -262,6 +271,8 @@ def right_to_call(name: str) -> Right:
     *path, last = name.split("/")[1:]
     if last == "health":
         return Right.READ
+    if last in _PARAMETER_SERVICES:
+        return _PARAMETER_SERVICES[last]
     if name in _ACTING or not _is_own(name):
         return Right.ACT
     if path[-1:] == ["_action"] and last == "send_goal":
