@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 import anyio
 from anyio import to_thread
 from anyio.abc import TaskStatus
+from pydantic import BaseModel
 
 from homebot.apps import App
 from homebot.bridges.rosbridge import Door
@@ -281,6 +282,7 @@ class Runtime:
     def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with self._gateway_node(self.graph, component.name) as node:
+                _offer_settings(node, component.settings)
                 gateway = component.kind(node, component.settings, self._context)
                 await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
@@ -289,6 +291,7 @@ class Runtime:
     def _app(self, component: PlannedComponent[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name) as node:
+                _offer_settings(node, component.settings)
                 app = component.kind(node, component.settings)
                 await run_as(node.full_name, partial(app.serve, task_status=task_status))
 
@@ -400,6 +403,15 @@ class Runtime:
             await house.serve(self._context, home, self.graph, task_status=task_status)
 
         return work
+
+
+def _offer_settings(node: Node, settings: BaseModel) -> None:
+    def declare() -> None:
+        from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
+
+        declare_settings(node, settings)
+
+    node.parameters.declare_later(declare)
 
 
 def _house_of_run(world: World, config: Config, robot: str) -> HouseOfRun:
