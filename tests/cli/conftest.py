@@ -100,14 +100,13 @@ def _running(
         graph = Graph(clock)
         heard: list[str] = []
         RosApi(Node(graph, "rosapi"))
-        door = Door(
-            Node(graph, "rosbridge_websocket"), DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS
-        )
         async with (
+            Node(graph, "rosbridge_websocket") as door_node,
             (extra or _talker)(graph) as talker,
             Node(graph, "listener") as listener,
             anyio.create_task_group() as tasks,
         ):
+            door = Door(door_node, DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS)
             chatter = talker.create_publisher(String, "/chatter")
             listener.create_subscription(String, "/hello", lambda message: heard.append(message.data))
             await tasks.start(door.run)

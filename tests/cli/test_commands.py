@@ -145,6 +145,7 @@ def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
     assert capsys.readouterr().out == (
         "/listener\n  Subscribers:\n    /hello: std_msgs/msg/String\n  Publishers:\n"
         "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n  Service Servers:\n  Service Clients:\n"
+        "  Action Servers:\n  Action Clients:\n"
     )
     assert run(homebot, "node", "info", "/lisener") == 1
     assert "did you mean /listener" in capsys.readouterr().err

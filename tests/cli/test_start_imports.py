@@ -93,7 +93,21 @@ def test_a_start_loads_no_more_than_it_needs(tmp_path: Path) -> None:
 
 def test_commands_of_a_client_start_without_pydantic() -> None:
     """It takes longer to import than such a command to run."""
-    names = ("devices", "do", "doctor", "find", "leases", "places", "service", "show", "tag", "topic", "why")
+    names = (
+        "action",
+        "devices",
+        "do",
+        "doctor",
+        "find",
+        "leases",
+        "param",
+        "places",
+        "service",
+        "show",
+        "tag",
+        "topic",
+        "why",
+    )
     code = (
         f"import sys, {', '.join(f'homebot.cli.commands.{name}' for name in names)}\nprint('pydantic' in sys.modules)"
     )

@@ -113,6 +113,7 @@ class DoorClient:
         self._frames: deque[Frame] = deque()
         self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
         self._answers: dict[str, dict[str, object]] = {}
+        self._goal_frames: deque[dict[str, object]] = deque(maxlen=_MAX_WAITING)
         self._calls = 0
 
     def call(
@@ -150,6 +151,23 @@ class DoorClient:
             return values
 
         return response
+
+    def perform(self, action: str, ros_type: str, goal: Mapping[str, object]) -> Iterator[dict[str, object]]:
+        """Send *goal*; yield the frames of its feedback, and the one of its result at last.
+
+        The end of the connection cancels it; errors as those of :meth:`next`.
+        """
+        self._calls += 1
+        identifier = f"goal:{self._calls}"
+        frame = {"op": "send_action_goal", "id": identifier, "action": action, "action_type": ros_type}
+        self._send(frame | {"args": dict(goal), "feedback": True})
+        while True:
+            while not self._goal_frames:
+                self._read(None)
+            received = self._goal_frames.popleft()
+            yield received
+            if received["op"] == "action_result":
+                return
 
     def subscribe(self, topic: str) -> None:
         """Ask for the messages of *topic*; one that does not exist yet is fine."""
@@ -262,6 +280,8 @@ class DoorClient:
                 self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
             case "service_response":
                 self._answers[str(frame.get("id"))] = frame
+            case "action_feedback" | "action_result":
+                self._goal_frames.append(frame)
 
     def _text(self, deadline: float | None) -> bytes:
         """Return the payload of the next message, fragmented or not."""

@@ -53,6 +53,8 @@ COMMANDS: Final = {
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services",
     "interface": "list, show and import messages, services and actions of ROS",
+    "action": "list actions, and send goals to them",
+    "param": "list, read, set and save the parameters of nodes",
     "node": "list and inspect nodes",
     "broker": "run an MQTT broker and nothing else",
 }

@@ -15,6 +15,8 @@ _SECTIONS = {
     "publisher": "Publishers",
     "service": "Service Servers",
     "client": "Service Clients",
+    "action server": "Action Servers",
+    "action client": "Action Clients",
 }
 
 
@@ -59,7 +61,9 @@ def _info(options: argparse.Namespace) -> int:
         print(name)
         for kind, title in _SECTIONS.items():
             print(f"  {title}:")
-            for line in sorted({f"    {one.name}: {one.type}" for one in ends if one.kind == kind}):
+            for line in sorted(
+                {f"    {one.name}: {one.type}" for one in ends if one.kind == kind and not is_hidden(one)}
+            ):
                 print(line)
         return 0
 

@@ -1,4 +1,4 @@
-"""``homebot service list`` and ``homebot service call``."""
+"""``homebot service``: ``list``, ``type``, ``find`` and ``call``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ from typing import cast
 from homebot.cli.arguments import add_verb, add_verbs, positive, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.flow import message, type_or_message
-from homebot.cli.graph_queries import MessageTypeRecord, entities, is_hidden, not_found, response_schema
+from homebot.cli.graph_queries import (
+    MessageTypeRecord,
+    entities,
+    is_hidden,
+    not_found,
+    print_of_type,
+    response_schema,
+)
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError, UsageError
@@ -39,6 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command.add_argument("-t", "--show-types", action="store_true", help="show each service's type")
     command.add_argument("-a", "--all", action="store_true", help="show hidden services too")
     set_client_command(command, _list, "  homebot service list\n  homebot service list -t\n")
+    command = add_verb(verbs, "type", "print the type of a service")
+    command.add_argument("service", metavar="SERVICE", help="name of the service")
+    set_client_command(command, _print_type, "  homebot service type /rosapi/get_time\n")
+    command = add_verb(verbs, "find", "list the services of a type")
+    command.add_argument("type", metavar="TYPE", help="type of the services")
+    command.add_argument("-a", "--all", action="store_true", help="show hidden services too")
+    set_client_command(command, _find, "  homebot service find rosapi_msgs/srv/GetTime\n")
     command = add_verb(verbs, "call", "call a service and print its response")
     command.add_argument("service", metavar="SERVICE", help="name of the service")
     command.add_argument(
@@ -62,6 +76,21 @@ def _list(options: argparse.Namespace) -> int:
         return 0
 
     return with_client(options, run)
+
+
+def _print_type(options: argparse.Namespace) -> int:
+    """Print the type of a service."""
+
+    def run(door: DoorClient) -> int:
+        print(_type(door, options.service, ""))
+        return 0
+
+    return with_client(options, run)
+
+
+def _find(options: argparse.Namespace) -> int:
+    """Print the services of a type, one a line; return 1 if there are none."""
+    return with_client(options, lambda door: print_of_type(door, "service", options.type, show_hidden=options.all))
 
 
 def _call(options: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""``homebot topic``: ``list``, ``echo``, ``pub``, ``info`` and ``hz``."""
+"""``homebot topic``: ``list``, ``type``, ``find``, ``echo``, ``pub``, ``info`` and ``hz``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,16 @@ from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_c
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
 from homebot.cli.flow import message
-from homebot.cli.graph_queries import Schema, entities, is_hidden, message_schema, no_such_topic, not_yet, topic_type
+from homebot.cli.graph_queries import (
+    Schema,
+    entities,
+    is_hidden,
+    message_schema,
+    no_such_topic,
+    not_yet,
+    print_of_type,
+    topic_type,
+)
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
@@ -57,6 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command.add_argument("-t", "--show-types", action="store_true", help="show each topic's type")
     command.add_argument("-a", "--all", action="store_true", help="show hidden topics too")
     set_client_command(command, _list, "  homebot topic list\n  homebot topic list -t\n")
+    command = add_verb(verbs, "type", "print the type of a topic")
+    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    set_client_command(command, _type, "  homebot topic type /rosout\n")
+    command = add_verb(verbs, "find", "list the topics of a type")
+    command.add_argument("type", metavar="TYPE", help="type of the topics")
+    command.add_argument("-a", "--all", action="store_true", help="show hidden topics too")
+    set_client_command(command, _find, "  homebot topic find rcl_interfaces/msg/Log\n")
     _add_echo(verbs)
     _add_pub(verbs)
     command = add_verb(verbs, "info", "show the publishers and subscriptions of a topic")
@@ -105,6 +121,24 @@ def _list(options: argparse.Namespace) -> int:
         return 0
 
     return with_client(options, run)
+
+
+def _type(options: argparse.Namespace) -> int:
+    """Print the type of a topic."""
+
+    def run(door: DoorClient) -> int:
+        ros_type = topic_type(door, options.topic)
+        if not ros_type:
+            raise no_such_topic(door, options.topic)
+        print(ros_type)
+        return 0
+
+    return with_client(options, run)
+
+
+def _find(options: argparse.Namespace) -> int:
+    """Print the topics of a type, one a line; return 1 if there are none."""
+    return with_client(options, lambda door: print_of_type(door, "topic", options.type, show_hidden=options.all))
 
 
 def _info(options: argparse.Namespace) -> int:
