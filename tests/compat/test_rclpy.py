@@ -1,0 +1,158 @@
+"""rclpy's calls one by one, with the graph in the test's own process."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from tests.patience import PATIENCE
+
+from homebot.compat import rclpy
+from homebot.compat.interfaces import message_class, to_service
+from homebot.errors import DuplicateNameError, ServiceUnavailableError, TypeMismatchError, UsageError
+from homebot.messages import SetBool, String
+from homebot.messages.interfaces import find_message, find_service
+from homebot.messages.sensor_msgs import LaserScan
+from homebot.messages.std_msgs import Header
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def node() -> Iterator[rclpy.Node]:
+    rclpy.init()
+    yield rclpy.create_node("node")
+    rclpy.shutdown()
+
+
+def test_a_message_is_made_empty_and_its_fields_are_set_one_by_one() -> None:
+    """A name that is no field is refused when it is set, as rclpy does."""
+    scan = message_class(LaserScan)()
+    assert (scan.angle_min, scan.header.frame_id, scan.ranges) == (0.0, "", [])
+    scan.header.frame_id = "base"
+    scan.ranges.append(1.5)
+    assert scan == message_class(LaserScan)(header=message_class(Header)(frame_id="base"), ranges=[1.5])
+    assert message_class(LaserScan)().header.frame_id == ""
+    with pytest.raises(AttributeError):
+        scan.rangs = []
+
+
+def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:
+    publisher = node.create_publisher(String, "chatter", 10)
+    with pytest.raises(TypeMismatchError, match=r"not a std_msgs/msg/String: field 'data': .* got 5"):
+        publisher.publish(message_class(String)(data=5))
+    with pytest.raises(TypeMismatchError, match="expected a std_msgs/msg/String, got a std_msgs/msg/Header"):
+        publisher.publish(message_class(Header)())
+
+
+def test_callbacks_run_on_the_thread_that_spins_and_anything_may_be_called_from_another(node: rclpy.Node) -> None:
+    """As a program does whose MQTT client runs a thread of its own."""
+    heard: list[tuple[str, int]] = []
+    publisher = node.create_publisher(String, "chatter", 10)
+    node.create_subscription(String, "chatter", lambda message: heard.append((message.data, threading.get_ident())), 10)
+
+    def publish() -> None:
+        for text in "abc":
+            publisher.publish(String(data=text))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    thread.join(PATIENCE)
+    rclpy.spin_once(node, timeout_sec=PATIENCE)
+    assert heard == [("a", threading.get_ident())]
+    rclpy.spin_once(node, timeout_sec=PATIENCE)
+    rclpy.spin_once(node, timeout_sec=PATIENCE)
+    assert [text for text, _ in heard] == ["a", "b", "c"]
+    rclpy.spin_once(node, timeout_sec=0)
+
+
+def test_a_failing_callback_ends_the_spin_with_its_exception_and_the_next_message_is_heard(node: rclpy.Node) -> None:
+    heard: list[str] = []
+
+    def hear(message: Any) -> None:
+        heard.append(message.data)
+        raise RuntimeError(message.data)
+
+    publisher = node.create_publisher(String, "chatter", 10)
+    node.create_subscription(String, "chatter", hear, 10)
+    for text in "ab":
+        publisher.publish(String(data=text))
+        with pytest.raises(RuntimeError, match=text):
+            rclpy.spin(node)
+    assert heard == ["a", "b"]
+
+
+def test_a_coroutine_callback_awaits_a_call_of_its_own_node(node: rclpy.Node) -> None:
+    """The classical deadlock of rclpy: the answer arrives in the same thread, meanwhile."""
+
+    def switch(request: Any, response: Any) -> Any:
+        response.success = request.data
+        return response
+
+    answers: list[bool] = []
+    node.create_service(SetBool, "switch", switch)
+    client = node.create_client(SetBool, "switch")
+
+    async def on_time() -> None:
+        timer.cancel()
+        response = await client.call_async(to_service(SetBool).Request(data=True))
+        answers.append(response.success)
+
+    timer = node.create_timer(0.01, on_time)
+    deadline = time.monotonic() + PATIENCE
+    while not answers and time.monotonic() < deadline:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    assert answers == [True]
+    assert timer.is_canceled()
+
+
+def test_a_call_without_a_server_fails_at_once(node: rclpy.Node) -> None:
+    client = node.create_client(SetBool, "switch")
+    assert not client.wait_for_service(timeout_sec=0.01)
+    future = client.call_async(to_service(SetBool).Request())
+    rclpy.spin_until_future_complete(node, future, timeout_sec=PATIENCE)
+    assert future.done()
+    with pytest.raises(ServiceUnavailableError):
+        future.result()
+
+
+def test_a_tool_sets_a_parameter_by_its_service_and_the_check_of_the_node_decides(node: rclpy.Node) -> None:
+    result_class = message_class(find_message("rcl_interfaces/msg/SetParametersResult"))
+    node.declare_parameter("speed", 0.5)
+    node.add_on_set_parameters_callback(lambda given: result_class(successful=given[0].value != 3, reason="too fast"))
+    service = to_service(find_service("rcl_interfaces/srv/SetParameters"))
+    client = rclpy.create_node("tool").create_client(service, "/node/set_parameters")
+    for speed, successful in ((1.0, True), (3.0, False)):
+        request = service.Request()
+        request.parameters = [rclpy.Parameter("speed", value=speed).to_parameter_msg()]
+        future: Any = client.call_async(request)
+        while not future.done():
+            rclpy.spin_once(client.node, timeout_sec=PATIENCE)
+        (result,) = future.result().results
+        assert result.successful is successful
+    assert node.get_parameter("speed").value == 1.0
+
+
+def test_a_name_is_taken_until_its_node_is_destroyed(node: rclpy.Node) -> None:
+    with pytest.raises(DuplicateNameError):
+        rclpy.create_node("node")
+    node.destroy_node()
+    node.destroy_node()
+    rclpy.create_node("node")
+
+
+def test_a_shutdown_ends_a_spin_in_another_thread(node: rclpy.Node) -> None:
+    thread = threading.Thread(target=rclpy.spin, args=(node,))
+    thread.start()
+    rclpy.shutdown()
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
+    assert not rclpy.ok()
+
+
+def test_without_init_there_is_no_node() -> None:
+    with pytest.raises(UsageError, match=r"call rclpy.init\(\) first"):
+        rclpy.create_node("node")
