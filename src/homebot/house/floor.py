@@ -27,7 +27,12 @@ def places_table(rooms: Rooms, devices: Mapping[str, Placed]) -> dict[str, objec
         door: dict[str, object] = {"rooms": [one, other], "position": list(middle), "width": DOOR_WIDTH}
         for kind in ("contact", "lock"):
             if (device := contacts.get((frozenset({one, other}), kind))) is not None:
-                door[kind] = device
+                door[kind] = _id(device, devices[device])
         doors.append(door)
-    placed = {name: {"at": list(one.at)} for name, one in devices.items() if one.at is not None}
+    placed = {_id(name, one): {"at": list(one.at)} for name, one in devices.items() if one.at is not None}
     return {"rooms": found, "doors": doors, "devices": placed} if found else {}
+
+
+def _id(name: str, placed: Placed) -> str:
+    """Return the id that the directory gives to a device."""
+    return f"{placed.device.service_type}/{name}" if placed.dialect == "thesis" else name

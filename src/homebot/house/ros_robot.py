@@ -28,10 +28,7 @@ from homebot.messages.sensor_msgs import BatteryState
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 
-__all__ = ["FRAMES", "RosRobot", "ros_pose"]
-
-FRAMES: Final = ("odom", "base_footprint", "base_link")
-"""Its frames on ``/tf`` and ``/tf_static``, from ``map`` on."""
+__all__ = ["RosRobot", "ros_pose"]
 
 _DRIVING: Final = 0.1
 _PARKED: Final = 1.0

@@ -135,6 +135,8 @@ class Runtime:
             self._gateway_node = MutedNode
             self._rehearsal = rehearsal or DryRun()
         self._plan = make_plan(config)
+        if self._house is not None and self._house.robot:
+            self._plan = self._house.with_its_robot(self._plan)
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )

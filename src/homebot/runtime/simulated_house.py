@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from contextlib import AbstractAsyncContextManager
+from dataclasses import replace
 from functools import partial
 from random import Random
 from typing import final
@@ -25,6 +26,7 @@ __all__ = ["HouseOfRun"]
 
 ROBOT = "house.robot"
 
+_FRAMES = ("odom", "base_footprint", "base_link")
 _BOOTS = 1.0
 """Seconds that a robot boots longer than a house starts, so that its code does not delay the start."""
 
@@ -54,6 +56,14 @@ class HouseOfRun:
         from homebot.house.floor import places_table  # noqa: PLC0415 - for a house with a robot
 
         return places_table(self._world.rooms, self._world.devices)
+
+    def with_its_robot(self, plan: Plan) -> Plan:
+        """Return *plan* with the robot and its frames, where robots have tables: else these would be another's."""
+        if not plan.names_robots or self.robot in plan.robots:
+            return plan
+        from homebot.robots import RobotSettings  # noqa: PLC0415 - for a house with several robots
+
+        return replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
 
     def running(self, random: Random | None) -> AbstractAsyncContextManager[tuple[object, ...]]:
         """Run its networks, see :meth:`HouseNetwork.running`."""
