@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import Any
 
 import anyio
 import pytest
@@ -12,11 +14,16 @@ from homebot.config import parse_config
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.graph import Node, qos_profile_latched
+from homebot.graph.actions import ActionClient, GoalState
 from homebot.house import thesis_world
-from homebot.messages.geometry_msgs import PoseWithCovarianceStamped
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.definition import zero_message
+from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
+from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.messages.nav_msgs import OccupancyGrid
 from homebot.messages.sensor_msgs import BatteryState
+from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -38,16 +45,16 @@ async def running(robot: str = "robot") -> AsyncIterator[tuple[Runtime, Node]]:
             yield runtime, node
 
 
-async def read(node: Node, message_type: type[Message], topic: str) -> list[Message]:
+async def read(node: Node, message_type: type[Message], topic: str) -> list[Any]:
     """Return the list to which each message on *topic* is added."""
-    found: list[Message] = []
+    found: list[Any] = []
     node.create_subscription(message_type, topic, found.append, qos_profile_latched)
     await anyio.sleep(0.01)
     return found
 
 
-async def read_volatile(node: Node, message_type: type[Message], topic: str) -> list[Message]:
-    found: list[Message] = []
+async def read_volatile(node: Node, message_type: type[Message], topic: str) -> list[Any]:
+    found: list[Any] = []
     node.create_subscription(message_type, topic, found.append, 100)
     await anyio.sleep(0.01)
     return found
@@ -76,6 +83,66 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
         assert 590 <= len(frames) <= 610
         assert isinstance(batteries[-1], BatteryState)
         assert (batteries[-1].percentage, batteries[-1].power_supply_status) == (1.0, 4)
+
+
+NAVIGATE = find_action("nav2_msgs/action/NavigateToPose")
+DOCK = find_action("nav2_msgs/action/DockRobot")
+DOCK_TYPE: type[Message] = DOCK.Goal
+DOCK_GOAL = zero_message(DOCK_TYPE)
+
+
+def goal_at(x: float, y: float) -> Message:
+    pose = Pose(position=Point(x=x, y=y, z=0.0), orientation=Quaternion())
+    stamped = PoseStamped(header=Header(stamp=Time(sec=0, nanosec=0), frame_id="map"), pose=pose)
+    goal_type: type[Message] = NAVIGATE.Goal
+    empty: Message = zero_message(goal_type)
+    return empty.model_copy(update={"pose": stamped})
+
+
+async def test_it_drives_to_a_pose_and_back_into_its_dock() -> None:
+    async with running() as (_, node):
+        await anyio.sleep(2)
+        poses = await read(node, PoseWithCovarianceStamped, "/amcl_pose")
+        batteries = await read_volatile(node, BatteryState, "/battery_state")
+        feedback: list[Any] = []
+        navigate, dock = ActionClient(node, NAVIGATE, "/navigate_to_pose"), ActionClient(node, DOCK, "/dock_robot")
+        goal = await navigate.send_goal(goal_at(8.5, 1.0), feedback.append)
+        state, _ = await goal.result()
+        assert state is GoalState.SUCCEEDED
+        assert feedback[0].distance_remaining > 8 > feedback[-1].distance_remaining
+        client = node.create_client(WhereIsRobot, WHERE_IS_ROBOT)
+        await anyio.sleep(1.5)
+        found = (await client.call(WhereIsRobotRequest())).pose[0]
+        assert (found.room, found.is_sure) == ("Room 165", True)
+        assert math.dist((found.x, found.y), (8.5, 1.0)) < 0.25
+        driven = len(poses)
+        assert driven > 20
+        await anyio.sleep(60)
+        assert len(poses) == driven
+        assert 0 < batteries[-1].percentage < 1
+        state, _ = await (await dock.send_goal(DOCK_GOAL)).result()
+        assert state is GoalState.SUCCEEDED
+        await anyio.sleep(600)
+        assert batteries[-1].percentage == 1.0
+
+
+async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_a_reason() -> None:
+    async with running() as (_, node):
+        await anyio.sleep(2)
+        poses = await read(node, PoseWithCovarianceStamped, "/amcl_pose")
+        navigate = ActionClient(node, NAVIGATE, "/navigate_to_pose")
+        goal = await navigate.send_goal(goal_at(8.5, 1.0))
+        await anyio.sleep(4)
+        await goal.cancel()
+        state, _ = await goal.result()
+        assert state is GoalState.CANCELED
+        await anyio.sleep(1)
+        stopped = len(poses)
+        await anyio.sleep(20)
+        assert len(poses) == stopped
+        state, result = await (await navigate.send_goal(goal_at(99.0, 1.0))).result()
+        assert (state, result.error_code) == (GoalState.ABORTED, 207)
+        assert result.error_msg == "no room is at 99, 1, or no doors lead to it"
 
 
 async def test_a_house_without_a_robot_gains_nothing() -> None:
