@@ -32,6 +32,7 @@ BENCHMARKS = (
     "states",
     "command_line",
     "walks",
+    "places",
     "command_cost",
     "outcomes",
     "outcomes_networks",

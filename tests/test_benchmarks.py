@@ -35,6 +35,12 @@ def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
     assert "Home Assistant is not measured: no /no/such/python" in printed
 
 
+def test_the_room_of_a_position_is_found_in_each_size_of_house() -> None:
+    rooms = re.findall(r"^\| (\d+) +\| [\d.]+ µs", run("places"), re.MULTILINE)
+
+    assert rooms == ["12", "100", "1000"]
+
+
 def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed() -> None:
     """Of the gateway that needs no extra."""
     worker = PROGRAM.with_name("discovery_worker.py")

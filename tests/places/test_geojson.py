@@ -25,7 +25,7 @@ HOUSE = [
     feature("Polygon", [square(0, 0), square(1, 1, 0.5)], name="Hall", floor="Ground"),
     feature("MultiPolygon", [[square(4, 0)], [square(20, 0)]], name="Kitchen", level="Ground"),
     feature("LineString", [[4, 1], [4, 2]], contact="a contact", cost=1),
-    feature("LineString", [[0, 1], [0, 2]], name="Front door"),
+    feature("LineString", [[0, 1], [0, 2]], name="Front door", rooms=["Hall", "outside"]),
     feature("Point", [5, 2, 1.5], device="lights/lamp", error=0.2, floor="Ground"),
     feature("Point", [5, 2], name="a tree"),
 ]
@@ -95,7 +95,8 @@ def test_units_of_imdf_are_rooms_on_their_levels() -> None:
         ([feature("Polygon", [square(0, 0)])], {}, "features.0.properties.name", "is missing"),
         ([feature("Polygon", [square(0, 0, 0.001)], name="a")], {}, "homebot", '"origin": [lon, lat]'),
         ([feature("Polygon", [square(0, 0, 1)], name="a")], {}, "homebot", "may be degrees or metres"),
-        ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.geometry", "not within 0.3 m of a room"),
+        ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.properties.rooms", "not within 0.3 m"),
+        ([*HOUSE, feature("LineString", [[0, 3], [0, 4]])], {}, "features.6.properties.rooms", '["Hall", "outside"]'),
         ([*HOUSE, feature("LineString", [[4, 1], [4, 2], [4, 3]])], {}, "features.6.geometry", "two ends"),
         ([feature("Polygon", [[[0, 0], ["x", 3], [9, 9]]], name="a")], {}, "features.0", "is no position"),
         ([feature("Polygon", [square(0, 0)], name="Home")], {}, "places.rooms.Home", "name of the home"),

@@ -78,7 +78,8 @@ class _File:
             given = _properties(feature)
             door: _Table = {one: given[one] for one in ("contact", "lock", "cost", "rooms") if one in given}
             middle = (ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2
-            door.setdefault("rooms", self._rooms_at(middle, self._floor(feature), key))
+            if "rooms" not in door:
+                door["rooms"] = self._rooms_at(middle, self._floor(feature), key)
             yield {"name": _name(feature), "position": ends, **door}
 
     def devices(self) -> Iterator[tuple[str, _Table]]:
@@ -111,9 +112,11 @@ class _File:
         near = {shape.room for shape in plan.shapes.near(*middle, plan.level(floor))}
         known = sorted((plan.distance(room, *middle), room) for room in near)
         rooms = [room for distance, room in known if distance <= _REACH]
-        if not rooms:
-            raise ConfigError(self._source, f"{key}.geometry", f"the door is not within {_REACH} m of a room")
-        return [*rooms, OUTSIDE][:2]
+        if len(rooms) < 2:
+            at = f"at {rooms[0]} alone" if rooms else f"not within {_REACH} m of a room"
+            hint = f'state its "rooms", such as ["{(*rooms, "Hall")[0]}", "{OUTSIDE}"]'
+            raise ConfigError(self._source, f"{key}.properties.rooms", f"the door is {at} of this file; {hint}")
+        return rooms[:2]
 
     def _converter(self, stated: object) -> _Convert:
         """Return the function that makes metres of coordinates."""

@@ -1,0 +1,55 @@
+"""The processor time of the room at a position, and of the rooms of an uncertain one, in houses of three sizes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from random import Random
+
+from homebot.places import FloorPlan, HousePlan, HouseRoom
+from plan import Plan
+from report import Report
+from rounds import median
+
+__all__ = ["run"]
+
+HEADINGS = ("rooms", "position -> room", "aim", "", "uncertain position -> rooms")
+AIM = 50e-6
+SIZES = (12, 100, 1000)
+SIDE = 4.0
+COLUMNS = 32
+POINTS = 2000
+COVARIANCE = (0.25, *[0.0] * 6, 0.25, *[0.0] * 28)
+ROUNDS = 5
+
+
+def run(plan: Plan) -> Report:
+    rows = [HEADINGS, *(_row(size, plan.rounds(ROUNDS)) for size in SIZES)]
+    return Report("Places: microseconds of the processor for a position, among square rooms of 4 m", (), (), rows)
+
+
+def _row(size: int, rounds: int) -> tuple[str, ...]:
+    floor_plan = FloorPlan.of(HousePlan("Home", map(_room, range(size))))
+    random = Random(size)
+    right, top = min(size, COLUMNS) * SIDE, (size / COLUMNS + 1) * SIDE
+    points = [(random.uniform(0, right), random.uniform(0, top)) for _ in range(POINTS)]
+    one = _each(floor_plan.room_at, points, rounds)
+    several = _each(lambda x, y: floor_plan.rooms_of(x, y, COVARIANCE), points[: POINTS // 20], rounds)
+    verdict = "met" if one <= AIM else "FALLS SHORT"
+    return str(size), f"{one * 1e6:.1f} µs", f"<= {AIM * 1e6:.0f} µs", verdict, f"{several * 1e6:.0f} µs"
+
+
+def _room(index: int) -> HouseRoom:
+    x, y = index % COLUMNS * SIDE, index // COLUMNS * SIDE
+    return HouseRoom(f"Room {index}", polygons=((((x, y), (x + SIDE, y), (x + SIDE, y + SIDE), (x, y + SIDE)),),))
+
+
+def _each(ask: Callable[[float, float], object], points: list[tuple[float, float]], rounds: int) -> float:
+    """Return the seconds that each call takes, as the median of the rounds."""
+    found = []
+    for _ in range(rounds):
+        started = time.process_time()
+        for x, y in points:
+            ask(x, y)
+        found.append((time.process_time() - started) / len(points))
+    return median(found)
