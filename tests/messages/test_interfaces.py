@@ -49,6 +49,16 @@ def test_a_type_has_one_class_which_is_that_of_its_module() -> None:
     assert action.FeedbackMessage is find_action("nav2_msgs/NavigateToPose").FeedbackMessage
 
 
+def test_a_shipped_type_is_one_class_for_all_of_a_process() -> None:
+    """A topic refuses another class of the same name: an app and a client could not meet on it."""
+    others = (Interfaces(), Interfaces({"my_pets/msg/Toy": ""}), Interfaces(distribution="kilted"))
+    for name in ("rmf_door_msgs/msg/DoorState", "visualization_msgs/msg/Marker"):
+        assert {find_message(name), *(one.find_message(name) for one in others)} == {find_message(name)}
+    assert others[0].find_action("nav2_msgs/Spin") is find_action("nav2_msgs/Spin")
+    assert others[2].find_action("nav2_msgs/DockRobot") is find_action("nav2_msgs/DockRobot")
+    assert others[1].find_message("my_pets/Toy").model_fields == {}
+
+
 def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
     pet = Interfaces().define("my_pets/msg/Pet", PET)
     assert isinstance(pet, type)

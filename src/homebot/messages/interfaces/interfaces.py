@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import get_data
@@ -150,7 +150,8 @@ class Interfaces:
         key = interface.ros_type
         if key in self._classes_of(key.partition("/")[0]):
             return "---\n".join(definition_body(message) for message in messages_in(interface))
-        return self._text(key)
+        text = self._own_text(key)
+        return _shipped_text(key, self._distribution)[0] if text is None else text
 
     def define(self, ros_type: str, definition: str) -> Interface:
         """Define *ros_type* (``package/kind/Name``) by the text of its file, with nested messages after it.
@@ -219,17 +220,19 @@ class Interfaces:
             return self._built[key]
 
     def _build(self, key: str) -> Interface:
+        text = self._own_text(key)
+        if text is None:
+            return _shipped_interface(key, self._distribution)
         if key in self._open:
             raise UsageError(f"{key} holds itself, by way of {', '.join(self._open)}")
         self._open.append(key)
         try:
-            return build_interface(key, parse_interface(key, self._text(key)), self.find_message)
+            return build_interface(key, parse_interface(key, text), self.find_message)
         finally:
             self._open.pop()
 
-    def _text(self, key: str) -> str:
-        text = self._texts.get(key) or self._defined.get(key)
-        return text if text is not None else _shipped_text(key, self._distribution)
+    def _own_text(self, key: str) -> str | None:
+        return self._texts.get(key, self._defined.get(key))
 
     def _classes_of(self, package: str) -> Mapping[str, Interface]:
         return _classes_in(self._modules.get(package, ()))
@@ -283,12 +286,22 @@ def _shipped_names() -> frozenset[str]:
     return frozenset(_read("names").split())
 
 
-def _shipped_text(key: str, distribution: str) -> str:
+@cache
+def _shipped_interface(key: str, distribution: str) -> Interface:
+    """Return the one class of a shipped definition, which all users of its name share."""
+    text, owner = _shipped_text(key, distribution)
+    if owner != distribution:
+        return _shipped_interface(key, owner)
+    return build_interface(key, parse_interface(key, text), _shipped().find_message)
+
+
+def _shipped_text(key: str, distribution: str) -> tuple[str, str]:
+    """Return the shipped definition of *key* in *distribution*, and the distribution whose it is."""
     package, kind, name = key.split("/")
-    for folder in (f"distributions/{distribution}/", ""):
-        with suppress(FileNotFoundError):
-            return _read(f"{folder}{package}/{kind}/{name}.{kind}")
-    raise UnknownTypeError(key, _KIND_NAMES[kind], ())
+    path = f"{package}/{kind}/{name}.{kind}"
+    with suppress(FileNotFoundError):
+        return _read(f"distributions/{distribution}/{path}"), distribution
+    return _read(path), _DEFAULT
 
 
 def _read(path: str) -> str:
