@@ -433,3 +433,25 @@ async def test_an_offered_action_goes_with_its_node(graph: Graph, other: Node) -
     assert graph.actions() == ()
     with pytest.raises(ServiceUnavailableError):
         await client_of(other).perform(Goal(order=1))
+
+
+async def test_an_execution_that_was_preempted_may_still_end_its_goal(node: Node, other: Node, graph: Graph) -> None:
+    """A program for ROS cleans up and says how it ended; that comes too late, and is no failure."""
+
+    async def execute(goal: Served) -> Result:
+        try:
+            await anyio.sleep(10.0)
+        except asyncio.CancelledError:
+            goal.canceled(Result(sequence=(7,)))
+            raise
+        goal.succeed()
+        return EMPTY
+
+    ActionServer(node, Fibonacci, "fib", execute, preemption=Preemption.ABORT)
+    client = client_of(other)
+    first, second = await client.send_goal(Goal(order=1)), await client.send_goal(Goal(order=2))
+    await anyio.sleep(1.0)
+    third = await client.send_goal(Goal(order=3))
+    for goal, state in ((first, GoalState.ABORTED), (second, GoalState.ABORTED), (third, GoalState.SUCCEEDED)):
+        assert await goal.result() == (state, EMPTY)
+    assert list(graph.failures) == []
