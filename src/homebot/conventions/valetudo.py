@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from itertools import pairwise
 from typing import Final, NamedTuple, TypeAlias, final
 
@@ -33,6 +34,9 @@ _NEARBY: Final = 0.5
 
 Run: TypeAlias = tuple[int, int]
 """The first pixel of a row and the one after the last."""
+
+Corner: TypeAlias = tuple[int, int]
+"""A corner of pixels: column and row of the one to its lower right."""
 
 
 class VacuumPose(NamedTuple):
@@ -224,41 +228,44 @@ def _joined(runs: list[Run]) -> tuple[Run, ...]:
     return tuple(found)
 
 
-def _rings(runs: Mapping[int, tuple[Run, ...]]) -> list[tuple[tuple[int, int], ...]]:
+def _rings(runs: Mapping[int, tuple[Run, ...]]) -> list[tuple[Corner, ...]]:
     """Return the rings around pixels, outer ones clockwise with y down; pixels that touch at a corner are apart."""
-    after: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for row in set(runs) | {row + 1 for row in runs}:
-        above, here = runs.get(row - 1, ()), runs.get(row, ())
-        cuts = sorted({end for run in (*above, *here) for end in run})
-        for begin, end in pairwise(cuts):
-            is_above, is_here = (any(a <= begin < b for a, b in one) for one in (above, here))
-            if is_here and not is_above:
-                after.setdefault((begin, row), []).append((end, row))
-            elif is_above and not is_here:
-                after.setdefault((end, row), []).append((begin, row))
-        for begin, end in here:
-            after.setdefault((end, row), []).append((end, row + 1))
-            after.setdefault((begin, row + 1), []).append((begin, row))
+    after: dict[Corner, list[Corner]] = {}
+    for begin, end in _edges(runs):
+        after.setdefault(begin, []).append(end)
     rings = []
     while after:
         start = at = next(iter(after))
         ring, before = [start], (0, 0)
-        while True:
-            following = after[at]
+        while len(ring) == 1 or at != start:
             # Of two ways on at a corner where pixels touch, the one to the right stays at this pixel.
-            chosen = max(following, key=lambda one: _turn(before, at, one)) if len(following) > 1 else following[0]
+            following = after[at]
+            chosen = max(following, key=partial(_turn, before, at))
             following.remove(chosen)
             if not following:
                 del after[at]
             before, at = at, chosen
-            if at == start:
-                break
             ring.append(at)
-        rings.append(tuple(ring))
+        rings.append(tuple(ring[:-1]))
     return rings
 
 
-def _turn(before: tuple[int, int], at: tuple[int, int], after: tuple[int, int]) -> int:
+def _edges(runs: Mapping[int, tuple[Run, ...]]) -> Iterator[tuple[Corner, Corner]]:
+    """Yield the edges between pixels and others, with the pixel to the right, y down."""
+    for row in sorted(set(runs) | {row + 1 for row in runs}):
+        above, here = runs.get(row - 1, ()), runs.get(row, ())
+        for begin, end in pairwise(sorted({end for run in (*above, *here) for end in run})):
+            is_above, is_here = (any(a <= begin < b for a, b in one) for one in (above, here))
+            if is_here and not is_above:
+                yield (begin, row), (end, row)
+            elif is_above and not is_here:
+                yield (end, row), (begin, row)
+        for begin, end in here:
+            yield (end, row), (end, row + 1)
+            yield (begin, row + 1), (begin, row)
+
+
+def _turn(before: Corner, at: Corner, after: Corner) -> int:
     """Return a number above 0 for a turn to the right, with y down."""
     return (at[0] - before[0]) * (after[1] - at[1]) - (at[1] - before[1]) * (after[0] - at[0])
 

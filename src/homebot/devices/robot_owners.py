@@ -29,7 +29,7 @@ _SOLE_NAMESPACE: Final = "/robot/"
 
 @final
 class RobotOwners:
-    """The robots of a house, and what is theirs.
+    """The robots of a house, with their topics and frames.
 
     Args:
         frames: The frames on ``/tf`` of each robot that do not begin with its name, by robot.
@@ -47,7 +47,7 @@ class RobotOwners:
     def of_topic(self, topic: str) -> str | None:
         """Return the robot that owns *topic*, a full name; empty if each robot may use it, None if it is no robot's.
 
-        The topics of a sole robot are nobody's where there are several: their owner is ``?``.
+        Where there are several robots, the topics of a sole one have the owner ``?``.
         """
         if topic in SHARED_TOPICS:
             return ""
@@ -82,5 +82,5 @@ class RobotOwners:
         return f"the robot {stated[:100]!r}" if stated and stated not in own else ""
 
     def _is_plain(self, frame: str) -> bool:
-        """Return whether *frame* names no robot, so that it is of the robot in whose namespace it is stated."""
+        """Return whether *frame* names no robot: stated in the namespace of a robot, it is that robot's."""
         return frame.partition("/")[0] not in self.names and frame not in self._by_frame

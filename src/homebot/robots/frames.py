@@ -27,7 +27,7 @@ class RobotFrames:
     """The frames that robots state.
 
     Args:
-        owners: The robots, and what is theirs.
+        owners: The robots, with their frames.
     """
 
     def __init__(self, owners: RobotOwners) -> None:

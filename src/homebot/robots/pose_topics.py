@@ -44,9 +44,10 @@ __all__ = ["PoseTopics"]
 REFUSED = "robots.refused"
 
 _POSE_ERROR: Final = 0.3
-"""Metres by which a position may be wrong whose source states no covariance."""
+"""Metres by which a position may be wrong if its source states no covariance."""
 
 _LEAST_ERROR: Final = 0.05
+_LONGEST_ROOM: Final = 100
 _DEPTH: Final = 100
 
 MessageT = TypeVar("MessageT", bound=Message)
@@ -93,7 +94,7 @@ class PoseTopics:
             self._read(RobotRoom, f"{own}/room", partial(self._on_room, robot, f"{own}/room"))
 
     def _read(self, message_type: type[MessageT], topic: str, handle: Callable[[MessageT], None]) -> None:
-        """Call *handle* with each message on *topic*, first with those that publishers keep for those who come late."""
+        """Call *handle* with each message on *topic*, first with those that publishers keep for late subscribers."""
         try:
             self._node.create_subscription(message_type, topic, handle, _DEPTH)
             if not self._is_kept(topic):
@@ -153,7 +154,7 @@ class PoseTopics:
         if message.robot != robot:
             self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
             return
-        self._tracker.add_room(robot, topic, message.room, TAG_LIMIT)
+        self._tracker.add_room(robot, topic, message.room[:_LONGEST_ROOM], TAG_LIMIT)
 
     def _add_pose(self, robot: str, evidence: PoseEvidence, pose: Pose, header: Header, frames_of: str) -> None:
         frame = self._frames.name_of(header.frame_id, frames_of)

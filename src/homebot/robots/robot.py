@@ -10,11 +10,11 @@ from homebot.robots.evidence import LOST_SIGMA, PoseEvidence
 __all__ = ["TrackedRobot"]
 
 _HYSTERESIS: Final = 2.0
-"""Seconds for which other evidence has to be better before it replaces what still counts."""
+"""Seconds for which other evidence has to be better before it replaces evidence that still counts."""
 
 _FASTEST: Final = 2.0
 _STEP: Final = 0.5
-"""Metres, beside three standard deviations and what the fastest robot drives, that a pose may jump."""
+"""Metres, beside three standard deviations and the way of the fastest robot, by which a pose may jump."""
 
 _CONSISTENT: Final = 3
 

@@ -1,4 +1,4 @@
-"""Rooms of robots from what else the house notices: motion sensors, tags that a robot reads, and poses by MQTT."""
+"""Places of robots from other sources of the house: motion sensors, tags that a robot reads, and poses by MQTT."""
 
 from __future__ import annotations
 

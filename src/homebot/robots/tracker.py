@@ -54,16 +54,16 @@ _TURNED: Final = 0.2
 
 
 class RobotTracker:
-    """Knows where each robot is.
+    """The places of all robots, from all that is known of them.
 
     Args:
         node: Its node.
-        owners: The robots, and what is theirs.
+        owners: The robots, with their topics and frames.
         settings: The tables of those that have one.
         house: The plan of the house, until the directory is asked for it.
 
     Attributes:
-        owners: The robots, and what is theirs.
+        owners: The robots, with their topics and frames.
         settings: The table of each robot.
         rooms: The rooms of the house.
         frames: The frames of the robots.
@@ -110,7 +110,7 @@ class RobotTracker:
             await anyio.sleep(_PACE)
 
     def _read_others(self) -> None:
-        """Read what the tables name beside the robots' own topics."""
+        """Read the further sources that the tables name."""
         node, topics = self._node, GatewayTopics(self._node)
         sensors = {}
         for name, table in self.settings.items():

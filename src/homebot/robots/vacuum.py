@@ -1,4 +1,4 @@
-"""A robot vacuum with Valetudo: its map, whose segments are rooms, and its position on it."""
+"""A robot vacuum with Valetudo: its map, with rooms as segments, and its position on it."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ class Plan:
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
 
     def robot_owners(self) -> RobotOwners:
-        """Return the robots that a table or the right of a token names, and what is theirs."""
+        """Return the robots that a table or the right of a token names, with their topics and frames."""
         return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
 
     @property

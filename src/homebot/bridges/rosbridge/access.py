@@ -146,7 +146,7 @@ class ClientAccess:
     Attributes:
         name: The name of its token, or ``local`` without one.
         rights: Its rights.
-        owners: The robots of the house, and what is theirs.
+        owners: The robots of the house, with their topics and frames.
         page: The origin of the web page, if it is one that ``allowed_origins`` does not name and has no token: it may
             neither manage homebot nor pass for its parts, nor be a robot.
     """

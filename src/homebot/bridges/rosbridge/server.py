@@ -62,7 +62,7 @@ class Door:
         settings: Address and access rules.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
-        owners: Returns the robots of the house, and what is theirs; by default those that the tokens name.
+        owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.

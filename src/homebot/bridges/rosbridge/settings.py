@@ -120,7 +120,7 @@ class DoorSettings(AccessSettings):
         return tuple(dict.fromkeys(one for one in named if one != ALL_ROBOTS))
 
     def robot_owners(self, tables: Mapping[str, tuple[str, ...]] = MappingProxyType({})) -> "RobotOwners":
-        """Return the robots that tokens may be or that have *tables*, with their frames, and what is theirs."""
+        """Return the robots that tokens may be or that have *tables*, with their topics and frames."""
         from homebot.devices.robot_owners import RobotOwners  # noqa: PLC0415 - with the first client
 
         return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})

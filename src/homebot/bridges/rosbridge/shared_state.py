@@ -100,7 +100,7 @@ class SharedState:
         counters: The counters.
         error_log: Logs mistakes of clients.
         refusals: Records requests without the right.
-        owners: Returns the robots of the house, and what is theirs.
+        owners: Returns the robots of the house, with their topics and frames.
         providers: The connection that provides each service and action, by its full name.
     """
 
