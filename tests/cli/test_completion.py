@@ -39,7 +39,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("line", "found"),
     [
         ("homebot to", {"token", "topic"}),
-        ("homebot topic ", {"echo", "hz", "info", "list", "pub"}),
+        ("homebot topic ", {"echo", "find", "hz", "info", "list", "pub", "type"}),
         ("homebot --door localhost:9090 ser", {"service"}),
         ("homebot devices --js", {"--json"}),
         ("homebot run --log-format ", {"console", "json"}),

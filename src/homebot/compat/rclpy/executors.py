@@ -1,7 +1,7 @@
-"""What programs import to catch the end of a spin."""
+"""The exception that programs of rclpy catch around a spin."""
 
 __all__ = ["ExternalShutdownException"]
 
 
 class ExternalShutdownException(Exception):
-    """The end of the graph while a node spins; here ``spin`` returns instead."""
+    """The end of the graph while a node spins; never raised here, since ``spin`` returns instead."""

@@ -46,7 +46,7 @@ class Node:
     """A node, which runs from here to :meth:`destroy_node`; its callbacks run while it spins.
 
     Args:
-        name: ``[A-Za-z0-9_]``.
+        node_name: ``[A-Za-z0-9_]``.
         namespace: Where its relative names begin.
         parameter_overrides: Values that replace the defaults of parameters declared later.
 
