@@ -6,7 +6,7 @@ ignoring case and accents, so no area can contain itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import ConfigError
@@ -94,7 +94,7 @@ class HouseDoor(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """Whether nothing but its rooms is stated."""
+        """True if its rooms alone are stated."""
         return self == HouseDoor(self.name, self.rooms)
 
 
@@ -236,10 +236,16 @@ def _joined(rooms: Iterable[HouseRoom], source: str, stated: Iterable[HouseDoor]
         found[fold(room.name)] = room
     if len(found) > MAX_ROOMS:
         raise ConfigError(source, _ROOMS, f"has {len(found):,} rooms; {MAX_ROOMS:,} is the limit")
-    doors: dict[str, dict[str, str]] = {key: {} for key in found}
     ends = [(room.name, name) for room in found.values() for name in room.doors]
-    for first, second in (*ends, *(door.rooms for door in stated)):
+    doors = _doors_of(found, (*ends, *(door.rooms for door in stated)))
+    return {key: room._replace(doors=doors[key]) for key, room in found.items()}
+
+
+def _doors_of(rooms: Mapping[str, HouseRoom], ends: Iterable[tuple[str, str]]) -> dict[str, tuple[str, ...]]:
+    """Return the rooms behind the doors of each room, as they are spelled, by folded name."""
+    doors: dict[str, dict[str, str]] = {key: {} for key in rooms}
+    for first, second in ends:
         for here, there in ((fold(first), second), (fold(second), first)):
             if here in doors:
-                doors[here].setdefault(fold(there), found[fold(there)].name if fold(there) in found else there)
-    return {key: room._replace(doors=tuple(doors[key].values())) for key, room in found.items()}
+                doors[here].setdefault(fold(there), rooms[fold(there)].name if fold(there) in rooms else there)
+    return {key: tuple(found.values()) for key, found in doors.items()}

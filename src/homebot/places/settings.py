@@ -16,7 +16,7 @@ from homebot.support.similar import did_you_mean
 
 __all__ = [
     "DeviceSettings",
-    "DoorSettings",
+    "HouseDoorSettings",
     "PlacesSettings",
     "RoomSettings",
     "check_floor",
@@ -106,7 +106,7 @@ class RoomSettings(BaseModel):
     polygon: _Areas = ()
 
 
-class DoorSettings(BaseModel):
+class HouseDoorSettings(BaseModel):
     """The table ``[[places.doors]]``, or ``[places.doors.NAME]``.
 
     Attributes:
@@ -167,7 +167,7 @@ class PlacesSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     rooms: dict[str, RoomSettings] = Field(default_factory=dict)
-    doors: Annotated[dict[str, DoorSettings], Field(max_length=4000)] = Field(default_factory=dict)
+    doors: Annotated[dict[str, HouseDoorSettings], Field(max_length=4000)] = Field(default_factory=dict)
     devices: dict[str, DeviceSettings] = Field(default_factory=dict)
 
 
@@ -263,7 +263,7 @@ def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, 
     return tuple(found)
 
 
-def _doors(tables: Mapping[str, DoorSettings], source: str) -> tuple[HouseDoor, ...]:
+def _doors(tables: Mapping[str, HouseDoorSettings], source: str) -> tuple[HouseDoor, ...]:
     found: dict[str, HouseDoor] = {}
     for key, door in tables.items():
         name = door_name(door.rooms) if key.startswith(_NUMBER) else key
