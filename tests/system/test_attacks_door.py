@@ -41,7 +41,7 @@ MOST_MEMORY = 150
 @pytest.fixture(scope="module")
 def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     with attacked(tmp_path_factory.mktemp("door")) as running:
-        running.toll()
+        until(lambda: "/robots" in running.toll().entities or None, PATIENCE)  # the robot of the house joins last
         yield running
 
 
