@@ -150,12 +150,12 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
             if self._preemption is Preemption.ABORT:
                 for goal in self.goals:
                     goal.revoke()
-            info = GoalInfo.of_checked(goal_id=request.goal_id, stamp=stamp)
+            info = GoalInfo(goal_id=request.goal_id, stamp=stamp)
             goal = ServerGoal(self._type, request.goal, info, self._publish_states, self._publish_feedback)
             self._goals[request.goal_id.uuid] = goal
             self._publish_states()
             self._node.create_task(partial(self._run, goal))
-        response: Message = self._type.SendGoal.Response.of_checked(accepted=accepted, stamp=stamp)
+        response: Message = self._type.SendGoal.Response(accepted=accepted, stamp=stamp)
         return response
 
     def _is_acceptable(self, goal_id: bytes) -> bool:
@@ -213,7 +213,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         return self._result_response(goal.state, result)
 
     def _result_response(self, state: GoalState, result: ResultT) -> Message:
-        response: Message = self._type.GetResult.Response.of_checked(status=int(state), result=result)
+        response: Message = self._type.GetResult.Response(status=int(state), result=result)
         return response
 
     async def _run(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
@@ -288,14 +288,12 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
     def _publish_states(self) -> None:
         if self._closed:
             return
-        states = tuple(
-            GoalStatus.of_checked(goal_info=goal.info, status=int(goal.state)) for goal in self._goals.values()
-        )
-        self._status.publish(GoalStatusArray.of_checked(status_list=states))
+        states = tuple(GoalStatus(goal_info=goal.info, status=int(goal.state)) for goal in self._goals.values())
+        self._status.publish(GoalStatusArray(status_list=states))
 
     def _publish_feedback(self, goal_id: UUID, feedback: FeedbackT) -> None:
-        self._feedback.publish(self._type.FeedbackMessage.of_checked(goal_id=goal_id, feedback=feedback))
+        self._feedback.publish(self._type.FeedbackMessage(goal_id=goal_id, feedback=feedback))
 
 
 def _cancel_response(code: int, *goals: GoalInfo) -> CancelGoalResponse:
-    return CancelGoalResponse.of_checked(return_code=code, goals_canceling=goals)
+    return CancelGoalResponse(return_code=code, goals_canceling=goals)
