@@ -45,7 +45,7 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
         return self._service("GetResult", {"goal_id": UUID}, {"status": Int8, "result": self.Result})
 
     @cached_property
-    def FeedbackMessage(self) -> type[Message]:  # noqa: N802 - ROS's name
+    def FeedbackMessage(self) -> type[Any]:  # noqa: N802 - ROS's name
         """The message of the topic ``feedback``: ``goal_id``, ``feedback``."""
         return self._message("FeedbackMessage", {"goal_id": UUID, "feedback": self.Feedback})
 
