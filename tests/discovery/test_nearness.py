@@ -10,6 +10,7 @@ from typing import Any
 import anyio
 import pytest
 
+from homebot.bridges.rosbridge.services import parse_queries
 from homebot.clock import LoopClock
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Devices, FindDevices, QueryDevices, Sighting
 from homebot.devices.command_messages import CommandResult
@@ -23,7 +24,7 @@ from homebot.devices.robot_messages import RobotPose
 from homebot.devices.services import QueryDevicesResponse
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.errors import RefusedError, UsageError
+from homebot.errors import RefusedError, ServiceFailedError, UsageError
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
 from homebot.messages import Time
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
@@ -300,3 +301,15 @@ async def test_a_name_that_nothing_has_is_refused(
             await (devices.find(Light, **filters) if ask == "find" else anext(devices.follow(Light, **filters)))
         assert problem in str(caught.value)
         assert str(caught.value).startswith(f"{ask}(Light, ")
+
+
+async def test_the_service_for_devices_refuses_a_misspelt_room_where_it_is_asked_to(golden: Golden) -> None:
+    """The door asks it to for each query as text."""
+    async with golden() as house:
+        find = house.app.create_client(FindDevices, FIND_DEVICES)
+        wanted = query_terms(parse_query("lamp in Hal"))
+        assert (await find.call(FindDevices.Request(query=wanted))).devices == ()
+        with pytest.raises(ServiceFailedError, match="no device is in 'hal'; did you mean Hall"):
+            await find.call(FindDevices.Request(query=wanted, is_checked=True))
+        values, _ = parse_queries(FindDevices.Request, {"query": "lamp in Hal"})
+        assert values["is_checked"] is True

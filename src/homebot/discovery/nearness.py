@@ -6,9 +6,11 @@ Loaded with the first query that asks for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
+from itertools import chain, islice
 from typing import Final, final
 
 from homebot.devices import Device
@@ -19,10 +21,10 @@ from homebot.devices.robot_messages import RobotPose
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.past_outcomes import PastOutcomes
 from homebot.discovery.search.near_rank import CostTerm, Doors, DoorState, NearDevice, ago_text, cost_text, nearest
-from homebot.discovery.search.rank import rank, shortcomings
+from homebot.discovery.search.rank import best_score, scorer_of, shortcomings
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
-from homebot.places import HousePlan, Position, position_of
+from homebot.places import HouseDoor, HousePlan, Position, position_of
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.path import PathFinder, Place
 from homebot.support.folding import fold
@@ -37,6 +39,9 @@ _POSES_QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_
 _ANY_ROBOT: Final = "robot"
 _WALL: Final = math.inf
 
+_MOST_LEFT_OUT: Final = 20
+"""Devices named that fit, but are not results."""
+
 
 @dataclass(frozen=True, slots=True)
 class NearAnswer:
@@ -45,7 +50,7 @@ class NearAnswer:
     Attributes:
         found: The best of them, best first.
         total: How many there are.
-        left_out: Of those that fit otherwise and are not among them, the id and the reason.
+        left_out: Of some that fit otherwise and may not be commanded, or not be reached, the id and the reason.
         pose: The pose of the robot.
         room: Its room.
         age: Seconds since that was received.
@@ -95,11 +100,14 @@ class Nearness:
         self._plan: HousePlan | None = None
         self._floor_plan = FloorPlan.of(index.owner.plan)
         self._finder = PathFinder({}, ())
+        self._doors: dict[str, HouseDoor] = {}
+        self._lockable: list[str] = []
+        self._static_doors: dict[str, DoorState] = {}
         self._errors: dict[str, CostTerm] = {}
         self._rooms_alone: set[str] = set()
         self._sequence = 0
 
-    def find(self, near: IsNear, rest: Query, found: Iterable[str], limit: int = 0) -> NearAnswer:
+    def find(self, near: IsNear, rest: Query, found: AbstractSet[str], limit: int = 0) -> NearAnswer:
         """Return the devices near a robot.
 
         Args:
@@ -118,25 +126,32 @@ class Nearness:
         _check(pose, age)
         self._update_places()
         start = self._start(pose)
-        states = lru_cache(maxsize=None)(self._door)
-        scores = dict(_swapped(rank(rest, found, self._index.postings)))
-        forbidden = self._forbidden(rest, scores)
-        for device_id, _ in forbidden:
-            del scores[device_id]
-        best = max(scores.values(), default=0.0)
+        states = _DoorStates(self._static_doors, self._door)
+        locked = frozenset(name for name in self._lockable if math.isinf(states[name].metres))
+        forbidden = self._forbidden(rest, found)
+        wanted = found - {device_id for device_id, _ in forbidden} if forbidden else found
+        score_of = scorer_of(rest, self._index.postings)
+        best = best_score(rest, wanted, score_of)
 
         def terms(device_id: str) -> Iterator[CostTerm]:
             if (error := self._errors.get(device_id)) is not None:
                 yield error
-            if scores[device_id] < best:
-                yield CostTerm(best - scores[device_id], shortcomings(self._index.postings.facets(device_id)))
+            if (score := score_of(device_id)) < best:
+                yield CostTerm(best - score, shortcomings(self._index.postings.facets(device_id)))
             yield from self._outcomes.term(device_id)
 
         devices, reached = nearest(
-            self._finder, start, states, scores, lambda one: tuple(terms(one)), within=near.within, limit=limit
+            self._finder,
+            start,
+            states.__getitem__,
+            wanted,
+            lambda one: tuple(terms(one)),
+            locked=locked,
+            within=near.within,
+            limit=limit,
         )
-        left_out = [*forbidden, *self._not_reached(scores, reached, start, states)]
-        return NearAnswer(devices, len(reached), left_out, pose, start.room, age, states)
+        left_out = list(islice(chain(forbidden, self._not_reached(wanted - reached, start, locked)), _MOST_LEFT_OUT))
+        return NearAnswer(devices, len(reached), left_out, pose, start.room, age, states.__getitem__)
 
     def is_exact(self, device_id: str) -> bool:
         """Return whether more is known of the place of a device than its room."""
@@ -186,6 +201,11 @@ class Nearness:
         if plan is not self._plan or self._sequence < recent.forgotten:
             self._plan, self._floor_plan = plan, FloorPlan.of(plan)
             self._finder = self._floor_plan.path_finder()
+            self._doors = {door.name: door for door in plan.doors}
+            self._lockable = [door.name for door in plan.doors if door.lock]
+            self._static_doors = {
+                door.name: self._door(door.name) for door in plan.doors if not (door.lock or door.contact)
+            }
             self._errors.clear()
             self._rooms_alone.clear()
             for device in index.devices():
@@ -236,7 +256,7 @@ class Nearness:
 
     def _door(self, name: str) -> DoorState:
         """Return the state of the door *name*: a lock outranks the contact, and one without a contact is open."""
-        door = next(one for one in self._floor_plan.plan.doors if one.name == name)
+        door = self._doors[name]
         lock = self._state(door.lock, "lock")
         if lock is not None and lock[0].value.plain() == "locked":
             return DoorState((CostTerm(_WALL, f"is locked {self._told(lock, 'lock')}"),))
@@ -276,25 +296,31 @@ class Nearness:
         return [(one, "it waits for the owner's approval") for one in devices if one in waiting]
 
     def _not_reached(
-        self, devices: Iterable[str], reached: Iterable[str], start: Place, doors: Doors
+        self, devices: AbstractSet[str], start: Place, locked: frozenset[str]
     ) -> Iterator[tuple[str, str]]:
         """Yield the devices without a way, with the reason; not those that are merely too far away."""
-        near = frozenset(reached)
-        rooms: set[str] | None = None
+        rooms = self._finder.reachable_rooms(start.room, locked)
+        reason = f": {', '.join(sorted(locked))} is locked" if len(locked) == 1 else ""
         for one in devices:
-            if one in near:
-                continue
             place = self._finder.place_of(one)
-            if rooms is None:
-                rooms = self._finder.reachable_rooms(start.room, lambda door: doors(door).metres)
             if place is None:
                 yield one, "its room is not known"
             elif place.room not in rooms:
-                yield one, f"no way leads to {place.room}{self._locked(doors)}"
+                yield one, f"no way leads to {place.room}{reason}"
 
-    def _locked(self, doors: Doors) -> str:
-        locked = [door.name for door in self._floor_plan.plan.doors if math.isinf(doors(door.name).metres)]
-        return f": {', '.join(locked)} is locked" if len(locked) == 1 else ""
+
+@final
+class _DoorStates(dict[str, DoorState]):
+    """The states of doors during one query, each looked up once; those without a contact and a lock never change."""
+
+    def __init__(self, static: Mapping[str, DoorState], read: Callable[[str], DoorState]) -> None:
+        super().__init__()
+        self._static = static
+        self._read = read
+
+    def __missing__(self, name: str) -> DoorState:
+        state = self[name] = self._static.get(name) or self._read(name)
+        return state
 
 
 def _check(pose: RobotPose, age: float) -> None:
@@ -310,7 +336,3 @@ def _check(pose: RobotPose, age: float) -> None:
         problem = f"{pose.robot} is not sure where it is; it was moved, or has lost its way"
     if problem:
         raise RefusedError("what is near it", problem)
-
-
-def _swapped(ranked: Iterable[tuple[float, str]]) -> Iterator[tuple[str, float]]:
-    return ((device, score) for score, device in ranked)

@@ -63,9 +63,6 @@ __all__ = ["DirectoryServices"]
 _FEW = 10
 """Changes published, and devices made findable, before others get their turn."""
 
-_MOST_LEFT_OUT = 20
-"""Devices named that fit, but cannot be reached."""
-
 _MOST_TURNS = 1000
 """Turns that others get before an answer, so that none waits for a flood to end."""
 
@@ -202,7 +199,7 @@ class DirectoryServices:
             total=answer.total,
             sequence=index.sequence,
             pose_age=answer.age,
-            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in answer.left_out[:_MOST_LEFT_OUT]),
+            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in answer.left_out),
         )
 
     @cached_property

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from bisect import insort
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
@@ -75,7 +76,7 @@ class Paths(Protocol):
         """Return metres between two points."""
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, repr=False)
 class _Gate:
     """One way through a door, as seen from one of its rooms.
 
@@ -114,6 +115,7 @@ class PathFinder:
         self._gates: dict[str, list[_Gate]] = {}
         self._targets: dict[str, Place] = {}
         self._in_room: dict[str, set[str]] = {}
+        self._reachable: dict[tuple[str, frozenset[str]], AbstractSet[str]] = {}
         for doorway in doorways:
             self._add(doorway)
         for gates in self._gates.values():
@@ -147,32 +149,50 @@ class PathFinder:
         """Return the place of a target."""
         return self._targets.get(target)
 
-    def reachable_rooms(self, room: str, crossing: Crossing) -> set[str]:
-        """Return the rooms to which a way leads from *room*, that itself included."""
+    def reachable_rooms(self, room: str, locked: frozenset[str] = frozenset()) -> AbstractSet[str]:
+        """Return the rooms to which a way leads from *room*, that itself included, but for the *locked* doors."""
+        known = self._reachable.get((room, locked))
+        if known is not None:
+            return known
         found, waiting = {room}, [room]
         while waiting:
             for gate in self._gates.get(waiting.pop(), ()):
                 other = gate.other
-                if other is not None and other.room not in found and not math.isinf(crossing(gate.door)):
+                if other is not None and other.room not in found and gate.door not in locked:
                     found.add(other.room)
                     waiting.append(other.room)
+        self._reachable = {(room, locked): found}
         return found
 
-    def nearest(self, start: Place, crossing: Crossing) -> Iterator[Route]:
-        """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first."""
+    def reachable(self, targets: AbstractSet[str], room: str, locked: frozenset[str] = frozenset()) -> set[str]:
+        """Return those of *targets* to which a way leads from *room*."""
+        rooms = self.reachable_rooms(room, locked)
+        placed = targets & self._targets.keys()
+        if all(one in rooms for one, there in self._in_room.items() if there):
+            return placed
+        return {one for one in placed if self._targets[one].room in rooms}
+
+    def nearest(self, start: Place, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Route]:
+        """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
+
+        Args:
+            start: Where the ways begin.
+            crossing: What going through each door costs.
+            wanted: The only targets to look for; None for all.
+        """
         order = count()  # ties are broken by the order in which they were found
         heap: list[tuple[float, int, _Found]] = []
 
         def push(found: _Found) -> None:
             heappush(heap, (found.step.path + found.step.extra, next(order), found))
 
-        here = _Step(0.0, 0.0, ())
-        for target in sorted(self._in_room.get(start.room, ())):
+        here_too: AbstractSet[str] = self._in_room.get(start.room, set())
+        for target in sorted(here_too if wanted is None else here_too & wanted):
             point = self._targets[target].point
             lower = math.dist(start.point, point) if start.point is not None and point is not None else HALF_HOP
-            push(_Found(here._replace(path=lower), target=target, is_estimate=True))
+            push(_Found(_Step(lower, 0.0, ()), target=target, is_estimate=True))
         for gate in self._gates.get(start.room, ()):
-            push(_Found(here._replace(path=self._inside(start.room, start.point, gate.point, HALF_HOP)), gate=gate))
+            push(_Found(_Step(self._inside(start.room, start.point, gate.point, HALF_HOP), 0.0, ()), gate=gate))
         settled: set[_Gate] = set()
         done: set[str] = set()
         while heap:
@@ -180,39 +200,35 @@ class PathFinder:
             if found.gate is not None:
                 if found.gate not in settled:
                     settled.add(found.gate)
-                    self._leave(found.gate, found.step, crossing, push)
+                    self._leave(found.gate, found.step, crossing, wanted, push)
                 continue
             if found.near:
-                self._push_next(found, push)
+                _push_next(found, found.rank + 1, wanted, push)
             if found.target in done:
                 continue
             if found.is_estimate:
                 exact = self._inside(start.room, start.point, self._targets[found.target].point, HALF_HOP)
-                push(_Found(found.step._replace(path=exact), target=found.target))
+                push(_Found(_Step(exact, 0.0, ()), target=found.target))
                 continue
             done.add(found.target)
             yield Route(found.target, found.step.path, found.step.extra, found.step.doors)
 
-    def _leave(self, gate: _Gate, step: _Step, crossing: Crossing, push: Callable[[_Found], None]) -> None:
+    def _leave(
+        self,
+        gate: _Gate,
+        step: _Step,
+        crossing: Crossing,
+        wanted: AbstractSet[str] | None,
+        push: Callable[[_Found], None],
+    ) -> None:
         """Go through *gate*: to the targets of the room behind it, and to the gates of that room."""
         extra = crossing(gate.door)
         if gate.other is None or math.isinf(extra):
             return
         entered = _Step(step.path, step.extra + extra, (*step.doors, gate.door))
-        near = self._near(gate.other)
-        if near:
-            push(
-                _Found(entered._replace(path=entered.path + near[0][0]), target=near[0][1], near=near, entered=entered)
-            )
+        _push_next(_Found(entered, near=self._near(gate.other), entered=entered), 0, wanted, push)
         for distance, further in gate.other.ways:
-            push(_Found(entered._replace(path=entered.path + distance), gate=further))
-
-    def _push_next(self, found: _Found, push: Callable[[_Found], None]) -> None:
-        rank = found.rank + 1
-        if rank < len(found.near):
-            distance, target = found.near[rank]
-            step = found.entered._replace(path=found.entered.path + distance)
-            push(found._replace(step=step, target=target, rank=rank))
+            push(_Found(_Step(entered.path + distance, entered.extra, entered.doors), gate=further))
 
     def _near(self, gate: _Gate) -> list[tuple[float, str]]:
         if gate.near is None:
@@ -248,3 +264,14 @@ class _Found(NamedTuple):
     near: Sequence[tuple[float, str]] = ()
     entered: _Step = _Step(0.0, 0.0, ())
     rank: int = 0
+
+
+def _push_next(found: _Found, rank: int, wanted: AbstractSet[str] | None, push: Callable[[_Found], None]) -> None:
+    """Push the next wanted target behind the gate of *found*, from the one of *rank* on."""
+    near = found.near
+    while rank < len(near) and wanted is not None and near[rank][1] not in wanted:
+        rank += 1
+    if rank < len(near):
+        distance, target = near[rank]
+        path, extra, doors = found.entered
+        push(_Found(_Step(path + distance, extra, doors), None, target, False, near, found.entered, rank))  # noqa: FBT003

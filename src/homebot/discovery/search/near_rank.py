@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from bisect import insort
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
+from collections.abc import Set as AbstractSet
 from itertools import takewhile
 from typing import NamedTuple, TypeAlias, final
 
@@ -69,12 +70,13 @@ def nearest(
     finder: PathFinder,
     start: Place,
     doors: Doors,
-    wanted: Collection[str],
+    wanted: AbstractSet[str],
     terms: Terms,
     *,
+    locked: frozenset[str] = frozenset(),
     within: float = math.inf,
     limit: int = 0,
-) -> tuple[list[NearDevice], Collection[str]]:
+) -> tuple[list[NearDevice], AbstractSet[str]]:
     """Return the best *limit* of the *wanted* devices, best first, and all of them that can be reached.
 
     Args:
@@ -83,6 +85,7 @@ def nearest(
         doors: The state of each door.
         wanted: The ids of the devices that fit otherwise.
         terms: What speaks against each.
+        locked: The doors that are walls.
         within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
         limit: How many; 0 for all.
     """
@@ -91,28 +94,22 @@ def nearest(
         return doors(door).metres
 
     def passing(door: str) -> float:
-        return math.inf if math.isinf(crossing(door)) else 0.0
+        return math.inf if door in locked else 0.0
 
     if math.isinf(within):
-        rooms = finder.reachable_rooms(start.room, crossing)
-        near: Collection[str] = [
-            one for one in wanted if (place := finder.place_of(one)) is not None and place.room in rooms
-        ]
+        near = finder.reachable(wanted, start.room, locked)
     else:
-        routes = takewhile(lambda route: route.path <= within, finder.nearest(start, passing))
-        near = [route.target for route in routes if route.target in wanted]
+        routes = takewhile(lambda route: route.path <= within, finder.nearest(start, passing, wanted))
+        near = {route.target for route in routes}
     found: list[NearDevice] = []
-    left = set(near)
-    for route in finder.nearest(start, crossing) if left else ():
+    for route in finder.nearest(start, crossing, near):
         way = route.path + route.extra
         if limit and len(found) >= limit and way >= found[limit - 1].cost:
             break
-        if route.target in left:
-            left.discard(route.target)
-            own = tuple(terms(route.target))
-            insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))
-            if not left:
-                break
+        own = tuple(terms(route.target))
+        insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))
+        if len(found) == len(near):
+            break
     return (found[:limit] if limit else found), near
 
 

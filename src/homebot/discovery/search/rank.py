@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import TypeAlias
@@ -11,7 +12,7 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of
 
-__all__ = ["Ranked", "rank", "reasons", "shortcomings"]
+__all__ = ["Ranked", "best_score", "rank", "reasons", "scorer_of", "shortcomings"]
 
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
@@ -24,15 +25,34 @@ _GUESSED = (-1.0, "its type was guessed")
 
 def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
     """Return the devices *found* by *query*, best first, equally good ones by id."""
+    score = scorer_of(query, postings)
+    return [(-worse, one) for worse, one in sorted([(-score(one), one) for one in found])]
+
+
+def scorer_of(query: Query, postings: Postings) -> Callable[[str], float]:
+    """Return the function for the score of a device that was found by *query*."""
     scorers = [scorer for term in _terms(query) if (scorer := _scorer(term)) is not None]
-    scored = []
-    for one in found:
-        facets = postings.facets(one)
+    facets_of = postings.facets
+
+    def score_of(device_id: str) -> float:
+        facets = facets_of(device_id)
         score = _status_score(facets)
         for scorer in scorers:
             score += scorer(facets)
-        scored.append((-score, one))
-    return [(-score, one) for score, one in sorted(scored)]
+        return score
+
+    return score_of
+
+
+def best_score(query: Query, found: Iterable[str], score_of: Callable[[str], float]) -> float:
+    """Return the best score of the devices *found*; most houses have one that nothing can surpass."""
+    highest = _FRESHNESS["fresh"][0] + sum(_HIGHEST.get(type(term), 0.0) for term in _terms(query))
+    best = -math.inf
+    for one in found:
+        best = max(best, score_of(one))
+        if best >= highest:
+            break
+    return best
 
 
 def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]:
@@ -78,6 +98,7 @@ def _scorer(term: Query) -> Callable[[Facets], float] | None:
 
 _BEST = 3.0
 _IN_AREA = 2.0
+_HIGHEST: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 6.0, FactIs: 1.0}
 
 
 def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
