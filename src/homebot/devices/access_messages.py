@@ -59,7 +59,7 @@ class DefineTypeRequest(Message):
 
 
 class DefineTypeResponse(ServiceAnswer):
-    """Whether the type is known now; it stays until homebot ends.
+    """The result of defining a type, which stays until homebot ends.
 
     Attributes:
         type_hash: Its hash in ROS 2 (RIHS01).

@@ -1,4 +1,4 @@
-"""What is near a robot: the ways of the floor plan, the places of devices, poses and doors, as they are now.
+"""Devices near a robot: by the ways of the floor plan, the places of devices, poses and doors, as they are now.
 
 Loaded with the first query that asks for it.
 """

@@ -1,4 +1,4 @@
-"""How commands to each device ended lately: a device that often fails is not the right one."""
+"""Recent outcomes of the commands to each device: one that often fails is not the right one."""
 
 from __future__ import annotations
 

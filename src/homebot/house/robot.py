@@ -10,10 +10,10 @@ from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
 from homebot.house.simulated_device import SimulatedDevice
 
-__all__ = ["Robot", "RobotPose"]
+__all__ = ["Robot", "SimulatedPose"]
 
 
-class RobotPose(NamedTuple):
+class SimulatedPose(NamedTuple):
     """A position and the direction of view.
 
     Attributes:
@@ -57,7 +57,7 @@ class Robot(SimulatedDevice):
 
     def __post_init__(self) -> None:
         start = self.rooms.rooms[self.room]
-        self._from = self._at_rest = RobotPose(start.x, start.y, 0.0)
+        self._from = self._at_rest = SimulatedPose(start.x, start.y, 0.0)
         self._left_at = self.now
         self._ahead: tuple[_Leg, ...] = ()
 
@@ -74,14 +74,14 @@ class Robot(SimulatedDevice):
         """True while it is on its way."""
         return bool(self._ahead)
 
-    def pose(self) -> RobotPose:
+    def pose(self) -> SimulatedPose:
         """Return where it is at :attr:`now`."""
         if not self._ahead:
             return self._at_rest
         goal = self._ahead[0]
         share = (self.now - self._left_at) / self._leg()
         heading = math.atan2(goal.y - self._from.y, goal.x - self._from.x)
-        return RobotPose(
+        return SimulatedPose(
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
 
@@ -140,7 +140,7 @@ class Robot(SimulatedDevice):
         self._left_at += self._leg()
         leg, self._ahead = self._ahead[0], self._ahead[1:]
         self.room = leg.room
-        self._from = self._at_rest = RobotPose(leg.x, leg.y, heading)
+        self._from = self._at_rest = SimulatedPose(leg.x, leg.y, heading)
         return (self.room,)
 
     def _leg(self) -> float:

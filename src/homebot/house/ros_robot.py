@@ -10,7 +10,7 @@ import anyio
 
 from homebot.graph import Node, qos_profile_latched
 from homebot.house.floor_map import occupancy_grid
-from homebot.house.robot import Robot, RobotPose
+from homebot.house.robot import Robot, SimulatedPose
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import (
@@ -72,7 +72,7 @@ class RosRobot:
         self._woken = anyio.Event()
         self._charge = 1.0
         self._charged_at = self._clock.monotonic()
-        self._last: RobotPose | None = None
+        self._last: SimulatedPose | None = None
         map_publisher = node.create_publisher(OccupancyGrid, "/map", qos_profile_latched)
         static = node.create_publisher(TFMessage, "/tf_static", qos_profile_latched)
         self._tf = node.create_publisher(TFMessage, "/tf", 100)
@@ -117,7 +117,7 @@ class RosRobot:
             self._publish_pose(pose)
         self._publish_battery(robot)
 
-    def _publish_pose(self, pose: RobotPose) -> None:
+    def _publish_pose(self, pose: SimulatedPose) -> None:
         covariance = [0.0] * 36
         covariance[0] = covariance[7] = covariance[35] = _VARIANCE
         header = Header(stamp=self.stamp(), frame_id="map")
@@ -146,7 +146,7 @@ class RosRobot:
         return TransformStamped(header=header, child_frame_id=child, transform=transform)
 
 
-def ros_pose(pose: RobotPose) -> Pose:
+def ros_pose(pose: SimulatedPose) -> Pose:
     """Return *pose* as a message."""
     return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turned(pose.heading))
 
@@ -155,6 +155,6 @@ def _turned(yaw: float) -> Quaternion:
     return Quaternion(x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
 
 
-def _has_moved(before: RobotPose, pose: RobotPose) -> bool:
+def _has_moved(before: SimulatedPose, pose: SimulatedPose) -> bool:
     turned = abs(math.remainder(pose.heading - before.heading, math.tau))
     return math.dist(before[:2], pose[:2]) >= _MOVED or turned >= _TURNED

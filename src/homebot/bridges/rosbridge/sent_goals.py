@@ -34,7 +34,7 @@ _MOST_TURNS = 100
 """Turns for which the result of a goal waits for its feedback."""
 
 
-class _Sent:
+class _SentGoal:
     """A goal on its way: to be accepted, or accepted."""
 
     def __init__(self, op: SendActionGoal) -> None:
@@ -72,7 +72,7 @@ class SentGoals:
         self._outbox = outbox
         self._tasks = tasks
         self._counters = counters
-        self._goals: dict[object, _Sent] = {}
+        self._goals: dict[object, _SentGoal] = {}
         self._clients: dict[str, ActionClient[Any, Any, Any]] = {}
 
     def __len__(self) -> int:
@@ -100,7 +100,7 @@ class SentGoals:
         client = self._clients.get(name)
         if client is None:
             client = self._clients[name] = ActionClient(self._node, action_type, name)
-        sent = _Sent(op)
+        sent = _SentGoal(op)
         self._goals[sent if op.id is None else op.id] = sent
         self._tasks.start_soon(self._run, client, sent, request)
 
@@ -134,7 +134,7 @@ class SentGoals:
             return message_from_client(goal_type, values)
         return partial_message_from_client(goal_type, values)[0]
 
-    async def _run(self, client: ActionClient[Any, Any, Any], sent: _Sent, request: Message) -> None:
+    async def _run(self, client: ActionClient[Any, Any, Any], sent: _SentGoal, request: Message) -> None:
         """Wait for the end of a goal and answer it."""
         op, status = sent.op, GoalState.UNKNOWN
         try:
@@ -156,10 +156,10 @@ class SentGoals:
                 self._clients.pop(client.action_name).close()
         self._outbox.answer(frame)
 
-    def _uses(self, client: ActionClient[Any, Any, Any], sent: _Sent) -> bool:
+    def _uses(self, client: ActionClient[Any, Any, Any], sent: _SentGoal) -> bool:
         return self._node.resolve_name(sent.op.action, "action name") == client.action_name
 
-    def _forward(self, sent: _Sent, feedback: Message) -> None:
+    def _forward(self, sent: _SentGoal, feedback: Message) -> None:
         op = sent.op
         if self._goals.get(sent if op.id is None else op.id) is not sent:
             return

@@ -240,7 +240,7 @@ class Door:
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
         from homebot.bridges.rosbridge.session import (  # noqa: PLC0415 - loaded with the first client
-            ClientLink,
+            DoorLink,
             ClientSession,
         )
 
@@ -269,7 +269,7 @@ class Door:
         rights, page = self._rights[name], self._unnamed_page(connection)
         address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
         is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
-        link = ClientLink(send, cut, ping, is_excused)
+        link = DoorLink(send, cut, ping, is_excused)
         session = ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
         self._sessions[connection] = session
         try:

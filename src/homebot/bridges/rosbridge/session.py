@@ -57,14 +57,14 @@ from homebot.support.rate_limit import RateLimit
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.actions import ClientActions
 
-__all__ = ["ClientLink", "ClientSession"]
+__all__ = ["DoorLink", "ClientSession"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
 
-class ClientLink(NamedTuple):
+class DoorLink(NamedTuple):
     """A connection to a client.
 
     Attributes:
@@ -104,7 +104,7 @@ class ClientSession:
         rights: ClientRights,
         page: str,
         client: str,
-        link: ClientLink,
+        link: DoorLink,
         *,
         is_roslibpy: bool,
     ) -> None:
