@@ -240,8 +240,8 @@ class Door:
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
         from homebot.bridges.rosbridge.session import (  # noqa: PLC0415 - loaded with the first client
-            DoorLink,
             ClientSession,
+            DoorLink,
         )
 
         async def send(frame: str | bytes) -> None:

@@ -57,7 +57,7 @@ from homebot.support.rate_limit import RateLimit
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.actions import ClientActions
 
-__all__ = ["DoorLink", "ClientSession"]
+__all__ = ["ClientSession", "DoorLink"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _ANSWERS = 1_048_576
