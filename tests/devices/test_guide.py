@@ -37,8 +37,8 @@ KINDS = sorted(
 
 
 HANDLES = (
-    "| kind | device type | conditions, besides `area`, `name`, `tag`, `reachable`, `fresh`, `category` "
-    "| properties | commands |"
+    "| kind | device type | conditions, besides `area`, `name`, `tag`, `reachable`, `fresh`, `category`, `near`, "
+    "`within` | properties | commands |"
 )
 
 
@@ -98,7 +98,8 @@ def test_the_table_of_handles_lists_their_conditions_and_commands(kind: type[Han
     assert set(found_by) == kind.service_types
     assert rest[0] == asked
     assert [set(cell) for cell in rest[1:]] == [properties, commands]
-    assert list(CommonFilters.__annotations__) == ["area", "name", "tag", "reachable", "fresh", "category"]
+    common = ["area", "name", "tag", "reachable", "fresh", "category", "near", "within"]
+    assert list(CommonFilters.__annotations__) == common
 
 
 def test_every_kind_has_a_row() -> None:
@@ -172,6 +173,6 @@ async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.Mon
 
 def test_the_commands_that_it_shows_are_known() -> None:
     commands = re.findall(r"^\$ homebot (.*?)\s+#", FILE.read_text(), re.MULTILINE)
-    assert len(commands) == 14
+    assert len(commands) == 16
     for command in commands:
         assert make_parser().parse_args(shlex.split(command)).command

@@ -11,7 +11,7 @@ import pytest
 
 from homebot.errors import ConfigError
 from homebot.places import FloorPlan, HouseDoor, HousePlan, HouseRoom, Position, places_text, read_places
-from homebot.places.path import Place
+from homebot.places.path import Spot
 from homebot.support.toml_file import parse_toml
 
 CASES = json.loads((Path(__file__).parent / "data" / "room_cases.json").read_text())
@@ -58,7 +58,7 @@ def test_the_lamp_behind_the_wall_is_farther_in_a_configured_house() -> None:
         assert place is not None
         finder.put(name, place)
 
-    routes = list(finder.nearest(Place("Hall", (3.5, 1.0)), lambda _: 3.0))
+    routes = list(finder.nearest(Spot("Hall", (3.5, 1.0)), lambda _: 3.0))
 
     assert [(one.target, round(one.path + one.extra, 2)) for one in routes] == [
         ("hall lamp", 2.5),

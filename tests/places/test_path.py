@@ -8,20 +8,20 @@ from random import Random
 
 import pytest
 
-from homebot.places.path import Doorway, PathFinder, Place, Route
+from homebot.places.path import Doorway, PathFinder, Spot, Way
 from homebot.places.polygon import Point, Polygon
 from homebot.places.room_paths import RoomPaths
 
 HALL = RoomPaths(Polygon(((0, 0), (4, 0), (4, 5), (0, 5))))
 KITCHEN = RoomPaths(Polygon(((4, 0), (8, 0), (8, 5), (4, 5))))
 DOOR = Doorway("Hall-Kitchen", ("Hall", "Kitchen"), (((4.0, 4.5), (4.0, 4.5)),))
-ROBOT = Place("Hall", (3.5, 1.0))
+ROBOT = Spot("Hall", (3.5, 1.0))
 
 
 def two_rooms() -> PathFinder:
     finder = PathFinder({"Hall": HALL, "Kitchen": KITCHEN}, [DOOR])
-    finder.put("kitchen lamp", Place("Kitchen", (4.5, 1.0)))
-    finder.put("hall lamp", Place("Hall", (1.0, 1.0)))
+    finder.put("kitchen lamp", Spot("Kitchen", (4.5, 1.0)))
+    finder.put("hall lamp", Spot("Hall", (1.0, 1.0)))
     return finder
 
 
@@ -47,16 +47,16 @@ def test_a_route_says_its_doors_and_keeps_their_cost_apart() -> None:
     (_, kitchen) = two_rooms().nearest(ROBOT, lambda _: 3.0)
 
     assert kitchen.path == pytest.approx(7.071, abs=0.001)
-    assert kitchen == Route("kitchen lamp", kitchen.path, 3.0, ("Hall-Kitchen",))
+    assert kitchen == Way("kitchen lamp", kitchen.path, 3.0, ("Hall-Kitchen",))
 
 
 def test_rooms_without_shape_are_four_metres_apart() -> None:
     finder = PathFinder({}, [Doorway("a-b", ("a", "b")), Doorway("b-c", ("b", "c"))])
-    finder.put("near", Place("a"))
-    finder.put("next", Place("b"))
-    finder.put("far", Place("c"))
+    finder.put("near", Spot("a"))
+    finder.put("next", Spot("b"))
+    finder.put("far", Spot("c"))
 
-    found = [(one.target, one.path) for one in finder.nearest(Place("a"), lambda _: 0.0)]
+    found = [(one.target, one.path) for one in finder.nearest(Spot("a"), lambda _: 0.0)]
 
     assert found == [("near", 2.0), ("next", 4.0), ("far", 8.0)]
 
@@ -65,7 +65,7 @@ def test_a_target_that_moves_is_found_at_its_new_place_alone() -> None:
     finder = two_rooms()
     list(finder.nearest(ROBOT, lambda _: 0.0))
 
-    finder.put("hall lamp", Place("Kitchen", (4.0, 4.4)))
+    finder.put("hall lamp", Spot("Kitchen", (4.0, 4.4)))
     finder.discard("kitchen lamp")
 
     assert [one.target for one in finder.nearest(ROBOT, lambda _: 0.0)] == ["hall lamp"]
@@ -123,11 +123,11 @@ def test_the_order_and_the_distances_equal_those_of_brute_force(seed: int) -> No
     targets = {}
     for number in range(60):
         i, j = random.randrange(columns), random.randrange(rows)
-        targets[f"t{number}"] = Place(f"{i}{j}", (i + random.random(), j + random.random()))
+        targets[f"t{number}"] = Spot(f"{i}{j}", (i + random.random(), j + random.random()))
     finder = PathFinder({name: RoomPaths(shape) for name, shape in rooms.items()}, doors)
     for name, place in targets.items():
         finder.put(name, place)
-    start = Place("00", (0.5, 0.5))
+    start = Spot("00", (0.5, 0.5))
 
     found = {one.target: one.path + one.extra for one in finder.nearest(start, costs.__getitem__)}
 
@@ -136,7 +136,7 @@ def test_the_order_and_the_distances_equal_those_of_brute_force(seed: int) -> No
 
 
 def brute_force(
-    start: Place, doors: list[Doorway], costs: dict[str, float], targets: dict[str, Place]
+    start: Spot, doors: list[Doorway], costs: dict[str, float], targets: dict[str, Spot]
 ) -> dict[str, float]:
     """All targets by distance, by going from room to room with a plain Dijkstra over doors."""
     best: dict[tuple[str, str], float] = {}

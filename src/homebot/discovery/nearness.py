@@ -26,7 +26,7 @@ from homebot.errors import RefusedError, UsageError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.places import HouseDoor, HousePlan, Position, position_of
 from homebot.places.floor_plan import FloorPlan
-from homebot.places.path import PathFinder, Place
+from homebot.places.path import PathFinder, Spot
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -177,7 +177,7 @@ class Nearness:
         hint = did_you_mean(robot, names, f"robots are {', '.join(sorted(names))}")
         raise UsageError(f"there is no robot {robot!r}; {hint}")
 
-    def _start(self, pose: RobotPose) -> Place:
+    def _start(self, pose: RobotPose) -> Spot:
         """Return the place of a robot on the plan."""
         plan = self._floor_plan
         place = None
@@ -189,13 +189,13 @@ class Nearness:
             raise RefusedError(f"what is near {pose.robot}", "it is in no room of the plan; see [places]")
         return place
 
-    def _place_in(self, room: str) -> Place:
+    def _place_in(self, room: str) -> Spot:
         name = self._floor_plan.plan.locate(room)[0]
         centre = self._floor_plan.centre_of(name)
-        return Place(name, None if centre is None else (centre.x, centre.y))
+        return Spot(name, None if centre is None else (centre.x, centre.y))
 
     def _update_places(self) -> None:
-        """Place the devices that changed; all of them on a plan that did."""
+        """Spot the devices that changed; all of them on a plan that did."""
         index, plan = self._index, self._index.owner.plan
         recent = index.changes.recent
         if plan is not self._plan or self._sequence < recent.forgotten:
@@ -220,7 +220,7 @@ class Nearness:
         self._sequence = index.sequence
 
     def _place(self, device: Device) -> None:
-        """Place *device* by its position, else in its room."""
+        """Spot *device* by its position, else in its room."""
         position = self._position(device)
         plan = self._floor_plan
         room = device.area if device.area and fold(device.area) not in self._not_rooms() else ""
@@ -295,9 +295,7 @@ class Nearness:
             return []
         return [(one, "it waits for the owner's approval") for one in devices if one in waiting]
 
-    def _not_reached(
-        self, devices: AbstractSet[str], start: Place, locked: frozenset[str]
-    ) -> Iterator[tuple[str, str]]:
+    def _not_reached(self, devices: AbstractSet[str], start: Spot, locked: frozenset[str]) -> Iterator[tuple[str, str]]:
         """Yield the devices without a way, with the reason; not those that are merely too far away."""
         rooms = self._finder.reachable_rooms(start.room, locked)
         reason = f": {', '.join(sorted(locked))} is locked" if len(locked) == 1 else ""

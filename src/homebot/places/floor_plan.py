@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 
 from homebot.errors import ConfigError, UsageError
 from homebot.places.facts import Position
-from homebot.places.path import Doorway, PathFinder, Place
+from homebot.places.path import Doorway, PathFinder, Spot
 from homebot.places.plan import STAIRS, HouseDoor, HousePlan, HouseRoom
 from homebot.places.polygon import Point, Polygon
 from homebot.places.room_paths import RoomPaths
@@ -157,7 +157,7 @@ class FloorPlan:
         error = math.dist((box.left, box.bottom), (box.right, box.top)) / 2
         return Position(x, y, "" if found is None else found.floor, error, "room")
 
-    def place_of(self, position: Position, room: str = "") -> Place | None:
+    def place_of(self, position: Position, room: str = "") -> Spot | None:
         """Return the place of a position, for a :class:`PathFinder`; None if it is in no room.
 
         Args:
@@ -168,9 +168,9 @@ class FloorPlan:
         if room:
             known = self.plan.room(room)
             name = room if known is None else known.name
-            return Place(name, point if self.distance(name, *point) <= position.error + HYSTERESIS else None)
+            return Spot(name, point if self.distance(name, *point) <= position.error + HYSTERESIS else None)
         found = self.room_at(*point, position.floor)
-        return None if found is None else Place(found.room, point)
+        return None if found is None else Spot(found.room, point)
 
     def path_finder(self) -> PathFinder:
         """Return a new finder of ways, without targets."""

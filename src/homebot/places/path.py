@@ -16,13 +16,13 @@ from typing import NamedTuple, Protocol, TypeAlias, final
 
 from homebot.places.polygon import Point
 
-__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Paths", "Place", "Route"]
+__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Paths", "Spot", "Way"]
 
 HALF_HOP = 2.0
 """Metres between a door and a place in a room whose shape is not known."""
 
 
-class Place(NamedTuple):
+class Spot(NamedTuple):
     """A place of a robot or a target.
 
     Attributes:
@@ -49,7 +49,7 @@ class Doorway(NamedTuple):
     points: tuple[tuple[Point, Point], ...] = ()
 
 
-class Route(NamedTuple):
+class Way(NamedTuple):
     """The way to a target.
 
     Attributes:
@@ -113,7 +113,7 @@ class PathFinder:
     def __init__(self, shapes: Mapping[str, Paths], doorways: Iterable[Doorway]) -> None:
         self._shapes = shapes
         self._gates: dict[str, list[_Gate]] = {}
-        self._targets: dict[str, Place] = {}
+        self._targets: dict[str, Spot] = {}
         self._in_room: dict[str, set[str]] = {}
         self._reachable: dict[tuple[str, frozenset[str]], AbstractSet[str]] = {}
         for doorway in doorways:
@@ -126,8 +126,8 @@ class PathFinder:
                     if one is not gate
                 ]
 
-    def put(self, target: str, place: Place) -> None:
-        """Place a target, or move it."""
+    def put(self, target: str, place: Spot) -> None:
+        """Spot a target, or move it."""
         if self._targets.get(target) == place:
             return
         self.discard(target)
@@ -145,7 +145,7 @@ class PathFinder:
             for gate in self._gates.get(place.room, ()):
                 gate.near = None
 
-    def place_of(self, target: str) -> Place | None:
+    def place_of(self, target: str) -> Spot | None:
         """Return the place of a target."""
         return self._targets.get(target)
 
@@ -172,7 +172,7 @@ class PathFinder:
             return placed
         return {one for one in placed if self._targets[one].room in rooms}
 
-    def nearest(self, start: Place, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Route]:
+    def nearest(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Way]:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
 
         Args:
@@ -181,18 +181,18 @@ class PathFinder:
             wanted: The only targets to look for; None for all.
         """
         order = count()  # ties are broken by the order in which they were found
-        heap: list[tuple[float, int, _Found]] = []
+        heap: list[tuple[float, int, _QueueEntry]] = []
 
-        def push(found: _Found) -> None:
+        def push(found: _QueueEntry) -> None:
             heappush(heap, (found.step.path + found.step.extra, next(order), found))
 
         here_too: AbstractSet[str] = self._in_room.get(start.room, set())
         for target in sorted(here_too if wanted is None else here_too & wanted):
             point = self._targets[target].point
             lower = math.dist(start.point, point) if start.point is not None and point is not None else HALF_HOP
-            push(_Found(_Step(lower, 0.0, ()), target=target, is_estimate=True))
+            push(_QueueEntry(_Step(lower, 0.0, ()), target=target, is_estimate=True))
         for gate in self._gates.get(start.room, ()):
-            push(_Found(_Step(self._inside(start.room, start.point, gate.point, HALF_HOP), 0.0, ()), gate=gate))
+            push(_QueueEntry(_Step(self._inside(start.room, start.point, gate.point, HALF_HOP), 0.0, ()), gate=gate))
         settled: set[_Gate] = set()
         done: set[str] = set()
         while heap:
@@ -208,10 +208,10 @@ class PathFinder:
                 continue
             if found.is_estimate:
                 exact = self._inside(start.room, start.point, self._targets[found.target].point, HALF_HOP)
-                push(_Found(_Step(exact, 0.0, ()), target=found.target))
+                push(_QueueEntry(_Step(exact, 0.0, ()), target=found.target))
                 continue
             done.add(found.target)
-            yield Route(found.target, found.step.path, found.step.extra, found.step.doors)
+            yield Way(found.target, found.step.path, found.step.extra, found.step.doors)
 
     def _leave(
         self,
@@ -219,16 +219,16 @@ class PathFinder:
         step: _Step,
         crossing: Crossing,
         wanted: AbstractSet[str] | None,
-        push: Callable[[_Found], None],
+        push: Callable[[_QueueEntry], None],
     ) -> None:
         """Go through *gate*: to the targets of the room behind it, and to the gates of that room."""
         extra = crossing(gate.door)
         if gate.other is None or math.isinf(extra):
             return
         entered = _Step(step.path, step.extra + extra, (*step.doors, gate.door))
-        _push_next(_Found(entered, near=self._near(gate.other), entered=entered), 0, wanted, push)
+        _push_next(_QueueEntry(entered, near=self._near(gate.other), entered=entered), 0, wanted, push)
         for distance, further in gate.other.ways:
-            push(_Found(_Step(entered.path + distance, entered.extra, entered.doors), gate=further))
+            push(_QueueEntry(_Step(entered.path + distance, entered.extra, entered.doors), gate=further))
 
     def _near(self, gate: _Gate) -> list[tuple[float, str]]:
         if gate.near is None:
@@ -254,7 +254,7 @@ class PathFinder:
             self._gates.setdefault(second, []).append(gate.other)
 
 
-class _Found(NamedTuple):
+class _QueueEntry(NamedTuple):
     """An entry of the queue: a gate, a target of the own room, or the next target behind a gate."""
 
     step: _Step
@@ -266,7 +266,9 @@ class _Found(NamedTuple):
     rank: int = 0
 
 
-def _push_next(found: _Found, rank: int, wanted: AbstractSet[str] | None, push: Callable[[_Found], None]) -> None:
+def _push_next(
+    found: _QueueEntry, rank: int, wanted: AbstractSet[str] | None, push: Callable[[_QueueEntry], None]
+) -> None:
     """Push the next wanted target behind the gate of *found*, from the one of *rank* on."""
     near = found.near
     while rank < len(near) and wanted is not None and near[rank][1] not in wanted:
@@ -274,4 +276,4 @@ def _push_next(found: _Found, rank: int, wanted: AbstractSet[str] | None, push: 
     if rank < len(near):
         distance, target = near[rank]
         path, extra, doors = found.entered
-        push(_Found(_Step(path + distance, extra, doors), None, target, False, near, found.entered, rank))  # noqa: FBT003
+        push(_QueueEntry(_Step(path + distance, extra, doors), None, target, False, near, found.entered, rank))  # noqa: FBT003

@@ -157,7 +157,7 @@ async def test_service_details_describe_request_and_response(ask: Asker) -> None
 
     ask.node.create_service(FindDevices, FIND_DEVICES, find)
     request = (await ask("service_request_details", type="homebot/FindDevices"))["typedefs"]
-    assert request[0]["fieldnames"] == ["service_type", "query", "ids"]
+    assert request[0]["fieldnames"] == ["service_type", "query", "ids", "is_checked"]
     response = (await ask("service_response_details", type="homebot/srv/FindDevices"))["typedefs"]
     assert "homebot/Device" in [one["type"] for one in response]
 

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from homebot.discovery.search.near_rank import CostTerm, DoorState, nearest
-from homebot.places.path import Doorway, PathFinder, Place
+from homebot.places.path import Doorway, PathFinder, Spot
 
 DEVICES = 2000
 SIDE = 4
@@ -30,7 +30,7 @@ def house(random: Random) -> tuple[PathFinder, list[str]]:
     finder = PathFinder({}, doors)
     for number in range(DEVICES):
         x, y = random.randrange(SIDE), random.randrange(SIDE)
-        finder.put(f"d{number}", Place(f"{x},{y}", (5 * x + random.random() * 5, 5 * y + random.random() * 5)))
+        finder.put(f"d{number}", Spot(f"{x},{y}", (5 * x + random.random() * 5, 5 * y + random.random() * 5)))
     return finder, [door.name for door in doors]
 
 
@@ -51,7 +51,7 @@ def test_the_best_are_those_of_brute_force(seed: int, within: float) -> None:
     def doors(name: str) -> DoorState:
         return DoorState((CostTerm(metres[name], "is closed"),))
 
-    start = Place("1,1", (7.0, 8.0))
+    start = Spot("1,1", (7.0, 8.0))
     found, near = nearest(finder, start, doors, against.keys(), terms, locked=locked, within=within, limit=5)
 
     def passing(name: str) -> float:

@@ -14,7 +14,7 @@ from collections.abc import Set as AbstractSet
 from itertools import takewhile
 from typing import NamedTuple, TypeAlias, final
 
-from homebot.places.path import PathFinder, Place, Route
+from homebot.places.path import PathFinder, Spot, Way
 
 __all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "ago_text", "cost_text", "nearest"]
 
@@ -62,13 +62,13 @@ class NearDevice(NamedTuple):
 
     cost: float
     device: str
-    route: Route
+    route: Way
     terms: tuple[CostTerm, ...]
 
 
 def nearest(
     finder: PathFinder,
-    start: Place,
+    start: Spot,
     doors: Doors,
     wanted: AbstractSet[str],
     terms: Terms,
