@@ -72,7 +72,15 @@ async def test_a_search_by_an_invalid_text_answers_the_problem(open_house: Any) 
         answer = await peer.call(QUERY_DEVICES, query="brightnes > 3")
         assert answer["result"] is True
         assert "did you mean brightness?" in answer["values"].pop("message")
-        assert answer["values"] == {"success": False, "results": [], "total": 0, "sequence": 7}
+        assert answer["values"] == {
+            "success": False,
+            "results": [],
+            "total": 0,
+            "sequence": 7,
+            "is_mistake": True,
+            "left_out": [],
+            "pose_age": 0.0,
+        }
 
 
 async def test_a_call_with_a_text_that_is_no_query_fails_where_the_answer_has_no_place_for_the_reason(
