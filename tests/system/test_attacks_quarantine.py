@@ -114,6 +114,7 @@ async def deferred_more(homebot: Attacked, count: int) -> None:
 @pytest.fixture(scope="module")
 def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     with attacked(tmp_path_factory.mktemp("flooded")) as running:
+        until(lambda: "/robots" in running.toll().entities or None, PATIENCE)  # the robot of the house joins last
         yield running
 
 

@@ -25,7 +25,7 @@ LAYOUTS: Final = {
     "float32": "f",
     "float64": "d",
 }
-"""The letter of :mod:`array` and :mod:`struct` for each numeric primitive of ROS."""
+"""The letter in the modules ``array`` and ``struct`` for each numeric primitive of ROS."""
 
 NumberT = TypeVar("NumberT", int, float)
 
