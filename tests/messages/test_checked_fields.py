@@ -32,7 +32,7 @@ def test_every_message_of_checked_values_is_given_all_its_fields() -> None:
 def test_only_the_hot_road_makes_messages_unchecked() -> None:
     """Gateways, the directory and raw delivery; elsewhere the constructor or ``model_copy`` is fast enough."""
     users = [path for path, text in source_texts().items() if re.search(r"\.(of|with)_checked\b", text)]
-    assert len(users) <= 9  # with zero_message, for which no choice of ours is a rule, users
+    assert len(users) <= 8, users
 
 
 def _fields_of(names: set[str]) -> dict[str, set[str | None]]:

@@ -21,7 +21,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
-from homebot.devices.query import And, IsNear, Query, read_terms, split_near, type_is
+from homebot.devices.query import And, IsNear, Query, asks_for_near, read_terms, split_near, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     ExportIndex,
@@ -137,11 +137,13 @@ class DirectoryServices:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
             self._check_words(query)
+        found = self._near_devices(query) if asks_for_near(request.query) else self._index.find(query)
+        return sorted(found.intersection(request.ids) if request.ids else found)
+
+    def _near_devices(self, query: Query) -> set[str]:
         near, rest = split_near(query)
         found = self._index.find(rest)
-        if near is not None:
-            found = {one.device for one in self._nearness.find(near, rest, found).found}
-        return sorted(found.intersection(request.ids) if request.ids else found)
+        return {one.device for one in self._nearness.find(near, rest, found).found} if near is not None else set(found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone

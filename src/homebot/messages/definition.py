@@ -81,10 +81,12 @@ def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
 def zero_message(message_type: type[MessageT]) -> MessageT:
     """Return the message as ROS makes it without arguments: every field has its default, or is zero or empty."""
     fields = {field.name: _zero(field) for field in fields_of(message_type)}
-    defaults = {
-        name: field.get_default() for name, field in message_type.model_fields.items() if not field.is_required()
-    }
-    return message_type.of_checked(**(fields | defaults))
+    for name, field in message_type.model_fields.items():
+        if not field.is_required():
+            fields[name] = field.get_default()
+        elif get_origin(field.annotation) is Literal:
+            fields[name] = get_args(field.annotation)[0]
+    return message_type(**fields)
 
 
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:

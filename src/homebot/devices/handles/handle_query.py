@@ -90,7 +90,6 @@ class HandleQuery(Generic[HandleT]):
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new one may change the matches.
         near: The condition to be near a robot, which the directory alone can judge; None if there is none.
-        near_search: The query for the devices that are near enough and of the kind, whatever their values.
         names: The conditions with names that may be misspelt: an area, a tag, a name of a device.
 
     Raises:
@@ -106,7 +105,6 @@ class HandleQuery(Generic[HandleT]):
         "kind",
         "names",
         "near",
-        "near_search",
         "search",
     )
 
@@ -124,7 +122,9 @@ class HandleQuery(Generic[HandleT]):
         if "tag" in filters:
             device_terms.append(FactIs("tag", fold(filters["tag"])))
         found += device_terms
-        names: list[Query] = [term for term in device_terms if term != AreaIs("")]
+        names = list(device_terms)
+        if filters.get("area") == "":
+            del names[0]  # no name: it asks for devices without a room
         if "fresh" in filters:
             fresh = FreshnessIs("fresh")
             device_terms.append(fresh if filters["fresh"] else Not(fresh))
@@ -137,11 +137,17 @@ class HandleQuery(Generic[HandleT]):
         self._part_terms: Final = (*part_terms, *terms)
         self.kind: Final = kind
         self.names: Final = tuple(names)
-        self.near: Final = _near(filters)
-        kinds = [term for term in part_terms if isinstance(term, TypeIs)]
-        self.near_search: Final[Query] = And((*kinds, self.near) if self.near is not None else ())
-        self.search: Final[Query] = And((*found, self.near) if self.near is not None else tuple(found))
+        self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
+        if self.near is not None:
+            found.append(self.near)
+        self.search: Final[Query] = And(tuple(found))
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
+
+    @property
+    def near_search(self) -> Query:
+        """The query for the devices of the kind that are near enough, whatever their values."""
+        kinds = [term for term in self._part_terms if isinstance(term, TypeIs)]
+        return And((*kinds, self.near) if self.near is not None else ())
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.

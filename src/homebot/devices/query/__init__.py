@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         ReachableIs,
         StateIs,
         TypeIs,
+        asks_for_near,
         query_terms,
         read_terms,
         split_near,
@@ -56,6 +57,7 @@ __all__ = [
     "ReachableIs",
     "StateIs",
     "TypeIs",
+    "asks_for_near",
     "facets_of",
     "fits",
     "parse_query",
@@ -75,7 +77,8 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
                 And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsNear IsUnapproved NameIs Not
-                Or Query QueryTerm ReachableIs StateIs TypeIs query_terms read_terms split_near type_is
+                Or Query QueryTerm ReachableIs StateIs TypeIs asks_for_near query_terms read_terms
+                split_near type_is
                 """,
             "homebot.devices.query.tokens": "quoted",
         },

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Literal, TypeAlias, get_args
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -40,11 +41,14 @@ __all__ = [
     "ReachableIs",
     "StateIs",
     "TypeIs",
+    "asks_for_near",
     "query_terms",
     "read_terms",
     "split_near",
     "type_is",
 ]
+
+_KIND = attrgetter("kind")
 
 MAX_TERMS = 1000
 """Terms of one query."""
@@ -371,8 +375,14 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
     if len(read) > 1:
         extra = read[-2][2]
         raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
-    split_near(read[0][0])
+    if "near" in map(_KIND, terms):
+        split_near(read[0][0])
     return read[0][0]
+
+
+def asks_for_near(terms: Sequence[QueryTerm]) -> bool:
+    """Return whether a query asks for what is near a robot."""
+    return "near" in map(_KIND, terms)
 
 
 def split_near(query: Query) -> tuple[IsNear | None, Query]:
