@@ -6,7 +6,6 @@ import asyncio
 import tomllib
 from pathlib import Path
 from random import Random
-from typing import Any
 
 import anyio
 import pytest
@@ -20,7 +19,6 @@ from homebot.config import parse_config
 from homebot.devices.names import MERGE_DEVICES
 from homebot.devices.services import MergeDevices, MergeDevicesRequest
 from homebot.graph import Node
-from homebot.house import SimulatedHouse
 from homebot.house.description import load_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -83,18 +81,10 @@ async def live(lines: list[str]) -> None:
             await anyio.sleep(1800)
 
 
-class QuietHouse(SimulatedHouse):
-    """A house whose devices repeat their states once a minute."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options, heartbeat=60.0)
-
-
 @pytest.fixture(scope="module")
 def hour() -> Recording:
     lines: list[str] = []
-    with pytest.MonkeyPatch.context() as patch, asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        patch.setattr("homebot.house.SimulatedHouse", QuietHouse)
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         runner.run(live(lines))
     return recording_of(lines)
 
