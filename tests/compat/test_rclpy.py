@@ -11,10 +11,11 @@ import pytest
 from tests.patience import PATIENCE
 
 from homebot.compat import rclpy
-from homebot.compat.interfaces import message_class, to_service
+from homebot.compat.messages import program_type
 from homebot.errors import DuplicateNameError, ServiceUnavailableError, TypeMismatchError, UsageError
 from homebot.messages import SetBool, String
 from homebot.messages.interfaces import find_message, find_service
+from homebot.messages.rcl_interfaces import Parameter, ParameterValue
 from homebot.messages.sensor_msgs import LaserScan
 from homebot.messages.std_msgs import Header
 
@@ -30,12 +31,12 @@ def node() -> Iterator[rclpy.Node]:
 
 def test_a_message_is_made_empty_and_its_fields_are_set_one_by_one() -> None:
     """A name that is no field is refused when it is set, as rclpy does."""
-    scan = message_class(LaserScan)()
+    scan = program_type(LaserScan)()
     assert (scan.angle_min, scan.header.frame_id, scan.ranges) == (0.0, "", [])
     scan.header.frame_id = "base"
     scan.ranges.append(1.5)
-    assert scan == message_class(LaserScan)(header=message_class(Header)(frame_id="base"), ranges=[1.5])
-    assert message_class(LaserScan)().header.frame_id == ""
+    assert scan == program_type(LaserScan)(header=program_type(Header)(frame_id="base"), ranges=[1.5])
+    assert program_type(LaserScan)().header.frame_id == ""
     with pytest.raises(AttributeError):
         scan.rangs = []
 
@@ -43,9 +44,11 @@ def test_a_message_is_made_empty_and_its_fields_are_set_one_by_one() -> None:
 def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:
     publisher = node.create_publisher(String, "chatter", 10)
     with pytest.raises(TypeMismatchError, match=r"not a std_msgs/msg/String: field 'data': .* got 5"):
-        publisher.publish(message_class(String)(data=5))
-    with pytest.raises(TypeMismatchError, match="expected a std_msgs/msg/String, got a std_msgs/msg/Header"):
-        publisher.publish(message_class(Header)())
+        publisher.publish(program_type(String)(data=5))
+    with pytest.raises(
+        TypeMismatchError, match="/node published a Header on /chatter, which carries std_msgs/msg/String"
+    ):
+        publisher.publish(program_type(Header)())
 
 
 def test_callbacks_run_on_the_thread_that_spins_and_anything_may_be_called_from_another(node: rclpy.Node) -> None:
@@ -93,12 +96,12 @@ def test_a_coroutine_callback_awaits_a_call_of_its_own_node(node: rclpy.Node) ->
         return response
 
     answers: list[bool] = []
-    node.create_service(SetBool, "switch", switch)
+    node.create_service(program_type(SetBool), "switch", switch)
     client = node.create_client(SetBool, "switch")
 
     async def on_time() -> None:
         timer.cancel()
-        response = await client.call_async(to_service(SetBool).Request(data=True))
+        response = await client.call_async(program_type(SetBool).Request(data=True))
         answers.append(response.success)
 
     timer = node.create_timer(0.01, on_time)
@@ -112,25 +115,37 @@ def test_a_coroutine_callback_awaits_a_call_of_its_own_node(node: rclpy.Node) ->
 def test_a_call_without_a_server_fails_at_once(node: rclpy.Node) -> None:
     client = node.create_client(SetBool, "switch")
     assert not client.wait_for_service(timeout_sec=0.01)
-    future = client.call_async(to_service(SetBool).Request())
+    future = client.call_async(program_type(SetBool).Request())
     rclpy.spin_until_future_complete(node, future, timeout_sec=PATIENCE)
     assert future.done()
     with pytest.raises(ServiceUnavailableError):
         future.result()
 
 
+def test_a_failing_callback_of_a_future_ends_the_spin_and_a_block_of_init_the_graph() -> None:
+    def fail(future: rclpy.Future) -> None:
+        raise RuntimeError(str(future.exception()))
+
+    with rclpy.init():
+        node = rclpy.create_node("node")
+        node.create_client(SetBool, "switch").call_async(program_type(SetBool).Request()).add_done_callback(fail)
+        with pytest.raises(RuntimeError, match="/switch"):
+            rclpy.spin(node)
+    assert not rclpy.ok()
+
+
 def test_a_tool_sets_a_parameter_by_its_service_and_the_check_of_the_node_decides(node: rclpy.Node) -> None:
-    result_class = message_class(find_message("rcl_interfaces/msg/SetParametersResult"))
+    result_class = program_type(find_message("rcl_interfaces/msg/SetParametersResult"))
     node.declare_parameter("speed", 0.5)
     node.add_on_set_parameters_callback(lambda given: result_class(successful=given[0].value != 3, reason="too fast"))
-    service = to_service(find_service("rcl_interfaces/srv/SetParameters"))
-    client = rclpy.create_node("tool").create_client(service, "/node/set_parameters")
+    service = program_type(find_service("rcl_interfaces/srv/SetParameters"))
+    tool = rclpy.create_node("tool")
+    client = tool.create_client(service, "/node/set_parameters")
     for speed, successful in ((1.0, True), (3.0, False)):
         request = service.Request()
-        request.parameters = [rclpy.Parameter("speed", value=speed).to_parameter_msg()]
+        request.parameters = [Parameter(name="speed", value=ParameterValue(type=3, double_value=speed))]
         future: Any = client.call_async(request)
-        while not future.done():
-            rclpy.spin_once(client.node, timeout_sec=PATIENCE)
+        rclpy.spin_until_future_complete(tool, future, PATIENCE)
         (result,) = future.result().results
         assert result.successful is successful
     assert node.get_parameter("speed").value == 1.0

@@ -6,11 +6,16 @@ import argparse
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 
 from homebot.compat import rclpy
-from homebot.compat.ros_imports import install_ros_imports
+from homebot.compat.messages import program_type
+from homebot.errors import UsageError
+from homebot.messages.interfaces import Interfaces
+from homebot.messages.interfaces.interface_classes import Interface
 
 __all__ = ["main"]
 
@@ -31,21 +36,47 @@ def main(argv: Sequence[str] | None = None) -> int:
         help="a folder of further interfaces: PACKAGE/msg/NAME.msg and so on; may be given several times",
     )
     options = parser.parse_args(argv)
-    programs = options.programs
-    install_ros_imports(options.interfaces)
-    rclpy.init()
+    texts = {key: text for folder in options.interfaces for key, text in Interfaces.read_folder(folder).items()}
+    _install_modules(Interfaces(texts))
     failed: list[str] = []
-    threads = [threading.Thread(target=_run, args=(one, failed), name=one, daemon=True) for one in programs]
+    threads = [threading.Thread(target=_run, args=(one, failed), daemon=True) for one in options.programs]
     try:
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        with rclpy.init():
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
     except KeyboardInterrupt:
         return 130
-    finally:
-        rclpy.shutdown()
     return 1 if failed else 0
+
+
+def _install_modules(interfaces: Interfaces) -> None:
+    """Make ``rclpy`` and the packages of *interfaces* importable, in place of those of a ROS that is installed."""
+    for name in ("", ".action", ".executors", ".logging", ".node", ".parameter", ".task"):
+        sys.modules[f"rclpy{name}"] = rclpy
+    sys.modules["rclpy.qos"] = rclpy.qos
+    finders: dict[str, Callable[[str], Interface]] = {
+        "msg": interfaces.find_message,
+        "srv": interfaces.find_service,
+        "action": interfaces.find_action,
+    }
+    for package in {key.partition("/")[0] for key in interfaces.names()}:
+        sys.modules[package] = module = ModuleType(package)
+        for kind, find in finders.items():
+            sys.modules[f"{package}.{kind}"] = part = ModuleType(f"{package}.{kind}")
+            setattr(module, kind, part)
+            setattr(part, "__getattr__", partial(_interface, find, f"{package}/{kind}"))  # noqa: B010 - PEP 562
+
+
+def _interface(find: Callable[[str], Interface], prefix: str, name: str) -> object:
+    """Return the interface that a program imports by *name*, loaded when it is first asked for."""
+    if name.startswith("_"):
+        raise AttributeError(name)
+    try:
+        return program_type(find(f"{prefix}/{name}"))
+    except UsageError as exc:
+        raise ImportError(str(exc)) from exc
 
 
 def _run(program: str, failed: list[str]) -> None:

@@ -16,7 +16,7 @@ from homebot.graph.parameters import ParameterSet, value_of
 from homebot.messages.interfaces import find_message, find_service
 from homebot.messages.message import Message
 
-__all__ = ["offer_parameter_services"]
+__all__ = ["offer_parameter_services", "set_parameters"]
 
 _INTEGER: Final = 2
 _DOUBLE: Final = 3
@@ -108,14 +108,15 @@ def _one_limit(low: float | None, high: float | None) -> str:
 
 
 def _set(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    return {"results": tuple(_set_all(parameters, (one,)) for one in request.parameters)}
+    return {"results": tuple(set_parameters(parameters, (one,)) for one in request.parameters)}
 
 
 def _set_atomically(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    return {"result": _set_all(parameters, request.parameters)}
+    return {"result": set_parameters(parameters, request.parameters)}
 
 
-def _set_all(parameters: ParameterSet, given: tuple[Any, ...]) -> Message:
+def set_parameters(parameters: ParameterSet, given: tuple[Any, ...]) -> Message:
+    """Set all parameters in the messages *given*, or none; return the ``SetParametersResult``."""
     result: Any = find_message("rcl_interfaces/msg/SetParametersResult")
     try:
         parameters.set_atomically({one.name: value_of(one.value) for one in given})

@@ -1,0 +1,218 @@
+"""The graph that the programs of a process share, used from any thread, and its objects in their hands.
+
+Its event loop has a thread of its own, from the first ``rclpy.init()`` to ``rclpy.shutdown()``, which ends it for all.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import queue
+import threading
+from collections.abc import Awaitable, Callable, Generator
+from contextlib import ExitStack
+from functools import partial
+from inspect import iscoroutine
+from typing import Any, Final
+
+import structlog
+from anyio.from_thread import BlockingPortal, start_blocking_portal
+
+from homebot.compat.messages import to_graph, to_program
+from homebot.errors import HomebotError, UsageError
+from homebot.graph import Graph, Node, RosoutFeed
+from homebot.log import configure_logging
+from homebot.support.logger import observed_lines
+
+__all__ = ["CONTEXT", "Future", "Remote", "SpinExecutor"]
+
+_GETTERS: Final = {"get_name", "get_namespace", "get_subscription_count", "is_canceled"}
+_NAMES: Final = {"destroy": "close", "srv_name": "service_name", "timeout_sec": "timeout"}
+
+
+class _Context:
+    """A graph with the nodes that the programs of this process made on it."""
+
+    def __init__(self) -> None:
+        self._portal: BlockingPortal | None = None
+        self._thread = 0
+        self._exits = ExitStack()
+
+    @property
+    def portal(self) -> BlockingPortal:
+        """The way to the event loop.
+
+        Raises:
+            UsageError: There is no graph.
+        """
+        if self._portal is None:
+            raise UsageError("rclpy is not initialized; call rclpy.init() first")
+        return self._portal
+
+    def ok(self) -> bool:
+        """Return whether there is a graph."""
+        return self._portal is not None
+
+    def init(self) -> None:
+        """Start the graph unless there is one."""
+        if self._portal is not None:
+            return
+        if not structlog.is_configured():
+            configure_logging()
+        self._portal = portal = self._exits.enter_context(start_blocking_portal("asyncio"))
+        self._exits.callback(portal.call, partial(portal.stop, cancel_remaining=True))
+        self._thread = self.call(threading.get_ident)
+        self._graph: Graph = self.call(Graph)
+        self._exits.enter_context(observed_lines(self.call(lambda: RosoutFeed(Node(self._graph, "rosout")))))
+
+    def shutdown(self) -> None:
+        """Close the nodes, end each ``spin`` and the event loop; they may have ended already."""
+        self._portal, self._thread = None, 0
+        self._exits.pop_all().close()  # for the first of several threads
+
+    def add_node(self, name: str, namespace: str, executor: SpinExecutor) -> Node:
+        """Return a new node, which runs; a shutdown ends a wait of its *executor*."""
+        node: Node = self.call(lambda: Node(self._graph, name, namespace=namespace))
+        self._exits.enter_context(self.portal.wrap_async_context_manager(node))
+        self._exits.callback(partial(executor.submit, int))
+        return node
+
+    def call(self, function: Callable[..., Any], *args: object, **kwargs: object) -> Any:
+        """Return the result of *function*, which may be a coroutine function, on the event loop.
+
+        Raises:
+            UsageError: There is no graph, or it ended meanwhile.
+        """
+        if threading.get_ident() == self._thread:  # a check of a parameter that a client sets
+            return function(*args, **kwargs)
+        try:
+            return self.portal.call(partial(function, *args, **kwargs))
+        except concurrent.futures.CancelledError:
+            raise UsageError("rclpy was shut down meanwhile") from None
+
+
+CONTEXT: Final = _Context()
+"""That of the process."""
+
+
+class SpinExecutor(concurrent.futures.Executor):
+    """The thread that spins a node, which runs the callbacks.
+
+    Few wait: of each subscription, service and timer at most one.
+    """
+
+    def __init__(self) -> None:
+        self._due: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]] = queue.SimpleQueue()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> concurrent.futures.Future[Any]:
+        """Return the future result of *fn*, an exception of which is raised on the spinning thread too."""
+        future: concurrent.futures.Future[Any] = concurrent.futures.Future()
+        self._due.put((future, partial(fn, *args, **kwargs)))
+        return future
+
+    def run_next(self, timeout: float | None = None) -> None:
+        """Run the next callback, waiting for one up to *timeout* seconds; its exception is raised here."""
+        try:
+            future, call = self._due.get(timeout=timeout)
+        except queue.Empty:
+            return
+        if future.set_running_or_notify_cancel():  # else the node was closed meanwhile
+            try:
+                future.set_result(self._completed(call()))
+            except Exception as exc:
+                future.set_exception(exc)
+                raise
+
+    def _completed(self, result: object) -> object:
+        """Return *result*, of a coroutine the one in the end; while it waits, other callbacks run."""
+        while iscoroutine(result):
+            try:
+                result.send(None)
+            except StopIteration as stop:
+                return stop.value
+            self.run_next()
+        return result
+
+
+class Future(concurrent.futures.Future[Any]):
+    """The result of a call: ``await`` it in a coroutine callback, ``spin_until_future_complete`` elsewhere."""
+
+    def __init__(self, executor: SpinExecutor) -> None:
+        super().__init__()
+        self._executor = executor
+        self.add_done_callback(bool)  # ends a wait
+
+    def __await__(self) -> Generator[None, None, Any]:
+        while not self.done():
+            yield
+        return self.result()
+
+    def result(self, timeout: float | None = None) -> Any:
+        """Return the result, or raise the exception; return None before there is one."""
+        return super().result(timeout) if self.done() else None
+
+    def add_done_callback(self, callback: Callable[[Any], object]) -> None:
+        """Call *callback* with this future once it is done, on the thread that spins."""
+        super().add_done_callback(partial(self._executor.submit, callback))
+
+
+class Remote:
+    """An object of the graph with rclpy's names: its methods run on the event loop, and messages are converted.
+
+    A function among the arguments is a callback, which runs on the thread that spins.
+
+    Args:
+        graph_object: A node, a publisher, a goal and so on; see there for what it can do.
+        executor: That of its node.
+    """
+
+    def __init__(self, graph_object: Any, executor: SpinExecutor) -> None:
+        self.graph_object = graph_object
+        self.executor = executor
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "graph_object":  # a subclass asks before there is one
+            raise AttributeError(name)
+        is_getter = name in _GETTERS
+        value = getattr(self.graph_object, name.removeprefix("get_") if is_getter else _NAMES.get(name, name))
+        if is_getter:
+            return lambda: value
+        return partial(self.call, value) if callable(value) else self.shown(value)
+
+    def call(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
+        """Return the result of *method* on the event loop."""
+        given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items()}
+        return self.shown(CONTEXT.call(method, *map(self._given, args), **given))
+
+    def begin(self, method: Callable[..., Awaitable[object]], *args: object) -> Future:
+        """Return the future result of the coroutine function *method* on the event loop."""
+        future = Future(self.executor)
+        given = [self._given(value) for value in args]
+
+        async def run() -> None:
+            try:
+                result = self.shown(await method(*given))
+            except HomebotError as exc:
+                future.set_exception(exc)
+            else:
+                future.set_result(result)
+
+        CONTEXT.portal.start_task_soon(run)
+        return future
+
+    def callback(self, function: Callable[..., object]) -> Callable[..., Awaitable[Any]]:
+        """Return the coroutine function that runs *function* on the thread that spins."""
+
+        async def run(*args: object) -> Any:
+            shown = map(self.shown, args)
+            return to_graph(await asyncio.wrap_future(self.executor.submit(function, *shown)))
+
+        return run
+
+    def shown(self, value: object) -> Any:
+        """Return *value* for a program: a message with fields that can be set, an object of the graph as remote."""
+        is_of_graph = type(value).__module__.startswith("homebot.graph.") and not isinstance(value, int)
+        return Remote(value, self.executor) if is_of_graph else to_program(value)
+
+    def _given(self, value: Any) -> Any:
+        return self.callback(value) if callable(value) and not isinstance(value, type) else to_graph(value)
