@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device_types import DEVICE_TYPES
@@ -102,18 +102,8 @@ def span(capability: Capability) -> str:
 
 
 def plain_value(value: Value) -> PlainValue:
-    """Return *value* as JSON has it; None if it is unknown."""
-    match value.type:
-        case 1:
-            return value.flag
-        case 2:
-            return value.number
-        case 3:
-            return value.text
-        case 4:
-            return [*value.numbers]
-        case _:
-            return None
+    """Return *value* of a message read as JSON, which has it plain; None if it is unknown."""
+    return cast("PlainValue", value)
 
 
 def is_topic(address: str) -> bool:

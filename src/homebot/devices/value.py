@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Annotated, TypeAlias
 
-from pydantic import Field
+from pydantic import Field, model_serializer, model_validator
 
 from homebot.messages.message import Message, UInt8
 
@@ -24,7 +24,7 @@ _UNKNOWN, _BOOL, _NUMBER, _TEXT, _NUMBERS = range(5)
 
 
 class Value(Message):
-    """One value, as :class:`PlainValue` spells it in Python.
+    """One value, as :class:`PlainValue` spells it in Python; that in JSON, where its fields are read as well.
 
     Attributes:
         type: 0 unknown, 1 bool, 2 number, 3 text, 4 numbers; the field of that type holds the value.
@@ -39,6 +39,27 @@ class Value(Message):
     number: float = 0.0
     text: str = ""
     numbers: tuple[float, ...] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_plain(cls, value: object) -> object:
+        match value:
+            case None:
+                return {}
+            case bool():
+                return {"type": _BOOL, "flag": value}
+            case int() | float():
+                return {"type": _NUMBER, "number": value}
+            case str():
+                return {"type": _TEXT, "text": value}
+            case list() | tuple():
+                return {"type": _NUMBERS, "numbers": tuple(value)}
+        return value
+
+    @model_serializer(mode="plain", when_used="json")
+    def json_form(self) -> PlainValue:
+        """Return the plain value."""
+        return self.plain()
 
     @classmethod
     def of(cls, plain: PlainValue) -> Value:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
@@ -17,7 +17,16 @@ from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
 from homebot.messages.numeric_array import LAYOUTS, NumericArray, RosArray
 
-__all__ = ["FieldDefinition", "definition_body", "definition_text", "fields_of", "nested_types", "zero_message"]
+__all__ = [
+    "FieldDefinition",
+    "definition_body",
+    "definition_text",
+    "fields_by_name",
+    "fields_of",
+    "nested_types",
+    "zero_message",
+    "zero_of",
+]
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -78,9 +87,15 @@ def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
 
 
 @lru_cache(maxsize=1024)
+def fields_by_name(message_type: type[Message]) -> Mapping[str, FieldDefinition]:
+    """Return :func:`fields_of` by their names, in order."""
+    return {field.name: field for field in fields_of(message_type)}
+
+
+@lru_cache(maxsize=1024)
 def zero_message(message_type: type[MessageT]) -> MessageT:
     """Return the message as ROS makes it without arguments: every field has its default, or is zero or empty."""
-    fields = {field.name: _zero(field) for field in fields_of(message_type)}
+    fields = {field.name: zero_of(field) for field in fields_of(message_type)}
     for name, field in message_type.model_fields.items():
         if not field.is_required():
             fields[name] = field.get_default()
@@ -105,7 +120,8 @@ def definition_text(message_type: type[Message]) -> str:
     return "".join(sections)
 
 
-def _zero(field: FieldDefinition) -> object:
+def zero_of(field: FieldDefinition) -> object:
+    """Return the zero, or the empty value, of *field*."""
     if field.is_bytes:
         return bytes(field.size or 0)
     if field.is_numeric:

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import TypeMismatchError
-from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.definition import FieldDefinition, fields_by_name, fields_of, nested_types
 from homebot.messages.message import Message
 from homebot.messages.numeric_array import NumericArray
 from homebot.support.strict_json import in_ascii
@@ -106,7 +106,7 @@ def message_from_json(
 
 def known_fields(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
     """Return the JSON object *value* of a message without fields that its type, or that of a field, lacks."""
-    known = {field.name: field for field in fields_of(message_type)}
+    known = fields_by_name(message_type)
     return {name: _known_value(known[name], item) for name, item in value.items() if name in known}
 
 
@@ -142,7 +142,8 @@ def _holds_bytes(message_type: type[Message]) -> bool:
 
 def _value_to_json(value: object) -> JsonValue:
     if isinstance(value, Message):
-        return message_to_json(value)
+        form = value.json_form()
+        return message_to_json(value) if form is value else _value_to_json(form)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, tuple) or (isinstance(value, NumericArray) and value.buffer.format == "d"):
@@ -151,13 +152,13 @@ def _value_to_json(value: object) -> JsonValue:
         return value.tolist()
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if isinstance(value, bool | int | str):
+    if isinstance(value, bool | int | str | None):
         return value
     raise TypeMismatchError(f"{value!r} is not a valid message value")
 
 
 def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
-    known = {field.name: field for field in fields_of(message_type)}
+    known = fields_by_name(message_type)
     fields = {name: _value_from_json(known[name], item) for name, item in value.items() if name in known}
     if len(fields) < len(value):  # the first unknown one is enough to be refused; a flood of them costs a lot to tell
         unknown = next(name for name in value if name not in known)

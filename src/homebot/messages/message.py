@@ -181,6 +181,10 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         _set_names(self, _ALL_FIELDS[type(self)])
         return self
 
+    def json_form(self) -> object:
+        """Return the value that stands for this message inside another one in JSON, where that is not its fields."""
+        return self
+
     if not TYPE_CHECKING:  # a checker would let any attribute pass
 
         def __getattr__(self, name: str) -> object:

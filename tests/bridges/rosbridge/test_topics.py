@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import anyio
-import pytest
 from structlog.testing import capture_logs
-from tests.bridges.conftest import OpenHouse
+from tests.bridges.conftest import House, OpenHouse
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.types import message_from_client
 from homebot.devices import RawMessage
+from homebot.devices.health import HealthRequest
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched, qos_profile_sensor_data
 from homebot.messages import Int32, String, Time
-from homebot.messages.message import Message
+from homebot.messages.cdr import message_to_cdr
+from homebot.messages.json import message_from_json
 
 
 async def test_a_client_reads_the_messages_of_a_node(open_house: Any) -> None:
@@ -223,6 +223,10 @@ async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_
 KEEPING = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
+def _refused(house: House) -> int:
+    return {one.name: one.count for one in house.door.health(HealthRequest()).counts}["requests_refused"]
+
+
 async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(open_house: OpenHouse) -> None:
     """Nothing that was delivered expires; a reader that comes later gets the messages of the last second alone."""
     async with open_house() as house, house.node("app") as app, house.peer() as robot:
@@ -237,23 +241,15 @@ async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(open_ho
         assert (busy.expired, late.take()) == (0, None)
 
 
-async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(
-    open_house: OpenHouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(open_house: OpenHouse) -> None:
     """One message a second is checked at once, so that a client learns of its mistakes."""
-    checked: list[object] = []
-
-    def check(kind: type[Message], values: Mapping[str, object]) -> Message:
-        checked.append(values)
-        return message_from_client(kind, values)
-
-    monkeypatch.setattr("homebot.bridges.rosbridge.publications.message_from_client", check)
     async with open_house() as house, house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/count", type="std_msgs/Int32")
-        for number in (*range(20), "no number"):
+        for number in ("at once", *range(20), "no number"):
             await robot.send("publish", id="p", topic="/count", msg={"data": number})
+        assert "got 'at once'" in (await robot.receive())["msg"]
         await robot.settle()
-        assert len(checked) == 1
+        assert _refused(house) == 1
         late = app.create_subscription(Int32, "/count", qos_profile=KEEPING)
         assert [message.data for message in (late.take() for _ in range(9)) if message] == list(range(11, 20))
         remark = await robot.receive()
@@ -262,3 +258,36 @@ async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(
         await robot.send("publish", topic="/count", msg={"data": 21})
         await robot.settle()
         assert late.take() == Int32(data=21)
+
+
+async def test_a_frame_that_nobody_reads_is_not_parsed_before_somebody_does(open_house: OpenHouse) -> None:
+    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+        await robot.send("advertise", topic="/count", type="std_msgs/Int32")
+        await robot.send("publish", topic="/count", msg={"data": 1})
+        for text in ("no JSON", '{"data": 2}}', '{"data": 3}, "topic": "/other"}'):
+            await robot.connection.send(f'{{"op": "publish", "id": "p:1", "topic": "/count", "msg": {text}')
+        await robot.settle()
+        assert _refused(house) == 0
+        late = app.create_subscription(Int32, "/count", qos_profile=KEEPING)
+        assert (late.take(), late.take(), late.take()) == (Int32(data=1), Int32(data=2), None)
+        problems = [(await robot.receive())["msg"] for _ in range(2)]
+        assert "is not JSON" in problems[0]
+        assert "'topic' occurs twice" in problems[1]
+
+
+async def test_values_of_devices_are_plain_in_json_and_messages_in_cbor(open_house: OpenHouse) -> None:
+    values: tuple[PlainValue, ...] = (True, 40.0, "warm", (30.0, 0.5), None)
+    readings = [Reading(part="", capability="x", value=Value.of(value)) for value in values]
+    async with open_house() as house, house.peer() as screen, house.peer() as typed:
+        publisher = house.node("app").create_publisher(Reading, "/readings")
+        await screen.send("subscribe", topic="/readings")
+        await typed.send("subscribe", topic="/readings", compression="cbor-raw")
+        for peer in (screen, typed):
+            await peer.settle()
+        for reading in readings:
+            await publisher.send(reading)
+        frames = [(await screen.receive())["msg"] for _ in values]
+        assert [frame["value"] for frame in frames] == [True, 40, "warm", [30, 0.5], None]
+        assert [message_from_json(Reading, frame) for frame in frames] == readings
+        for reading in readings:
+            assert message_to_cdr(reading) in await typed.connection.recv()

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
+from typing import Final
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError, right_to_publish
-from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
-from homebot.bridges.rosbridge.recent_messages import RecentMessages, TopicHistory
+from homebot.bridges.rosbridge.protocol import (
+    Advertise,
+    FrameError,
+    Identifier,
+    PublishOperation,
+    Unadvertise,
+    parse_frame,
+)
+from homebot.bridges.rosbridge.recent_messages import RecentMessages
 from homebot.bridges.rosbridge.types import (
     message_from_client,
     message_type_of_topic,
@@ -24,15 +33,23 @@ __all__ = ["Publications"]
 # As the original bridge: one offer that fits every request, and a client that subscribes a moment late misses nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
+_PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"[^"\\]*", ?)?"topic": ?"([^"\\]+)"')
+"""The beginning of a message as most libraries write it: its topic is known before the frame is read."""
+
+_LONGEST: Final = 65_536
+"""Characters of a frame that is read at once when a reader comes."""
+
+_CHECKED_EVERY: Final = 1.0
+"""Seconds after which a message that nobody reads is checked all the same, so that its client learns of mistakes."""
+
 
 @dataclass(slots=True)
 class _Publication:
     publisher: Publisher[Message]
     message_type: type[Message]
-    history: TopicHistory | None
-    """None of a latched topic."""
-
+    is_latched: bool
     ids: set[Identifier] = field(default_factory=set)
+    checked_at: float = -math.inf
 
 
 class Publications:
@@ -41,13 +58,14 @@ class Publications:
     Args:
         node: The node that publishes in the client's stead.
         access: The client's identity, used as the issuer of messages.
-        on_unfit: Called with the request and the problem where a message turns out wrong when a reader comes.
+        on_unfit: Called with the operation, topic, problem and id where a message turns out wrong for a late reader.
     """
 
-    def __init__(self, node: Node, access: ClientAccess, on_unfit: Callable[[PublishOperation, str], None]) -> None:
+    def __init__(self, node: Node, access: ClientAccess, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
         self._node = node
         self._access = access
         self._on_unfit = on_unfit
+        self._now = node.graph.clock.monotonic
         self._recent = RecentMessages(node.graph.clock)
         self._topics: dict[str, _Publication] = {}
         self._ids = 0
@@ -100,15 +118,24 @@ class Publications:
         if publication is None:
             self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), ""), op)
             publication = self._open(op.topic, "", latched=op.latch)
-        history = publication.history
-        if history is not None and not publication.publisher.subscription_count and not history.is_due():
-            self._recent.add(op, size)
+        if self._is_unread(publication):
+            self._recent.add(op.topic, op, size)
             return ()
+        publication.checked_at = self._now()
         message, missing = self._message(publication.message_type, op)
-        if history is not None:
-            self._recent.add(op, size)
+        if not publication.is_latched:
+            self._recent.add(op.topic, op, size)
         publication.publisher.publish(message)
         return missing
+
+    def keep_unread(self, frame: str) -> bool:
+        """Keep *frame* as it is if it is a message on a topic that nobody reads; return whether it is."""
+        begin = _PUBLISH.match(frame)
+        publication = self._topics.get(begin[1]) if begin is not None and len(frame) <= _LONGEST else None
+        if begin is None or publication is None or not self._is_unread(publication):
+            return False
+        self._recent.add(begin[1], frame, len(frame))
+        return True
 
     def close_one(self) -> bool:
         """Give one topic up; return whether there was one."""
@@ -134,24 +161,54 @@ class Publications:
         self._ids -= len(publication.ids - {None})
         publication.publisher.close()
 
+    def _is_unread(self, publication: _Publication) -> bool:
+        """Return whether nobody reads the messages of *publication*, and one was checked within the last second."""
+        is_read = publication.is_latched or publication.publisher.subscription_count
+        return not is_read and self._now() < publication.checked_at + _CHECKED_EVERY
+
     def _open(self, topic: str, ros_type: str, *, latched: bool) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)
         present = self._topics.get(topic)
-        if present is not None and (present.history is None or not latched):
+        if present is not None and (present.is_latched or not latched):
             return present
-        clock, read = self._node.graph.clock, partial(self._late_message, message_type)
-        history = None if latched else TopicHistory(topic, self._recent, read, clock)
+        history = None if latched else _History(lambda: self._late_messages(topic, message_type))
         qos = qos_profile_latched if latched else _QOS
         publisher = self._node.create_publisher(message_type, topic, qos, history=history)
-        opened = _Publication(publisher, message_type, history, present.ids if present else set())
+        opened = _Publication(publisher, message_type, latched, present.ids if present else set())
         if present is not None:
             present.publisher.close()
         self._topics[topic] = opened
         return opened
 
-    def _late_message(self, message_type: type[Message], op: PublishOperation) -> Message | None:
-        try:
-            return self._message(message_type, op)[0]
-        except (MissingRightError, TypeMismatchError) as exc:
-            self._on_unfit(op, str(exc))
-            return None
+    def _late_messages(self, topic: str, message_type: type[Message]) -> Iterator[Message]:
+        for sent in self._recent.of_topic(topic):
+            identifier: Identifier = None
+            try:
+                op = _operation_in(sent) if isinstance(sent, str) else sent
+                identifier = op.id
+                yield self._message(message_type, op)[0]
+            except (FrameError, MissingRightError, TypeMismatchError) as exc:
+                self._on_unfit("publish", topic, str(exc), identifier)
+
+
+class _History:
+    """History of a publisher: the messages that were kept as they came, read for each late subscription."""
+
+    def __init__(self, read: Callable[[], Iterator[Message]]) -> None:
+        self._read = read
+
+    def append(self, _item: object) -> None:
+        """Do nothing: the message has been kept already."""
+
+    def __iter__(self) -> Iterator[Message]:
+        return self._read()
+
+
+def _operation_in(frame: str) -> PublishOperation:
+    steps = parse_frame(frame)
+    try:
+        while True:
+            next(steps)
+    except StopIteration as end:
+        op: PublishOperation = end.value
+        return op

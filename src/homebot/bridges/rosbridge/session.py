@@ -133,9 +133,9 @@ class ClientSession:
         node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
             holdings = _Holdings(
-                Publications(node, self._access, self._report_type_mismatch),
+                Publications(node, self._access, self._report_unfit),
                 Subscriptions(
-                    node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_type_mismatch
+                    node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_unfit
                 ),
                 ProvidedServices(
                     node,
@@ -190,6 +190,8 @@ class ClientSession:
 
     async def _handle(self, frame: str, holdings: _Holdings) -> None:
         self._shared.counters.frames += 1
+        if holdings.publications.keep_unread(frame):
+            return
         try:
             op = await self._turns.run(self._assembler.read(frame))
         except FrameError as exc:
@@ -337,11 +339,11 @@ class ClientSession:
         )
         self._remark("error", problem, None)
 
-    def _report_type_mismatch(self, op: SubscribeOperation | PublishOperation, problem: str) -> None:
+    def _report_unfit(self, op: str, topic: str, problem: str, identifier: Identifier = None) -> None:
         """Report that *op* is refused after all: the topic it waited for is of another type, or its message unfit."""
-        error_text = f": {_refusal(op.op, op.name, problem)}, now that it is used"
-        self._log_error(error_text, op.op, problem, event="door.late_topic_unfit")
-        self._remark("error", problem, op.id)
+        error_text = f": {_refusal(op, topic, problem)}, now that it is used"
+        self._log_error(error_text, op, problem, event="door.late_topic_unfit")
+        self._remark("error", problem, identifier)
 
     def _log_error(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1

@@ -28,7 +28,7 @@ class Subscriptions:
         backlog: All that waits for the client.
         outbox: Takes frames to the client.
         expected: Calls back when a topic appears.
-        on_unfit: Called with the request and the reason where a remembered one cannot be served after all.
+        on_unfit: Called with the operation, topic, reason and id where a remembered one cannot be served after all.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Subscriptions:
         backlog: Backlog,
         outbox: Outbox,
         expected: ExpectedTopics,
-        on_unfit: Callable[[SubscribeOperation, str], None],
+        on_unfit: Callable[[str, str, str, Identifier], None],
     ) -> None:
         self._node = node
         self._depth = depth
@@ -144,4 +144,4 @@ class Subscriptions:
                 try:
                     self._serve(op)
                 except HomebotError as exc:
-                    self._on_unfit(op, str(exc))
+                    self._on_unfit(op.op, op.topic, str(exc), op.id)

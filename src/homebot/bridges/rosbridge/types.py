@@ -1,23 +1,20 @@
 """Python classes by ROS type name, and messages as clients write them.
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
-``nsecs``). A value of a device may be given
-as it is in JSON (``true``, ``40``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
+``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from homebot.devices.access_messages import DefineTypeRequest, DefineTypeResponse
-from homebot.devices.value import Value
 from homebot.errors import PeerError, TypeMismatchError, UsageError
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
-from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.definition import FieldDefinition, fields_by_name, nested_types, zero_of
 from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
 
@@ -39,6 +36,9 @@ __all__ = [
     "service_type_of",
 ]
 
+T = TypeVar("T")
+_Known = tuple[str, T]
+"""A type and its name."""
 
 OWN_MODULES: Final = (
     "homebot.devices.access_messages",
@@ -76,8 +76,8 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
         if not ros_type:
             raise PeerError(f"there is no topic {topic} yet, so its type must be given")
         return find_message_type(graph, ros_type)
-    if ros_type and not same_type(carried.ros_type, ros_type):
-        raise TypeMismatchError(f"topic {topic} carries {carried.ros_type}, not {ros_type}")
+    if ros_type:
+        _check(f"topic {topic} carries", carried.ros_type, ros_type)
     return carried
 
 
@@ -91,8 +91,22 @@ def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[An
     used = graph.get_service_type(service)
     if used is None:
         return find_service_type(graph, ros_type)
-    if not same_type(used.ros_type, ros_type):
-        raise TypeMismatchError(f"service {service} is a {used.ros_type}, not a {ros_type}")
+    _check(f"service {service} is a", used.ros_type, ros_type)
+    return used
+
+
+def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the type that *action* has, or that a new server of it has.
+
+    Raises:
+        TypeMismatchError: The action is of another type.
+        PeerError: The type is unknown.
+    """
+    used = graph.get_action_type(action)
+    if used is None:
+        return find_action_type(graph, ros_type)
+    if ros_type:
+        _check(f"action {action} is a", used.ros_type, ros_type)
     return used
 
 
@@ -102,24 +116,23 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     Raises:
         PeerError: It is unknown; the message suggests similar names.
     """
-    wanted = _parts(ros_type)
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
-    found = next((known for known in chain(in_use, inside) if _parts(known.ros_type) == wanted), None)
-    if found is None:
-        with _refusing():
-            found = _interfaces(graph).find_message(ros_type)
-    return found
+    known = ((one.ros_type, one) for one in chain(in_use, inside))
+    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_message(ros_type))
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     """Return the service type called *ros_type*, as :func:`find_message_type` does."""
-    wanted = _parts(ros_type)
-    found = next((known for known in graph.get_service_types() if _parts(known.ros_type) == wanted), None)
-    if found is None:
-        with _refusing():
-            found = _interfaces(graph).find_service(ros_type)
-    return found
+    known = ((one.ros_type, one) for one in graph.get_service_types())
+    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_service(ros_type))
+
+
+def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
+    """Return the action type called *ros_type*, as :func:`find_message_type` does."""
+    named = (one for one in graph.actions() if same_type(one.ros_type, ros_type))
+    known = ((one.ros_type, found) for one in named if (found := graph.get_action_type(one.name)) is not None)
+    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
 
 
 def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
@@ -133,10 +146,18 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
     return DefineTypeResponse(success=True, type_hash=type_hash(defined))
 
 
-@contextmanager
-def _refusing() -> Iterator[None]:
+def _check(subject: str, used: str, ros_type: str) -> None:
+    if not same_type(used, ros_type):
+        article = "a " if subject.endswith(" a") else ""
+        raise TypeMismatchError(f"{subject} {used}, not {article}{ros_type}")
+
+
+def _find(graph: Graph, ros_type: str, known: Iterable[_Known[T]], define: Callable[[Interfaces], T]) -> T:
+    found = next((one for name, one in known if same_type(name, ros_type)), None)
+    if found is not None:
+        return found
     try:
-        yield
+        return define(_interfaces(graph))
     except UsageError as exc:  # the client's mistake
         raise PeerError(str(exc)) from exc
 
@@ -145,36 +166,6 @@ def _interfaces(graph: Graph) -> Interfaces:
     """Return the interfaces of *graph* with homebot's own among them."""
     graph.interfaces.add_modules("homebot", OWN_MODULES)
     return graph.interfaces
-
-
-def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the type that a new server of *action* has.
-
-    Raises:
-        TypeMismatchError: The action is of another type.
-        PeerError: The type is unknown.
-    """
-    used = graph.get_action_type(action)
-    if used is None:
-        return find_action_type(graph, ros_type)
-    if not same_type(used.ros_type, ros_type):
-        raise TypeMismatchError(f"action {action} is a {used.ros_type}, not a {ros_type}")
-    return used
-
-
-def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the action type called *ros_type*, from those of actions on *graph*, or by its definition.
-
-    Raises:
-        PeerError: It is unknown; the message suggests similar names.
-    """
-    wanted = _parts(ros_type)
-    for action in graph.actions():
-        known = graph.get_action_type(action.name)
-        if known is not None and _parts(known.ros_type) == wanted:
-            return known
-    with _refusing():
-        return _interfaces(graph).find_action(ros_type)
 
 
 def _parts(ros_type: str) -> tuple[str, str]:
@@ -193,7 +184,7 @@ def message_from_client(message_type: type[Message], value: Mapping[str, object]
     Raises:
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
     """
-    return message_from_json(message_type, _in_ros2(message_type, value))
+    return message_from_json(message_type, _in_ros2(message_type, value, None))
 
 
 def partial_message_from_client(
@@ -201,78 +192,40 @@ def partial_message_from_client(
 ) -> tuple[Message, tuple[str, ...]]:
     """Return the message that the JSON object *value* spells in part, and the names of the fields that it lacks.
 
+    The names have dots where they are of messages inside. A field with a default is not missing. A text that has to be
+    one of an enumeration stays missing.
+
     Raises:
         TypeMismatchError: A field is unknown, of another type, or cannot be zero; the message names it and its value.
     """
-    whole, missing = _completed(message_type, _in_ros2(message_type, value))
-    return message_from_json(message_type, whole), missing
+    missing: dict[str, None] = {}
+    whole = _in_ros2(message_type, value, missing)
+    return message_from_json(message_type, whole), tuple(missing)
 
 
-def _in_ros2(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
+def _in_ros2(
+    message_type: type[Message], value: Mapping[str, object], missing: dict[str, None] | None, path: str = ""
+) -> dict[str, object]:
+    """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names."""
+    fields = fields_by_name(message_type)
     if message_type in {Time, Duration}:
-        return {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
-    fields = {field.name: field for field in fields_of(message_type)}
-    if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
+        value = {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
+    elif message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
         value = {name: item for name, item in value.items() if name != _ROS1_COUNTER}
-    return {name: _element(fields[name], item) if name in fields else item for name, item in value.items()}
+    whole = dict(value)
+    for name, field in fields.items():
+        if name in whole:
+            whole[name] = _element(field, whole[name], missing, f"{path}{name}.")
+        elif missing is not None and message_type.model_fields[name].is_required() and field.choices is None:
+            is_message = field.message is not None and not field.is_array
+            whole[name] = _element(field, {}, {}, "") if is_message else zero_of(field)
+            missing[f"{path}{name}"] = None
+    return whole
 
 
-def _element(field: FieldDefinition, value: object) -> object:
+def _element(field: FieldDefinition, value: object, missing: dict[str, None] | None, path: str) -> object:
     if field.message is None:
         return value
     if isinstance(value, list) and field.is_array:
-        return [_element(field, item) for item in value]
-    if field.message is Value and not isinstance(value, dict):
-        return _spelled_out(value)
-    return _in_ros2(field.message, value) if isinstance(value, dict) else value
-
-
-def _spelled_out(plain: object) -> object:
-    """Return the fields of the :class:`Value` that a client wrote as it is in JSON, such as ``true`` or ``40``."""
-    match plain:
-        case None:
-            return {}
-        case bool():
-            return {"type": 1, "flag": plain}
-        case int() | float():
-            return {"type": 2, "number": plain}
-        case str():
-            return {"type": 3, "text": plain}
-        case list():
-            return {"type": 4, "numbers": plain}
-    return plain
-
-
-_ZEROS: Final[Mapping[str, object]] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
-
-
-def _completed(message_type: type[Message], values: Mapping[str, object]) -> tuple[dict[str, object], tuple[str, ...]]:
-    """Return *values* with the fields that are missing, and their names, with dots where they are of messages inside.
-
-    A field with a default in *message_type* is not missing. A text that has to be one of an enumeration stays missing.
-    """
-    whole, names = dict(values), []
-    for field in fields_of(message_type):
-        if field.name in whole:
-            whole[field.name], inner = _completed_field(field, whole[field.name])
-            names += [f"{field.name}.{name}" for name in inner]
-        elif message_type.model_fields[field.name].is_required() and field.choices is None:
-            whole[field.name] = _zero(field)
-            names.append(field.name)
-    return whole, tuple(names)
-
-
-def _completed_field(field: FieldDefinition, value: object) -> tuple[object, tuple[str, ...]]:
-    if field.message is None:
-        return value, ()
-    if isinstance(value, Mapping):
-        return _completed(field.message, value)
-    if not isinstance(value, list):
-        return value, ()
-    parts = [_completed(field.message, one) if isinstance(one, Mapping) else (one, ()) for one in value]
-    return [one for one, _ in parts], tuple(dict.fromkeys(name for _, inner in parts for name in inner))
-
-
-def _zero(field: FieldDefinition) -> object:
-    zero = _ZEROS.get(field.ros_type, 0) if field.message is None else _completed(field.message, {})[0]
-    return [zero] * (field.size or 0) if field.is_array else zero
+        return [_element(field, item, missing, path) for item in value]
+    return _in_ros2(field.message, value, missing, path) if isinstance(value, dict) else value

@@ -10,10 +10,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import set_command
 from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.config import load_config
 from homebot.devices.device import part_names
@@ -24,6 +25,9 @@ from homebot.recording.recording import Recording, TimedCommand, load_recording
 from homebot.replay.command_diff import CommandDiff, DifferentCommand, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.virtual_time import VirtualTimeLoop
+
+if TYPE_CHECKING:
+    from homebot.devices.command_messages import Setting
 
 __all__ = ["add_arguments", "difference_text"]
 
@@ -132,7 +136,8 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
     """
     command = given.command
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
-    what = printable(command.text) or settings_text(given.command.settings)
+    settings = [cast("Setting", JsonMessage(message_to_json(one))) for one in command.settings]
+    what = printable(command.text) or settings_text(settings)
     cause = trigger_text(given.command.trigger, names)
     because = f", because {cause}" if cause else ""
     outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
