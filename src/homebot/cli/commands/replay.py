@@ -27,7 +27,7 @@ from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.virtual_time import VirtualTimeLoop
 
 if TYPE_CHECKING:
-    from homebot.devices.command_messages import Setting
+    from homebot.recording.lines import RecordedCommand
 
 __all__ = ["add_arguments", "difference_text"]
 
@@ -134,11 +134,10 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
         start: When the recording began, in seconds since the Unix epoch.
         names: As :func:`homebot.devices.device.part_names` gives them.
     """
-    command = given.command
+    command = cast("RecordedCommand", JsonMessage(message_to_json(given.command)))
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
-    settings = [cast("Setting", JsonMessage(message_to_json(one))) for one in command.settings]
-    what = printable(command.text) or settings_text(settings)
-    cause = trigger_text(given.command.trigger, names)
+    what = printable(command.text) or settings_text(command.settings)
+    cause = trigger_text(command.trigger, names)
     because = f", because {cause}" if cause else ""
     outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
     stamp = f"{local:%Y-%m-%d %H:%M:%S}"
@@ -156,12 +155,12 @@ def _summary_text(diff: CommandDiff) -> str:
 
 def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
     """Return a command for programs; arguments as for :func:`_command_text`."""
-    command = given.command
-    record = message_to_json(command)
+    record = message_to_json(given.command)
+    command = cast("RecordedCommand", JsonMessage(record))
     return {
         "at": datetime.fromtimestamp(start + given.at, UTC).isoformat(timespec="milliseconds"),
         "name": _name(given, names),
-        "because": trigger_text(given.command.trigger, names),
+        "because": trigger_text(command.trigger, names),
         **{key: value for key, value in record.items() if key not in {"id", "trigger"}},
         "outcome": "" if given.result is None else given.result.outcome,
     }
