@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
+import anyio
 import pytest
 
 from homebot.graph import Node
 from homebot.house.description import parse_world
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
-from homebot.testing import virtual_house_of
+from homebot.testing import VirtualHouse, virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
 
@@ -27,14 +29,64 @@ PLACES = {
 REQUEST: Any = find_message("rmf_door_msgs/msg/DoorRequest")
 MODE: Any = find_message("rmf_door_msgs/msg/DoorMode")
 STATE: Any = find_message("rmf_door_msgs/msg/DoorState")
-CLOSED, OPEN = 0, 2
+CLOSED, MOVING, OPEN, OFFLINE = range(4)
+GARAGE = {
+    "device_class": "garage",
+    "name": "Garage",
+    "unique_id": "garage",
+    "state_topic": "garage/state",
+    "command_topic": "garage/set",
+    "availability_topic": "garage/online",
+}
+
+
+async def ask(requests: Any, requester: str, door: str, value: int, seconds: float = 1.0) -> None:
+    """Publish the request of a robot, and let it act."""
+    time, wanted = Time(sec=0, nanosec=0), MODE(value=value)
+    requests.publish(REQUEST(request_time=time, requester_id=requester, door_name=door, requested_mode=wanted))
+    await anyio.sleep(seconds)
+
+
+async def announce(house: VirtualHouse, kind: str, config: dict[str, str]) -> None:
+    name = config["unique_id"]
+    await house.says(f"homeassistant/{kind}/{name}/config", json.dumps(config))
+    await house.says(f"{name}/online", "online")
+
+
+async def test_motors_and_sensors_of_doors_are_doors_and_windows_are_not() -> None:
+    async with virtual_house_of(APP) as house, Node(house.runtime.graph, "fleet") as fleet:
+        states: dict[str, int] = {}
+        fleet.create_subscription(
+            STATE, "/door_states", lambda state: states.update({state.door_name: state.current_mode.value})
+        )
+        requests = fleet.create_publisher(REQUEST, "/adapter_door_requests")
+        await announce(house, "cover", GARAGE)
+        for kind in ("door", "window"):
+            own = {"device_class": kind, "name": f"My {kind}", "unique_id": kind, "state_topic": f"{kind}/state"}
+            await announce(house, "binary_sensor", own | {"availability_topic": f"{kind}/online"})
+            await house.says(f"{kind}/state", "ON")
+        await house.says("garage/state", "closed")
+        await house.run_for(10)
+        assert states == {"Garage": CLOSED, "My door": OPEN}
+        await ask(requests, "rosie", "garage", OPEN)
+        assert await house.hears("garage/set") == "OPEN"
+        await house.says("garage/state", "opening")
+        await house.run_for(2)
+        assert states["Garage"] == MOVING
+        await house.says("garage/state", "open")
+        await house.run_for(2)
+        assert states["Garage"] == OPEN
+        await ask(requests, "rosie", "My door", OPEN)
+        await ask(requests, "rosie", "Garage", CLOSED)
+        assert await house.hears("garage/set") == "CLOSE"
+        await house.says("garage/online", "offline")
+        await house.run_for(2)
+        assert states["Garage"] == OFFLINE
 
 
 async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_silent() -> None:
     async with (
-        virtual_house_of(
-            "homebot.apps.rmf_doors:RmfDoors", world=parse_world(HOUSE, "test"), config={"places": PLACES}
-        ) as house,
+        virtual_house_of(APP, world=parse_world(HOUSE, "test"), config={"places": PLACES}) as house,
         Node(house.runtime.graph, "fleet") as fleet,
     ):
         states: list[Any] = []
@@ -46,25 +98,17 @@ async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_sil
             value: int = states[-1].current_mode.value
             return value
 
-        async def ask(requester: str, value: int) -> None:
-            time = Time(sec=0, nanosec=0)
-            wanted = MODE(value=value)
-            requests.publish(
-                REQUEST(request_time=time, requester_id=requester, door_name="Inner", requested_mode=wanted)
-            )
-            await house.run_for(10)
-
         await house.run_for(10)
         assert mode() == CLOSED
-        await ask("rosie", OPEN)
-        await ask("anna", OPEN)
+        await ask(requests, "rosie", "Inner", OPEN, 10.0)
+        await ask(requests, "anna", "Inner", OPEN, 10.0)
         assert mode() == OPEN
-        await ask("rosie", CLOSED)
-        await ask("stranger", CLOSED)
+        await ask(requests, "rosie", "Inner", CLOSED, 10.0)
+        await ask(requests, "stranger", "Inner", CLOSED, 10.0)
         assert mode() == OPEN
-        await ask("anna", CLOSED)
+        await ask(requests, "anna", "Inner", CLOSED, 10.0)
         assert mode() == CLOSED
-        await ask("rosie", OPEN)
+        await ask(requests, "rosie", "Inner", OPEN, 10.0)
         assert mode() == OPEN
         await house.run_for(130)
         assert mode() == CLOSED

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeAlias
 
 import anyio
 from anyio.abc import TaskGroup
 
 from homebot.apps.base import App, AppSettings
-from homebot.devices.handles import DoorLock, Handle
+from homebot.devices.handles import Closure, DoorLock
 from homebot.devices.handles.sensors import ContactSensor
 from homebot.devices.names import GET_PLACES
-from homebot.devices.places_messages import DoorInfo, GetPlaces, GetPlacesRequest
+from homebot.devices.places_messages import GetPlaces, GetPlacesRequest
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
@@ -24,11 +23,16 @@ from homebot.units import Seconds
 
 __all__ = ["RmfDoors", "RmfDoorsSettings"]
 
-HandleT = TypeVar("HandleT", bound=Handle)
+_Part: TypeAlias = Closure | DoorLock | ContactSensor
 
 _EVERY: Final = 1.0
-_CLOSED, _OPEN, _OFFLINE, _UNKNOWN = 0, 2, 3, 4
-_MODES: Final = {None: _UNKNOWN, True: _OPEN, False: _CLOSED}
+_CLOSED, _MOVING, _OPEN, _OFFLINE, _UNKNOWN = range(5)
+_MODES: Final = {
+    **dict.fromkeys(("closed", "locked"), _CLOSED),
+    **dict.fromkeys(("opening", "closing", "unlocking", "locking"), _MOVING),
+    **dict.fromkeys(("open", "unlocked"), _OPEN),
+}
+_TAGS: Final = {"door", "garage_door", "garage", "gate"}
 _MOST_HOLDERS: Final = 100
 
 
@@ -43,10 +47,11 @@ class RmfDoorsSettings(AppSettings):
 
 
 class RmfDoors(App):
-    """Publishes ``/door_states`` and serves ``/adapter_door_requests`` for each door of the plan with a device.
+    """Publishes ``/door_states`` and serves ``/adapter_door_requests``, for doors of the plan and other doors.
 
-    A door with a lock is open while that is unlocked; of another its contact says so. ``MODE_OPEN`` holds the lock
-    unlocked for the requester; ``MODE_CLOSED`` of a requester releases its hold, and after the last one locks it.
+    A door of the plan is its lock or motor, else its contact. Locks, motors and contacts of doors that are in no plan
+    are doors of their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester; ``MODE_CLOSED``
+    of a requester releases its hold, and after the last one locks or closes it.
     """
 
     Settings = RmfDoorsSettings
@@ -55,7 +60,7 @@ class RmfDoors(App):
         super().__init__(node, settings)
         self._held_for = settings.held_for
         self._places = node.create_client(GetPlaces, GET_PLACES)
-        self._doors: tuple[DoorInfo, ...] = ()
+        self._doors: dict[str, _Part | None] = {}
         self._holds: dict[tuple[str, str], anyio.CancelScope] = {}
         self._state_type: Any = find_message("rmf_door_msgs/msg/DoorState")
         self._mode_type: Any = find_message("rmf_door_msgs/msg/DoorMode")
@@ -65,68 +70,78 @@ class RmfDoors(App):
 
     async def run(self) -> None:
         """Publish the states of all doors once a second."""
-        async with anyio.create_task_group() as tasks:
-            self._tasks = tasks
+        async with anyio.create_task_group() as self._tasks:
             while True:
                 try:
-                    answer = await self._places.call(GetPlacesRequest(), timeout=5.0)
-                    self._doors = tuple(door for door in answer.doors if door.lock or door.contact)
+                    self._doors = await self._find_doors()
                 except ServiceError as exc:
                     self.node.log.warning("rmf_doors.no_places", message=str(exc))
-                for door in self._doors:
-                    await self._publish(door)
+                time = Time.from_seconds(self.node.graph.clock.now())
+                for name, part in self._doors.items():
+                    mode = self._mode_type(value=_mode(part))
+                    self._states.publish(self._state_type(door_time=time, door_name=name, current_mode=mode))
                 await anyio.sleep(_EVERY)
 
-    async def _publish(self, door: DoorInfo) -> None:
-        mode = self._mode_type(value=await self._mode(door))
-        time = Time.from_seconds(self.node.graph.clock.now())
-        self._states.publish(self._state_type(door_time=time, door_name=door.name, current_mode=mode))
-
-    async def _mode(self, door: DoorInfo) -> int:
-        if door.lock:
-            lock = _named(await self.devices.find(DoorLock), door.lock)
-            is_open = None if lock is None or lock.locked is None else not lock.locked
-            return _OFFLINE if lock is None or lock.reachable is False else _MODES[is_open]
-        contact = _named(await self.devices.find(ContactSensor), door.contact)
-        is_open = None if contact is None else contact.is_open
-        return _OFFLINE if contact is None or contact.reachable is False else _MODES[is_open]
+    async def _find_doors(self) -> dict[str, _Part | None]:
+        """Return each door with its lock, motor or contact; None where that is not known yet."""
+        find = self.devices.find
+        parts: list[_Part] = [*await find(Closure), *await find(DoorLock), *await find(ContactSensor)]
+        by_name = {fold(name): part for part in parts for name in _names(part)}
+        plan = await self._places.call(GetPlacesRequest(), timeout=5.0)
+        planned = {
+            one.name: by_name.get(fold(one.lock or one.contact)) for one in plan.doors if one.lock or one.contact
+        }
+        used = {fold(name) for door in plan.doors for name in (door.lock, door.contact)}
+        doors: dict[str, _Part | None] = {}
+        for part in parts:
+            if _is_door(part) and not {fold(name) for name in _names(part)} & used:
+                doors[part.name if part.device.name in doors else part.device.name] = part
+        return doors | planned
 
     def _request(self, request: Message) -> None:
         """Begin, renew or end the hold of one requester."""
         stated: Any = request
-        door = next((one for one in self._doors if fold(one.name) == fold(stated.door_name)), None)
-        if door is None or not door.lock or not stated.requester_id.strip() or self._tasks is None:
-            problem = "no requester is stated" if door and door.lock else f"{stated.door_name[:100]!r} has no lock"
+        name = next((one for one in self._doors if fold(one) == fold(stated.door_name)), "")
+        part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
+        if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
+            problem = "no requester is stated" if not key[1] else f"{stated.door_name[:100]!r} has no lock or motor"
             self.node.log.warning("rmf_doors.refused", message=f"a request for a door was refused: {problem}")
             return
-        key = door.name, stated.requester_id[:100]
-        before = self._holds.get(key)
-        if stated.requested_mode.value == _OPEN:
-            deadline = anyio.current_time() + self._held_for
-            if before is not None:
-                before.deadline = deadline
-            elif len(self._holds) < _MOST_HOLDERS:
-                self._holds[key] = scope = anyio.CancelScope(deadline=deadline)
-                self._tasks.start_soon(partial(self._hold, key, door.lock, scope))
+        before, deadline = self._holds.get(key), anyio.current_time() + self._held_for
+        if stated.requested_mode.value == _OPEN and before is not None:
+            before.deadline = deadline
+        elif stated.requested_mode.value == _OPEN and len(self._holds) < _MOST_HOLDERS:
+            self._holds[key] = scope = anyio.CancelScope(deadline=deadline)
+            self._tasks.start_soon(partial(self._hold, key, part, scope))
         elif stated.requested_mode.value == _CLOSED and before is not None:
             before.cancel()
 
-    async def _hold(self, key: tuple[str, str], name: str, scope: anyio.CancelScope) -> None:
-        """Hold a lock unlocked until *scope* ends; lock it after the last holder."""
+    async def _hold(self, key: tuple[str, str], part: Closure | DoorLock, scope: anyio.CancelScope) -> None:
+        """Hold a door open until *scope* ends; close it after the last holder."""
         try:
-            lock = _named(await self.devices.find(DoorLock), name)
             with scope:
-                if lock is not None:
-                    async with lock.hold("unlock", by=key[1]):
-                        await anyio.sleep_forever()
+                async with part.hold("unlock" if isinstance(part, DoorLock) else "open", by=key[1]):
+                    await anyio.sleep_forever()
+            del self._holds[key]
+            if not any(door == key[0] for door, _ in self._holds):
+                await (part.lock() if isinstance(part, DoorLock) else part.close())
         except RefusedError as exc:
-            self.node.log.warning("rmf_doors.refused", message=f"{key[0]} is not opened for {key[1]}: {exc}")
-            return
-        finally:
             self._holds.pop(key, None)
-        if lock is not None and not any(door == key[0] for door, _ in self._holds):
-            await lock.lock()
+            self.node.log.warning("rmf_doors.refused", message=f"{key[0]} is not moved for {key[1]}: {exc}")
 
 
-def _named(handles: Iterable[HandleT], name: str) -> HandleT | None:
-    return next((one for one in handles if fold(name) in {fold(one.id), fold(one.name)}), None)
+def _names(part: _Part) -> tuple[str, ...]:
+    return part.id, part.name, part.device.id, part.device.name
+
+
+def _is_door(part: _Part) -> bool:
+    found = part.device.part(part.part_id)
+    return isinstance(part, DoorLock) or (found is not None and found.part.tag in _TAGS)
+
+
+def _mode(part: _Part | None) -> int:
+    if part is None or part.reachable is False:
+        return _OFFLINE
+    if isinstance(part, ContactSensor):
+        return _UNKNOWN if part.is_open is None else _OPEN if part.is_open else _CLOSED
+    return _MODES.get((part.state if isinstance(part, DoorLock) else part.movement) or "", _UNKNOWN)
