@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 323
+_MOST_MODULES = 316
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -50,6 +50,7 @@ NOT_NEEDED = (
     "homebot.devices.robot_owners",
     "homebot.devices.near_watch",
     "homebot.discovery.nearness",
+    "homebot.places.path",
     "homebot.discovery.store",
     "homebot.house.description",
     "homebot.house.kinds",

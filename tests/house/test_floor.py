@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from homebot.house import thesis_world
-from homebot.house.floor import places_table
+from homebot.house import World, thesis_world
 from homebot.house.floor_map import occupancy_grid
 from homebot.house.rooms import Room, Rooms
 from homebot.messages.builtin_interfaces import Time
-from homebot.places import FloorPlan, HousePlan, read_places
+from homebot.places import FloorPlan, HousePlan, Places
+from homebot.runtime.simulated_house import HouseOfRun
 
 
 def test_the_places_of_the_small_house_are_valid_and_its_doors_are_at_their_rooms() -> None:
     world = thesis_world()
-    places = read_places(places_table(world.rooms, world.devices), "home425", "the house", "configuration")
+    places = HouseOfRun(world, (), "robot").places()
     plan = FloorPlan(HousePlan("home425", places.rooms, "the house", places.doors))
     assert {room.name for room in places.rooms} == {"Room 405", "Hall", "Room 165"}
     assert {one.rooms for one in places.doors} == {("Hall", "Room 405"), ("Hall", "Room 165")}
@@ -24,7 +24,7 @@ def test_the_places_of_the_small_house_are_valid_and_its_doors_are_at_their_room
 
 
 def test_a_house_without_extents_has_no_places() -> None:
-    assert places_table(Rooms({"room": Room()}, []), {}) == {}
+    assert HouseOfRun(World(Rooms({"room": Room()}, []), ()), (), "robot").places() == Places()
 
 
 def test_the_map_has_walls_with_a_door_in_them_and_the_row_in_front_is_the_southern_one() -> None:

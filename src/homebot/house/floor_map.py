@@ -7,8 +7,7 @@ from array import array
 from collections.abc import Iterator
 from typing import Final
 
-from homebot.house.floor import DOOR_WIDTH
-from homebot.house.rooms import OUTSIDE, Rooms
+from homebot.house.rooms import DOOR_WIDTH, OUTSIDE, Rooms
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Point, Pose, Quaternion
 from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid

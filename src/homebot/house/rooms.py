@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from homebot.errors import UsageError
 
-__all__ = ["DAY", "OUTSIDE", "Room", "Rooms", "daylight", "weather"]
+__all__ = ["DAY", "DOOR_WIDTH", "OUTSIDE", "Room", "Rooms", "daylight", "weather"]
 
 DAY = 86_400.0
 NOON_LUX = 100_000.0
@@ -42,6 +42,10 @@ def weather(now: float, first_day: int) -> float:
 
 OUTSIDE = "outside"
 """The room of absent people: like any other, but light and warmth are the weather's."""
+
+
+DOOR_WIDTH = 0.9
+"""Metres of the width of a door."""
 
 
 class Room(NamedTuple):

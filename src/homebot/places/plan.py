@@ -117,8 +117,8 @@ class HousePlan:
         doors: All its doors, those of rooms too of which nothing else is stated.
 
     Raises:
-        ConfigError: A name is used on two levels, a door leads to no room or is not at its rooms, or there are too many
-            rooms; names the key and the value.
+        ConfigError: A name is used on two levels, a door leads to no room, or there are too many rooms; names the key
+            and the value.
     """
 
     __slots__ = ("__weakref__", "_in_home", "_located", "_rooms", "doors", "floors", "home", "rooms", "source")
@@ -147,8 +147,6 @@ class HousePlan:
             **{key: (room.name, on_floor[fold(room.floor)]) for key, room in self._rooms.items()},
         }
         self.doors = self._with_plain(stated)
-        if any(room.polygons for room in self.rooms) or any(door.position for door in stated):
-            _ = self.floor_plan
 
     @property
     def floor_plan(self) -> FloorPlan:
@@ -156,6 +154,15 @@ class HousePlan:
         from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
 
         return FloorPlan.of(self)
+
+    def check_geometry(self) -> None:
+        """Check the areas and the positions of doors; those stated from outside are, before they are used.
+
+        Raises:
+            ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
+        """
+        if any(room.polygons for room in self.rooms) or any(door.position for door in self.doors):
+            _ = self.floor_plan
 
     def locate(self, area: str) -> tuple[str, tuple[str, ...]]:
         """Return *area* as the plan spells it, and the areas that it is in, the innermost first: its floor, the home.
@@ -172,9 +179,11 @@ class HousePlan:
         """Return the plan with further *rooms* and *doors*, which win where both state a floor, an area or a door.
 
         Raises:
-            ConfigError: As for the class.
+            ConfigError: As for the class, and :meth:`check_geometry`.
         """
-        return HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
+        plan = HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
+        plan.check_geometry()
+        return plan
 
     def _check_levels(self, source: str) -> None:
         home = fold(self.home)

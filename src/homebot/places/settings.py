@@ -191,6 +191,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
     rooms = _rooms(settings.rooms, source)
     house_doors = _doors(settings.doors, source)
     plan = HousePlan(home, rooms, source, house_doors)
+    plan.check_geometry()
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
     names: dict[str, str] = {}
     for name, device in settings.devices.items():

@@ -19,7 +19,7 @@ from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
-from homebot.places import NO_PLACES, HousePlan, Places, read_places
+from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.support.addresses import is_loopback
 from homebot.support.similar import did_you_mean
@@ -349,6 +349,7 @@ def make_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
 def _places(config: Config) -> Places:
     if not config.places:
         return NO_PLACES
+    from homebot.places.settings import read_places  # noqa: PLC0415 - only with the table
 
     return read_places(config.places, config.home.name, config.source, "configuration")
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AsyncExitStack
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -35,7 +35,7 @@ from homebot.places import HousePlan
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import PlannedComponent, make_plan
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan
 from homebot.runtime.recorder_starter import RecorderStarter
 from homebot.runtime.supervisor import Supervisor, Work
 from homebot.support.installation import INSTALLATION_FILE, Installation
@@ -69,6 +69,7 @@ ServiceT = TypeVar("ServiceT")
 _log = get_logger(node="/homebot")
 
 
+@dataclass(eq=False, repr=False)
 class Runtime:
     """A running homebot, used as ``async with Runtime(config) as runtime``.
 
@@ -101,71 +102,64 @@ class Runtime:
         ConfigError: A class cannot be found, a table is wrong, or there is no gateway that a *house* could use.
     """
 
-    def __init__(
-        self,
-        config: Config,
-        *,
-        house: World | None = None,
-        robot: str = "",
-        with_door: bool = True,
-        clock: Clock | None = None,
-        services: Iterable[object] = (),
-        random: Random | None = None,
-        trusts_apps: bool = False,
-        index_file: Path | None = None,
-        loop_watch: LoopWatch | None = None,
-        lost_lines: Callable[[], int] = lambda: 0,
-        record_into: LineSink | None = None,
-        is_dry_run: bool = False,
-        rehearsal: Rehearsal | None = None,
-        known: Sequence[IndexRow] = (),
-        detected: Sequence[str] = (),
-    ) -> None:
-        self._house = None if house is None else _house_of_run(house, config, robot)
-        if self._house is not None:
-            config = config.model_copy(update={"gateways": {**self._house.gateways(), **config.gateways}})
-            if self._house.robot and not config.places:
-                config = config.model_copy(update={"places": self._house.places()})
-        self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
-        self._rehearsal = rehearsal
-        if is_dry_run:
-            from homebot.runtime.dry_run import DryRun, MutedNode, observing  # noqa: PLC0415 - few runs are one
+    config: Config
+    _: KW_ONLY
+    house: World | None = None
+    robot: str = ""
+    with_door: bool = True
+    clock: Clock | None = None
+    services: Iterable[object] = ()
+    random: Random | None = None
+    trusts_apps: bool = False
+    index_file: Path | None = None
+    loop_watch: LoopWatch | None = None
+    lost_lines: Callable[[], int] = lambda: 0
+    record_into: LineSink | None = None
+    is_dry_run: bool = False
+    rehearsal: Rehearsal | None = None
+    known: Sequence[IndexRow] = ()
+    detected: Sequence[str] = ()
 
-            config = observing(config)
-            self._gateway_node = MutedNode
-            self._rehearsal = rehearsal or DryRun()
-        self._plan = make_plan(config)
-        if self._house is not None and self._house.robot:
-            self._plan = self._house.with_its_robot(self._plan)
+    def __post_init__(self) -> None:
+        self._house = None if self.house is None else _house_of_run(self.house, self.config, self.robot)
+        self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
+        self._plan = self._make_plan()
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )
-        if self._house is not None:
-            self._house.check_host(self._needed, config.source)
         is_all_simulated = self._house is not None and not self._house.may_meet_real_devices(self._plan)
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
-        self._approves_all = trusts_apps or is_all_simulated
-        self._with_door = with_door
-        self._trusts_apps = trusts_apps or house is not None
-        kept_at = index_file.with_name(INSTALLATION_FILE) if index_file and self._plan.discovery.persist else None
-        self._installation = Installation(kept_at, random)
-        self._context = GatewayContext.of(self._installation, *services, random=random, is_dry_run=is_dry_run)
-        self._is_dry_run = is_dry_run
-        self._known = known
-        self._detected = detected
+        self._approves_all = self.trusts_apps or is_all_simulated
+        self.trusts_apps = self.trusts_apps or self.house is not None
+        kept_at = None
+        if self.index_file is not None and self._plan.discovery.persist:
+            kept_at = self.index_file.with_name(INSTALLATION_FILE)
+        self._installation = Installation(kept_at, self.random)
+        self._context = GatewayContext.of(
+            self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
+        )
         self._controller: Control | None = None
-        self._index_file = index_file
-        self._loop_watch = loop_watch
-        self._lost_lines = lost_lines
-        self._record_into = record_into
-        self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
+        self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
         self.door: Door | None = None
         self._start_is_cut = False
+
+    def _make_plan(self) -> Plan:
+        config = self.config
+        if self._house is not None:
+            config = config.model_copy(update={"gateways": {**self._house.gateways(), **config.gateways}})
+        if self.is_dry_run:
+            from homebot.runtime.dry_run import DryRun, MutedNode, observing  # noqa: PLC0415 - few runs are one
+
+            config = observing(config)
+            self._gateway_node = MutedNode
+            self.rehearsal = self.rehearsal or DryRun()
+        plan = make_plan(config)
+        return plan if self._house is None else self._house.completed(plan, config.source)
 
     async def __aenter__(self) -> Self:
         """Start everything.
@@ -210,7 +204,7 @@ class Runtime:
         stack.callback(self._installation.close)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
-        RuntimeHealth(main, self._plan.home, self.supervisor, self._loop_watch, self._lost_lines)
+        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines)
         RecorderStarter(main, self._recording)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
@@ -230,11 +224,11 @@ class Runtime:
         yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
         yield "", "control", self._control
-        if self._record_into is not None:
-            yield "", "recorder", self._record(self._record_into)
+        if self.record_into is not None:
+            yield "", "recorder", self._record(self.record_into)
         yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
         yield "", "robots", self._track_robots
-        if self._with_door:
+        if self.with_door:
             yield "", "door", self._open_door
         if self._plan.thing_directory is not None:
             yield "", "thing_directory", self._serve_things(self._plan.thing_directory)
@@ -248,7 +242,7 @@ class Runtime:
             return f"{home} is running"
         host = self._plan.door.host
         where = f"[{host}]" if ":" in host else host
-        note = " (a dry run: nothing is sent to any device)" if self._is_dry_run else ""
+        note = " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
         return f"{home} is running{note}; listening for rosbridge clients on ws://{where}:{self.door.port}"
 
     def _apps_text(self) -> str:
@@ -307,26 +301,26 @@ class Runtime:
             directory = Directory(
                 node,
                 self._plan.discovery,
-                self._index_file,
+                self.index_file,
                 owner,
                 needs_approval=needs_approval,
-                known=self._known,
+                known=self.known,
             )
             await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
-            index, is_kept = self._index_file, self._plan.discovery.persist
+            index, is_kept = self.index_file, self._plan.discovery.persist
             journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
             self._controller = Control(
                 node,
                 self._plan.control,
                 self._plan.grants,
-                trusts_apps=self._trusts_apps,
+                trusts_apps=self.trusts_apps,
                 approves_all=self._approves_all,
                 journal_file=journal,
-                rehearsal=self._rehearsal,
-                detected=self._detected,
+                rehearsal=self.rehearsal,
+                detected=self.detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
@@ -335,7 +329,7 @@ class Runtime:
 
         detected = () if self._controller is None else await self._controller.detected()
         return RunRecording.of(
-            self._plan, trusts_apps=self._trusts_apps, approves_all=self._approves_all, detected=detected
+            self._plan, trusts_apps=self.trusts_apps, approves_all=self._approves_all, detected=detected
         )
 
     def _record(self, sink: LineSink) -> Work:

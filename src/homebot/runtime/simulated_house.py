@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from functools import partial
@@ -13,12 +13,15 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.errors import ConfigError, UsageError
-from homebot.gateways import GatewayContext, HostService
+from homebot.gateways import GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
 from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
 from homebot.house.robot import Robot
+from homebot.house.rooms import DOOR_WIDTH
+from homebot.places import NO_PLACES, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
+from homebot.places.plan import door_name
 from homebot.runtime.plan import Plan
 from homebot.support.isolation import run_as
 
@@ -26,6 +29,7 @@ __all__ = ["HouseOfRun"]
 
 ROBOT = "house.robot"
 
+_STATED = ("configuration", 0.0)
 _FRAMES = ("odom", "base_footprint", "base_link")
 _BOOTS = 1.0
 """Seconds that a robot boots longer than a house starts, so that its code does not delay the start."""
@@ -51,32 +55,29 @@ class HouseOfRun:
         """Return the tables of the gateways that find its devices, see :meth:`HouseNetwork.gateways`."""
         return self._network.gateways()
 
-    def places(self) -> dict[str, object]:
-        """Return its rooms, doors and positions as a table ``[places]``."""
-        from homebot.house.floor import places_table  # noqa: PLC0415 - for a house with a robot
+    def completed(self, plan: Plan, source: str) -> Plan:
+        """Return *plan* with the robot of the house, and with its floor plan where none is stated.
 
-        return places_table(self._world.rooms, self._world.devices)
+        Raises:
+            ConfigError: The plan of the configuration *source* has no in-process peer for its devices, or they have
+                names that it has for others.
+        """
+        needed = (one for gateway in plan.gateways for one in gateway.kind.host_services(gateway.settings))
+        if all(service.kind is not SimulatedHouse.Host for service in needed):
+            raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
+        if self.robot and plan.places is NO_PLACES:
+            places = self.places()
+            HousePlan(plan.home, places.rooms, source, places.doors)  # checks the names
+            plan = replace(plan, places=places)
+        if self.robot and plan.names_robots and self.robot not in plan.robots:  # else its frames would be another's
+            from homebot.robots import RobotSettings  # noqa: PLC0415 - for a house with several robots
 
-    def with_its_robot(self, plan: Plan) -> Plan:
-        """Return *plan* with the robot and its frames, where robots have tables: else these would be another's."""
-        if not plan.names_robots or self.robot in plan.robots:
-            return plan
-        from homebot.robots import RobotSettings  # noqa: PLC0415 - for a house with several robots
-
-        return replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
+            plan = replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
+        return plan
 
     def running(self, random: Random | None) -> AbstractAsyncContextManager[tuple[object, ...]]:
         """Run its networks, see :meth:`HouseNetwork.running`."""
         return self._network.running(random)
-
-    def check_host(self, needed: Iterable[HostService[object]], source: str) -> None:
-        """Check that there is an embedded broker for its devices.
-
-        Raises:
-            ConfigError: No in-process peer of this name exists.
-        """
-        if all(service.kind is not SimulatedHouse.Host for service in needed):
-            raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
 
     def may_meet_real_devices(self, plan: Plan) -> bool:
         """Return whether a gateway of the configuration may find devices outside the house."""
@@ -85,6 +86,33 @@ class HouseOfRun:
             and all(service.kind is not SimulatedHouse.Host for service in one.kind.host_services(one.settings))
             for one in plan.gateways
         )
+
+    def places(self) -> Places:
+        """Return its rooms with an extent, the doors between them, and its devices; by construction they fit."""
+        rooms, devices = self._world.rooms, self._world.devices
+        ids = {
+            name: f"{one.device.service_type}/{name}" if one.dialect == "thesis" else name
+            for name, one in devices.items()
+        }
+        at_door = {
+            (frozenset({one.room, one.door}), one.device.kind): ids[name] for name, one in devices.items() if one.door
+        }
+        doors = []
+        for one, other, middle in rooms.doorways():
+            contact, lock = (at_door.get((frozenset({one, other}), kind), "") for kind in ("contact", "lock"))
+            doors.append(HouseDoor(door_name((one, other)), (one, other), (middle,), DOOR_WIDTH, contact, lock))
+        facts: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
+            (ids[name],): (
+                OwnerFact("area", one.room, *_STATED),
+                OwnerFact("position", Position(*one.at).text, *_STATED),
+            )
+            for name, one in devices.items()
+            if one.at is not None
+        }
+        areas = tuple(
+            HouseRoom(name, polygons=((room.corners,),)) for name, room in rooms.rooms.items() if room.corners
+        )
+        return Places(areas, facts, tuple(doors))
 
     async def serve(
         self,
