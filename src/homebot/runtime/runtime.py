@@ -221,20 +221,21 @@ class Runtime:
 
     def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, str, Work]]:
         """Yield components in the order of their start: kind, name, work. Each is made when those before are ready."""
-        yield from (("gateway", gateway.name, self._gateway(gateway)) for gateway in gateways)
+        yield from (("gateway", gateway.name, partial(self._gateway, gateway)) for gateway in gateways)
         yield "", "discovery", self._directory
         yield "", "control", self._control
         if self.record_into is not None:
-            yield "", "recorder", self._record(self.record_into)
-        yield from (("app", app.name, self._app(app)) for app in self._plan.apps)
+            yield "", "recorder", partial(self._record, self.record_into)
+        yield from (("app", app.name, partial(self._app, app)) for app in self._plan.apps)
         yield "", "robots", self._track_robots
         if self.with_door:
             yield "", "door", self._open_door
         if self._plan.thing_directory is not None:
-            yield "", "thing_directory", self._serve_things(self._plan.thing_directory)
+            yield "", "thing_directory", partial(self._serve_things, self._plan.thing_directory)
         if self._house is not None:
             homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
-            yield "", "house", self._simulate(self._house, next(filter(None, homes), THESIS_HOME))
+            home = next(filter(None, homes), THESIS_HOME)
+            yield "", "house", partial(self._house.serve, self._context, home, self.graph)
 
     def _greeting(self) -> str:
         home = "homebot" if self._plan.home == UNNAMED else self._plan.home
@@ -275,23 +276,17 @@ class Runtime:
     def _resolved(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
         return replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))
 
-    def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            async with self._gateway_node(self.graph, component.name) as node:
-                _offer_settings(node, component.settings)
-                gateway = component.kind(node, component.settings, self._context)
-                await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
+    async def _gateway(self, component: PlannedComponent[Gateway], *, task_status: TaskStatus[None]) -> None:
+        async with self._gateway_node(self.graph, component.name) as node:
+            _offer_settings(node, component.settings)
+            gateway = component.kind(node, component.settings, self._context)
+            await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
-        return work
-
-    def _app(self, component: PlannedComponent[App]) -> Work:
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            async with Node(self.graph, component.name) as node:
-                _offer_settings(node, component.settings)
-                app = component.kind(node, component.settings)
-                await run_as(node.full_name, partial(app.serve, task_status=task_status))
-
-        return work
+    async def _app(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, component.name) as node:
+            _offer_settings(node, component.settings)
+            app = component.kind(node, component.settings)
+            await run_as(node.full_name, partial(app.serve, task_status=task_status))
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
@@ -332,13 +327,10 @@ class Runtime:
             self._plan, trusts_apps=self.trusts_apps, approves_all=self._approves_all, detected=detected
         )
 
-    def _record(self, sink: LineSink) -> Work:
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            recording = await self._recording()
-            async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
-                await run_as(node.full_name, partial(recording.write_into, sink, node, task_status=task_status))
-
-        return work
+    async def _record(self, sink: LineSink, *, task_status: TaskStatus[None]) -> None:
+        recording = await self._recording()
+        async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
+            await run_as(node.full_name, partial(recording.write_into, sink, node, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started
@@ -381,24 +373,15 @@ class Runtime:
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
-    def _serve_things(self, settings: DirectoryBridgeSettings) -> Work:
+    async def _serve_things(self, settings: DirectoryBridgeSettings, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra
 
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            async with Node(self.graph, "thing_directory") as node:
-                owner = await to_thread.run_sync(self._installation.id_of, node.full_name)
-                announce = self._network_services.publish
-                things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
-                node.create_service(GetHealth, "~/health", things.health)
-                await run_as(node.full_name, partial(things.run, task_status=task_status))
-
-        return work
-
-    def _simulate(self, house: HouseOfRun, home: str) -> Work:
-        async def work(*, task_status: TaskStatus[None]) -> None:
-            await house.serve(self._context, home, self.graph, task_status=task_status)
-
-        return work
+        async with Node(self.graph, "thing_directory") as node:
+            owner = await to_thread.run_sync(self._installation.id_of, node.full_name)
+            announce = self._network_services.publish
+            things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
+            node.create_service(GetHealth, "~/health", things.health)
+            await run_as(node.full_name, partial(things.run, task_status=task_status))
 
 
 def _offer_settings(node: Node, settings: BaseModel) -> None:
