@@ -116,7 +116,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "gateways.mqtt: ca_file: none.pem cannot be read: No such file or directory",
         ),
         ('[gateways.mqtt]\nurl = "mqtt://b"\nca_file = "token"\n', "gateways.mqtt: MQTT options: CA file and client"),
-        ("[apps.discovery]\n", "apps.discovery: is the name of one of homebot's own nodes; give the app another name"),
+        ("[apps.discovery]\n", "apps.discovery: is the name of one of homebot's own nodes; choose another name"),
         ('[apps.mine]\nclass = "homebot.apps:App"\n', "apps.mine.class: homebot.apps:App lacks run()"),
         ('[apps.mine]\nclass = "my_odd_app:Odd"\n', "apps.mine.class: my_odd_app:Odd.Settings is not a pydantic model"),
         ("[apps.light_service]\ncolour = 1\n", "apps.light_service.colour: unknown key; known are none"),

@@ -65,7 +65,7 @@ def test_a_workspace_with_an_error_is_not_imported(workspace: Path, capsys: pyte
     ("table", "problem"),
     [
         ('interfaces = ["nowhere"]', "ros.interfaces: there is no folder"),
-        ('distro = "kitted"', "ros.distro: known are humble, jazzy, kilted"),
+        ('distro = "kitted"', "ros.distro: input should be 'humble', 'jazzy' or 'kilted'"),
         ('interfaces = ["ws"]', "ros.interfaces: my_pets/msg/Pet: line 1: 'int33' is no type"),
     ],
 )

@@ -56,7 +56,6 @@ NOT_NEEDED = (
     "homebot.house.kinds",
     "homebot.messages.geometry_msgs",
     "homebot.messages.interfaces",
-    "homebot.messages.sensor_msgs",
     "homebot.messages.std_msgs",
     "homebot.mqtt.broker.tls_socket",
     "homebot.mqtt.certificate",

@@ -16,10 +16,11 @@ from homebot.errors import DuplicateNameError, ServiceUnavailableError, TypeMism
 from homebot.messages import SetBool, String
 from homebot.messages.interfaces import find_message, find_service
 from homebot.messages.rcl_interfaces import Parameter, ParameterValue
-from homebot.messages.sensor_msgs import LaserScan
 from homebot.messages.std_msgs import Header
 
 pytestmark = pytest.mark.slow
+
+LaserScan = find_message("sensor_msgs/msg/LaserScan")
 
 
 @pytest.fixture

@@ -15,8 +15,9 @@ from pydantic import Field
 from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
 from homebot.messages import message as fields
+from homebot.messages.interfaces import find_message
 from homebot.messages.json import message_from_json, message_to_json, message_to_pieces, message_to_text
-from homebot.messages.std_msgs import Header, UInt8MultiArray
+from homebot.messages.std_msgs import Header
 
 
 class Mood(StrEnum):
@@ -187,7 +188,9 @@ def test_a_refusal_names_the_field_and_the_value(message_type: type[Message], va
 @pytest.mark.parametrize("spelling", ["?", "AP8", "AP8=\n", "ä", [256], [-1], ["x"], [0.5], 7, None, {"a": 1}])
 def test_bytes_that_are_neither_base64_nor_numbers_are_refused(spelling: object) -> None:
     with pytest.raises(TypeMismatchError) as caught:
-        message_from_json(UInt8MultiArray, {"layout": {"dim": [], "data_offset": 0}, "data": spelling})
+        message_from_json(
+            find_message("std_msgs/msg/UInt8MultiArray"), {"layout": {"dim": [], "data_offset": 0}, "data": spelling}
+        )
     assert str(caught.value) == (
         "not a std_msgs/msg/UInt8MultiArray: field 'data': "
         f"bytes are base64 text or a list of 0 to 255, got {spelling!r}"

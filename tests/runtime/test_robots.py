@@ -95,7 +95,7 @@ async def test_the_named_segments_of_a_vacuum_become_rooms_of_the_house_for_ever
     [
         ({"rosie": {"frame": []}}, "robots.rosie.frame: unknown key; did you mean frames?"),
         ({"rosie": {"limit": 0}}, "robots.rosie.limit: "),
-        ({"discovery": {}}, "robots.discovery: is the name of one of homebot's own nodes; give the robot another name"),
+        ({"discovery": {}}, "robots.discovery: is the name of one of homebot's own nodes; choose another name"),
         ({"ro sie": {}}, "robots.ro sie: "),
         ({"rosie": {"map_transform": [0.0, 1.0]}}, "robots.rosie.map_transform"),
     ],

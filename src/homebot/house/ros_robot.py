@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final, final
+from typing import Any, Final, final
 
 import anyio
 
@@ -23,8 +23,8 @@ from homebot.messages.geometry_msgs import (
     TransformStamped,
     Vector3,
 )
+from homebot.messages.interfaces import find_message
 from homebot.messages.nav_msgs import OccupancyGrid
-from homebot.messages.sensor_msgs import BatteryState
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 
@@ -40,12 +40,16 @@ _TURNED: Final = 0.2
 
 _VARIANCE: Final = 0.01
 _HEIGHT: Final = 0.1
-_VOLTS: Final = 14.4
 _DRAINS: Final = 1 / 7200
 _CHARGES: Final = 1 / 3600
 """Shares of a full battery in a second, driving and in the dock."""
 
 _CHARGING, _DISCHARGING, _FULL = 1, 2, 4
+_BATTERY: Final = {
+    **dict.fromkeys(("temperature", "current", "charge", "capacity", "design_capacity"), math.nan),
+    "voltage": 14.4,
+    "present": True,
+}
 
 
 @final
@@ -73,20 +77,21 @@ class RosRobot:
         self._charge = 1.0
         self._charged_at = self._clock.monotonic()
         self._last: SimulatedPose | None = None
+        self._battery_type = find_message("sensor_msgs/msg/BatteryState")
         map_publisher = node.create_publisher(OccupancyGrid, "/map", qos_profile_latched)
         static = node.create_publisher(TFMessage, "/tf_static", qos_profile_latched)
         self._tf = node.create_publisher(TFMessage, "/tf", 100)
         self._amcl = node.create_publisher(PoseWithCovarianceStamped, "/amcl_pose", qos_profile_latched)
-        self._battery = node.create_publisher(BatteryState, "/battery_state", 10)
-        map_publisher.publish(occupancy_grid(read().rooms, self.stamp()))
-        base = Transform(translation=Vector3(x=0.0, y=0.0, z=_HEIGHT), rotation=_turned(0.0))
-        static.publish(TFMessage(transforms=(self._transform("base_footprint", "base_link", base),)))
+        self._battery = node.create_publisher(self._battery_type, "/battery_state", 10)
+        map_publisher.publish(occupancy_grid(read().rooms, self.header("map").stamp))
+        static.publish(TFMessage(transforms=(self._transform("base_footprint", "base_link", 0.0, 0.0, _HEIGHT),)))
 
     async def serve(self) -> None:
         """Publish until cancelled."""
         while True:
             robot = self.read()
-            self._publish(robot)
+            self._publish(robot.pose())
+            self._battery.publish(self._battery_state(robot))
             self._woken = anyio.Event()
             with anyio.move_on_after(_DRIVING if robot.drives else _PARKED):
                 await self._woken.wait()
@@ -96,54 +101,37 @@ class RosRobot:
         self._command(command)
         self._woken.set()
 
-    def is_docked(self) -> bool:
-        """Return whether it stands in its dock."""
-        robot = self.read()
-        return not robot.drives and robot.pose()[:2] == self.dock[:2]
+    def header(self, frame: str) -> Header:
+        """Return the header of a message in *frame*."""
+        return Header(stamp=Time.from_seconds(self._clock.now()), frame_id=frame)
 
-    def stamp(self) -> Time:
-        """Return the time."""
-        return Time.from_seconds(self._clock.now())
-
-    def _publish(self, robot: Robot) -> None:
-        pose, start = robot.pose(), self.dock
-        moved = Vector3(x=pose.x - start.x, y=pose.y - start.y, z=0.0)
-        origin = Transform(translation=Vector3(x=start.x, y=start.y, z=0.0), rotation=_turned(0.0))
-        driven = Transform(translation=moved, rotation=_turned(pose.heading))
-        chain = (self._transform("map", "odom", origin), self._transform("odom", "base_footprint", driven))
-        self._tf.publish(TFMessage(transforms=chain))
+    def _publish(self, pose: SimulatedPose) -> None:
+        start = self.dock
+        origin = self._transform("map", "odom", start.x, start.y)
+        driven = self._transform("odom", "base_footprint", pose.x - start.x, pose.y - start.y, yaw=pose.heading)
+        self._tf.publish(TFMessage(transforms=(origin, driven)))
         if self._last is None or _has_moved(self._last, pose):
             self._last = pose
-            self._publish_pose(pose)
-        self._publish_battery(robot)
+            covariance = [0.0] * 36
+            covariance[0] = covariance[7] = covariance[35] = _VARIANCE
+            stated = PoseWithCovariance(pose=ros_pose(pose), covariance=covariance)
+            self._amcl.publish(PoseWithCovarianceStamped(header=self.header("map"), pose=stated))
 
-    def _publish_pose(self, pose: SimulatedPose) -> None:
-        covariance = [0.0] * 36
-        covariance[0] = covariance[7] = covariance[35] = _VARIANCE
-        header = Header(stamp=self.stamp(), frame_id="map")
-        stated = PoseWithCovariance(pose=ros_pose(pose), covariance=tuple(covariance))
-        self._amcl.publish(PoseWithCovarianceStamped(header=header, pose=stated))
-
-    def _publish_battery(self, robot: Robot) -> None:
+    def _battery_state(self, robot: Robot) -> Any:
         now = self._clock.monotonic()
         seconds, self._charged_at = now - self._charged_at, now
         is_docked = not robot.drives and robot.pose()[:2] == self.dock[:2]
         rate = _CHARGES if is_docked else -_DRAINS if robot.drives else 0.0
         self._charge = min(1.0, max(0.0, self._charge + rate * seconds))
         status = _DISCHARGING if not is_docked else _FULL if self._charge == 1.0 else _CHARGING
-        unknown = dict.fromkeys(("temperature", "current", "charge", "capacity", "design_capacity"), math.nan)
-        known = {
-            "header": Header(stamp=self.stamp(), frame_id="base_link"),
-            "voltage": _VOLTS,
-            "percentage": self._charge,
-            "power_supply_status": status,
-            "present": True,
-        }
-        self._battery.publish(zero_message(BatteryState).model_copy(update={**unknown, **known}))
+        stated = {"header": self.header("base_link"), "percentage": self._charge, "power_supply_status": status}
+        return zero_message(self._battery_type).model_copy(update=_BATTERY | stated)
 
-    def _transform(self, parent: str, child: str, transform: Transform) -> TransformStamped:
-        header = Header(stamp=self.stamp(), frame_id=parent)
-        return TransformStamped(header=header, child_frame_id=child, transform=transform)
+    def _transform(
+        self, parent: str, child: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0
+    ) -> TransformStamped:
+        transform = Transform(translation=Vector3(x=x, y=y, z=z), rotation=_turned(yaw))
+        return TransformStamped(header=self.header(parent), child_frame_id=child, transform=transform)
 
 
 def ros_pose(pose: SimulatedPose) -> Pose:

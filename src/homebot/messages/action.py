@@ -3,16 +3,17 @@
 Source: ROS 2, rosidl ``rosidl_parser`` (an action has a goal, a result and feedback; the rest is derived).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from types import new_class
+from types import MappingProxyType, new_class
 from typing import Any, Generic, TypeVar
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Int8, Message, ServiceType
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ActionType", "SendGoalType"]
+__all__ = ["ActionType", "SendGoalType", "message_class"]
 
 GoalT = TypeVar("GoalT", bound=Message)
 ResultT = TypeVar("ResultT", bound=Message)
@@ -57,11 +58,15 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
         )
 
     def _message(self, suffix: str, fields: dict[str, object]) -> type[Message]:
-        ros_type = f"{self.ros_type}_{suffix}"
-        body = {"__annotations__": fields, "__module__": __name__, "__doc__": f"``{ros_type}``."}
-        return new_class(
-            ros_type.rpartition("/")[2], (Message,), {"ros_type": ros_type}, lambda names: names.update(body)
-        )
+        return message_class(f"{self.ros_type}_{suffix}", fields)
+
+
+def message_class(
+    ros_type: str, annotations: Mapping[str, object], values: Mapping[str, object] = MappingProxyType({})
+) -> type[Message]:
+    """Return the class of the message *ros_type* with the fields *annotations*, and *values* of some."""
+    body = {"__annotations__": annotations, "__module__": __name__, "__doc__": f"``{ros_type}``.", **values}
+    return new_class(ros_type.rpartition("/")[2], (Message,), {"ros_type": ros_type}, lambda names: names.update(body))
 
 
 @dataclass(frozen=True)

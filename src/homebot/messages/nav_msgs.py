@@ -1,11 +1,11 @@
-"""ROS ``nav_msgs``: maps, ways, and where a robot is."""
+"""ROS ``nav_msgs``: maps, and where a robot is; the rest of the package is made of its text."""
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCovariance, TwistWithCovariance
+from homebot.messages.geometry_msgs import Pose, PoseWithCovariance, TwistWithCovariance
 from homebot.messages.message import Float32, Int8Array, Message, UInt32
 from homebot.messages.std_msgs.header import Header
 
-__all__ = ["GridCells", "MapMetaData", "OccupancyGrid", "Odometry", "Path"]
+__all__ = ["MapMetaData", "OccupancyGrid", "Odometry"]
 
 
 class Odometry(Message, ros_type="nav_msgs/msg/Odometry"):
@@ -15,13 +15,6 @@ class Odometry(Message, ros_type="nav_msgs/msg/Odometry"):
     child_frame_id: str
     pose: PoseWithCovariance
     twist: TwistWithCovariance
-
-
-class Path(Message, ros_type="nav_msgs/msg/Path"):
-    """A way to drive."""
-
-    header: Header
-    poses: tuple[PoseStamped, ...]
 
 
 class MapMetaData(Message, ros_type="nav_msgs/msg/MapMetaData"):
@@ -49,17 +42,3 @@ class OccupancyGrid(Message, ros_type="nav_msgs/msg/OccupancyGrid"):
     header: Header
     info: MapMetaData
     data: Int8Array
-
-
-class GridCells(Message, ros_type="nav_msgs/msg/GridCells"):
-    """Cells of a map that have something in common.
-
-    Attributes:
-        cell_width: Metres.
-        cell_height: Metres.
-    """
-
-    header: Header
-    cell_width: Float32
-    cell_height: Float32
-    cells: tuple[Point, ...]

@@ -109,7 +109,7 @@ class RosArray:
             self._converted,
             core_schema.tuple_variable_schema(number),
             serialization=core_schema.plain_serializer_function_ser_schema(
-                _plain, return_schema=core_schema.list_schema(plain), when_used="json"
+                _plain, return_schema=core_schema.list_schema(plain)
             ),
         )
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from homebot.messages import Interfaces
     from homebot.robots import RobotSettings
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_interfaces", "make_plan", "plan_errors"]
+__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
 
 class DoorTable(DoorSettings):
@@ -134,28 +134,14 @@ def make_plan(config: Config) -> Plan:
         home=config.home.name,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
         apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
-        discovery=_discovery(config),
-        control=_control(config),
-        door=_door(config),
-        thing_directory=_thing_directory(config),
-        interfaces=_interfaces(config),
-        places=_places(config),
         grants=dict(_grants(config)),
-        robots=_robots(config),
+        **{name: read(config) for name, read in _TABLES.items()},
     )
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
-    parts: list[Callable[[], object]] = [
-        partial(_discovery, config),
-        partial(_control, config),
-        partial(_door, config),
-        partial(_thing_directory, config),
-        partial(_interfaces, config),
-        partial(_places, config),
-        partial(_robots, config),
-    ]
+    parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
     found: list[ConfigError] = []
@@ -185,8 +171,7 @@ def index_place(config: Config) -> Path:
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
-    base: type[Gateway] = Gateway  # type: ignore[type-abstract]  # only compared with, never made
-    gateway = _component(base, GATEWAYS, name, table, config, f"gateways.{name}")
+    gateway = _component(Gateway, GATEWAYS, name, table, config, f"gateways.{name}")  # type: ignore[type-abstract]
     try:
         gateway.kind.check(gateway.settings)
     except UsageError as exc:
@@ -195,13 +180,14 @@ def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gatewa
 
 
 def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
-    base: type[App] = App  # type: ignore[type-abstract]  # as above
-    if name in OWN_NODES:
-        raise ConfigError(
-            config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
-        )
+    _check_name(f"apps.{name}", name, config.source)
     _scope(f"apps.{name}", table, config)
-    return _component(base, APPS, name, _without_act(table), config, f"apps.{name}")
+    return _component(App, APPS, name, _without_act(table), config, f"apps.{name}")  # type: ignore[type-abstract]
+
+
+def _check_name(key: str, name: str, source: str) -> None:
+    if name in OWN_NODES:
+        raise ConfigError(source, key, "is the name of one of homebot's own nodes; choose another name")
 
 
 def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -217,7 +203,6 @@ def _scope(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
     """Return the grants of the table *key*, or None without any."""
     if (act := table.get(ACT)) is None:
         return None
-
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
     if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
         raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
@@ -268,10 +253,6 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
             raise ConfigError(source, f"{_DOORS}.{name}", problem)
 
 
-def _discovery(config: Config) -> DirectorySettings:
-    return parse_settings(DirectorySettings, config.discovery, config.source, "discovery", config.folder)
-
-
 def _door(config: Config) -> DoorSettings:
     """Return the door's settings, with the tokens read from where they are kept."""
     source = config.source
@@ -311,39 +292,26 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     key = "thing_directory"
     if config.thing_directory is None:
         return None
-    from homebot.bridges.thing_directory.settings import (  # noqa: PLC0415 - only with the table
-        DirectoryBridgeSettings,
-        ThingDirectoryTable,
-    )
+    from homebot.bridges.thing_directory import settings  # noqa: PLC0415 - only with the table
 
     _scope(key, config.thing_directory, config)
     own = _without_act(config.thing_directory)
-    given = parse_settings(ThingDirectoryTable, own, config.source, key, config.folder)
+    given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
     try:
         check_extra("the directory of things", "mdns", "aiohttp")
     except UsageError as exc:
         raise ConfigError(config.source, key, str(exc)) from exc
-    values = _access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
-    return DirectoryBridgeSettings(**values)
+    return settings.DirectoryBridgeSettings(
+        **_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
+    )
 
 
 def _interfaces(config: Config) -> Interfaces | None:
-    return make_interfaces(config.ros, config.source, config.folder) if config.ros else None
+    if not config.ros:
+        return None
+    from homebot.messages.interfaces.settings import read_interfaces  # noqa: PLC0415 - only with the table
 
-
-def make_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
-    """Return the interfaces by the *table* ``[ros]`` of the file *source*, with paths that start from *folder*.
-
-    Raises:
-        ConfigError: A key, a folder or a definition is wrong.
-    """
-    from homebot.messages.interfaces.settings import RosSettings  # noqa: PLC0415 - only with the table
-
-    settings = parse_settings(RosSettings, table, source, "ros", folder)
-    try:
-        return settings.read()
-    except (OSError, UsageError) as exc:
-        raise ConfigError(source, "ros.interfaces", str(exc)) from exc
+    return read_interfaces(config.ros, config.source, config.folder)
 
 
 def _places(config: Config) -> Places:
@@ -359,14 +327,24 @@ def _robots(config: Config) -> Mapping[str, RobotSettings]:
         return {}
     from homebot.robots import RobotSettings  # noqa: PLC0415 - only with a table
 
-    for name in sorted(OWN_NODES & config.robots.keys()):
-        raise ConfigError(
-            config.source, f"robots.{name}", "is the name of one of homebot's own nodes; give the robot another name"
-        )
+    for name in config.robots:
+        _check_name(f"robots.{name}", name, config.source)
     return {
         name: parse_settings(RobotSettings, table, config.source, f"robots.{name}", config.folder)
         for name, table in config.robots.items()
     }
+
+
+_TABLES: Mapping[str, Callable[[Config], Any]] = {
+    "discovery": lambda one: parse_settings(DirectorySettings, one.discovery, one.source, "discovery", one.folder),
+    "control": _control,
+    "door": _door,
+    "thing_directory": _thing_directory,
+    "interfaces": _interfaces,
+    "places": _places,
+    "robots": _robots,
+}
+"""The values of a plan that are each read from a table of their own."""
 
 
 def _access(

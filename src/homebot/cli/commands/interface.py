@@ -14,8 +14,8 @@ from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.definition import fields_of
 from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_classes import Interface, messages_in
+from homebot.messages.interfaces.settings import read_interfaces
 from homebot.messages.type_hash import type_hash
-from homebot.runtime.plan import make_interfaces
 
 __all__ = ["add_arguments"]
 
@@ -60,7 +60,7 @@ def _add(parser: argparse.ArgumentParser, command: Command) -> None:
 
 def _interfaces(options: argparse.Namespace) -> Interfaces:
     path = options.config or (DEFAULT_CONFIG if DEFAULT_CONFIG.exists() else None)
-    known = make_interfaces(load_config(path).ros if path else {}, str(path), path.parent if path else Path())
+    known = read_interfaces(load_config(path).ros if path else {}, str(path), path.parent if path else Path())
     known.add_modules("homebot", OWN_MODULES)
     return known
 

@@ -1,14 +1,14 @@
 """Builder of the classes of messages, services and actions from their parsed text."""
 
 from collections.abc import Callable, Sequence
-from types import GenericAlias, new_class
+from types import GenericAlias
 from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import Field
 
 from homebot.errors import UsageError
 from homebot.messages import message as fields
-from homebot.messages.action import ActionType
+from homebot.messages.action import ActionType, message_class
 from homebot.messages.definition import FieldDefinition
 from homebot.messages.interfaces.interface_text import ParsedMessage
 from homebot.messages.message import Message, RosType, ServiceType
@@ -20,20 +20,23 @@ Interface = type[Message] | ServiceType[Any, Any] | ActionType[Any, Any, Any]
 FindMessage = Callable[[str], type[Message]]
 
 _NUMBERS: Final = {
-    "byte": (fields.Byte, fields.ByteArray),
-    "char": (fields.Char, fields.CharArray),
-    "int8": (fields.Int8, fields.Int8Array),
-    "uint8": (fields.UInt8, bytes),
-    "int16": (fields.Int16, fields.Int16Array),
-    "uint16": (fields.UInt16, fields.UInt16Array),
-    "int32": (fields.Int32, fields.Int32Array),
-    "uint32": (fields.UInt32, fields.UInt32Array),
-    "int64": (fields.Int64, fields.Int64Array),
-    "uint64": (fields.UInt64, fields.UInt64Array),
-    "float32": (fields.Float32, fields.Float32Array),
-    "float64": (fields.Float64, fields.Float64Array),
+    name.lower(): (getattr(fields, name), getattr(fields, f"{name}Array", bytes))
+    for name in (
+        "Byte",
+        "Char",
+        "Int8",
+        "UInt8",
+        "Int16",
+        "UInt16",
+        "Int32",
+        "UInt32",
+        "Int64",
+        "UInt64",
+        "Float32",
+        "Float64",
+    )
 }
-"""The types of a field and of an array of each number."""
+"""The types of a field and of an array of each number; that of ``uint8`` is bytes."""
 
 
 def build_interface(key: str, parsed: Sequence[ParsedMessage], find: FindMessage) -> Interface:
@@ -63,23 +66,12 @@ def messages_in(interface: Interface) -> tuple[type[Message], ...]:
 
 
 def _build_message(parsed: ParsedMessage, find: FindMessage) -> type[Message]:
-    annotations: dict[str, object] = dict.fromkeys(parsed.constants, ClassVar)
-    defaults: dict[str, object] = {}
-    for field in parsed.fields:
-        name = field.definition.name
+    for name in parsed.fields:
         if hasattr(Message, name):
             raise UsageError(f"{parsed.ros_type}: messages have a {name!r} of their own; give the field another name")
-        annotations[name] = _annotation(field.definition, find)
-        if field.default is not None:
-            defaults[name] = field.default
-    body = {"__annotations__": annotations, "__module__": __name__, "__doc__": f"``{parsed.ros_type}``."}
-    message: type[Message] = new_class(
-        parsed.ros_type.rpartition("/")[2],
-        (Message,),
-        {"ros_type": parsed.ros_type},
-        lambda names: names.update(body | parsed.constants | defaults),
-    )
-    return message
+    annotations: dict[str, object] = dict.fromkeys(parsed.constants, ClassVar)
+    annotations |= {name: _annotation(field, find) for name, field in parsed.fields.items()}
+    return message_class(parsed.ros_type, annotations, parsed.constants | parsed.defaults)
 
 
 def _annotation(field: FieldDefinition, find: FindMessage) -> object:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import ast
 import re
 from array import array
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from homebot.errors import UsageError
 from homebot.messages.definition import FieldDefinition
 from homebot.messages.numeric_array import LAYOUTS
 
-__all__ = ["KINDS", "ParsedField", "ParsedMessage", "interface_key", "parse_interface", "split_definitions"]
+__all__ = ["KINDS", "ParsedMessage", "interface_key", "parse_interface", "split_definitions"]
 
 KINDS: Final = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 """The messages of each kind of interface, by the suffixes of their names."""
@@ -34,25 +33,13 @@ _TRUTHS: Final = {"true": True, "1": True, "false": False, "0": False}
 
 
 @dataclass(frozen=True, slots=True)
-class ParsedField:
-    """One field of a message, by its line.
-
-    Attributes:
-        definition: Its definition, without the class of a nested message.
-        default: The declared default, or None.
-    """
-
-    definition: FieldDefinition
-    default: object = None
-
-
-@dataclass(frozen=True, slots=True)
 class ParsedMessage:
-    """The fields of a message in order, and its constants."""
+    """The definitions of the fields of a message in order, the defaults that are declared, and its constants."""
 
     ros_type: str
-    fields: tuple[ParsedField, ...]
-    constants: dict[str, object]
+    fields: dict[str, FieldDefinition] = field(default_factory=dict)
+    defaults: dict[str, object] = field(default_factory=dict)
+    constants: dict[str, object] = field(default_factory=dict)
 
 
 def interface_key(ros_type: str, kind: str = "msg") -> str:
@@ -93,55 +80,47 @@ def parse_interface(key: str, text: str) -> tuple[ParsedMessage, ...]:
 
 
 def _parse_message(ros_type: str, text: str) -> ParsedMessage:
-    fields: dict[str, ParsedField] = {}
-    constants: dict[str, object] = {}
-    for number, line in _lines(text):
-        try:
-            parsed = _parse_line(ros_type.partition("/")[0], line)
-            if isinstance(parsed, ParsedField):
-                _add(fields, parsed.definition.name, parsed)
-            else:
-                _add(constants, *parsed)
-        except (ValueError, OverflowError, SyntaxError) as exc:
-            raise UsageError(f"{ros_type}: line {number}: {exc}, got {line[:100]!r}") from exc
-    return ParsedMessage(ros_type, tuple(fields.values()), constants)
-
-
-def _lines(text: str) -> Iterator[tuple[int, str]]:
+    message = ParsedMessage(ros_type)
     for number, line in enumerate(text.split("\n"), start=1):
         kept = _COMMENT.fullmatch(line)
         if stripped := (kept[1] if kept else line).strip():
-            yield number, stripped
+            try:
+                _add_line(message, stripped)
+            except (ValueError, OverflowError, SyntaxError) as exc:
+                raise UsageError(f"{ros_type}: line {number}: {exc}, got {stripped[:100]!r}") from exc
+    return message
 
 
-def _add(table: dict[str, object] | dict[str, ParsedField], name: str, value: object) -> None:
-    if name in table:
-        raise ValueError(f"there are two {name!r}")
-    table[name] = value  # type: ignore[assignment]  # the table of its kind
-
-
-def _parse_line(package: str, line: str) -> ParsedField | tuple[str, object]:
+def _add_line(message: ParsedMessage, line: str) -> None:
     parts = _LINE.fullmatch(line)
     if parts is None:
         raise ValueError("a line is TYPE NAME, TYPE NAME DEFAULT or TYPE NAME=VALUE")
     base, name, value = parts["base"], parts["name"], parts["value"]
-    longest = int(parts["longest"]) if parts["longest"] else None
-    if longest is not None and base != "string":
+    if name in message.fields or name in message.constants:
+        raise ValueError(f"there are two {name!r}")
+    if parts["longest"] and base != "string":
         raise ValueError("only a string has a bound before its brackets")
     if parts["constant"]:
         if parts["array"] or base not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(name):
             raise ValueError("a constant is of one primitive, in capitals")
-        return name, _parse_value(base, value)
+        message.constants[name] = _parse_value(base, value)
+        return
     if not _FIELD_NAME.fullmatch(name):
         raise ValueError("a field has small letters, digits and single underscores")
-    if base not in _PRIMITIVES:
-        base = _nested_key(package, base)
+    definition = _field(message.ros_type.partition("/")[0], parts)
+    message.fields[name] = definition
+    if value:
+        message.defaults[name] = _parse_default(definition, value)
+
+
+def _field(package: str, parts: re.Match[str]) -> FieldDefinition:
+    base = parts["base"] if parts["base"] in _PRIMITIVES else _nested_key(package, parts["base"])
     count = int(parts["count"]) if parts["count"] else None
     if (parts["bound"] and count is None) or count == 0:
         raise ValueError("the length of an array is at least 1")
     size, bound = (None, count) if parts["bound"] else (count, None)
-    field = FieldDefinition(name, base, is_array=bool(parts["array"]), size=size, bound=bound, longest=longest)
-    return ParsedField(field, _parse_default(field, value) if value else None)
+    longest = int(parts["longest"]) if parts["longest"] else None
+    return FieldDefinition(parts["name"], base, is_array=bool(parts["array"]), size=size, bound=bound, longest=longest)
 
 
 def _nested_key(package: str, base: str) -> str:
@@ -151,17 +130,17 @@ def _nested_key(package: str, base: str) -> str:
     return key
 
 
-def _parse_default(field: FieldDefinition, text: str) -> object:
-    if field.ros_type not in _PRIMITIVES:
+def _parse_default(of: FieldDefinition, text: str) -> object:
+    if of.ros_type not in _PRIMITIVES:
         raise ValueError("only a primitive has a default")
-    if not field.is_array:
-        return _parse_value(field.ros_type, text)
+    if not of.is_array:
+        return _parse_value(of.ros_type, text)
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError("the default of an array is [VALUE, …]")
-    values = tuple(_parse_value(field.ros_type, item) for item in _ITEM.findall(text[1:-1]))
-    if len(values) > (field.size or field.bound or len(values)) or len(values) < (field.size or 0):
+    values = tuple(_parse_value(of.ros_type, item) for item in _ITEM.findall(text[1:-1]))
+    if len(values) > (of.size or of.bound or len(values)) or len(values) < (of.size or 0):
         raise ValueError(f"there are {len(values)} values")
-    return bytes(values) if field.is_bytes else values
+    return bytes(values) if of.is_bytes else values
 
 
 def _parse_value(base: str, text: str) -> Any:

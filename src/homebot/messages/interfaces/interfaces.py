@@ -32,22 +32,19 @@ DISTRIBUTIONS: Final = ("humble", "jazzy", "kilted")
 
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"
-_CLASSES: Final = (
-    "action_msgs",
-    "builtin_interfaces",
-    "diagnostic_msgs",
-    "example_interfaces",
-    "geometry_msgs",
-    "nav_msgs",
-    "rcl_interfaces",
-    "rosgraph_msgs",
-    "sensor_msgs",
-    "std_msgs",
-    "std_srvs",
-    "tf2_msgs",
-    "unique_identifier_msgs",
-)
-"""The packages with classes in a module of their name, which go before a definition by text."""
+_CLASSES: Final = {
+    "action_msgs": f"{_HOME}.action_msgs",
+    "builtin_interfaces": f"{_HOME}.builtin_interfaces",
+    "diagnostic_msgs": f"{_HOME}.key_value",
+    "geometry_msgs": f"{_HOME}.geometry_msgs",
+    "nav_msgs": f"{_HOME}.nav_msgs",
+    "rcl_interfaces": f"{_HOME}.rcl_interfaces",
+    "std_msgs": f"{_HOME}.std_msgs",
+    "std_srvs": f"{_HOME}.std_srvs",
+    "tf2_msgs": f"{_HOME}.tf2_msgs",
+    "unique_identifier_msgs": f"{_HOME}.unique_identifier_msgs",
+}
+"""The modules with the classes of packages that homebot itself uses, which go before a definition by text."""
 
 _MOST_DEFINED: Final = 500
 _LONGEST_TEXT: Final = 65_536
@@ -67,15 +64,11 @@ class Interfaces:
         distribution: The distribution of ROS 2, one of :data:`DISTRIBUTIONS`, whose definitions count.
     """
 
-    def __init__(
-        self,
-        texts: Mapping[str, str] | None = None,
-        distribution: str = _DEFAULT,
-    ) -> None:
+    def __init__(self, texts: Mapping[str, str] | None = None, distribution: str = _DEFAULT) -> None:
         self._texts = dict(texts or {})
         self._distribution = distribution
-        self._modules: dict[str, tuple[str, ...]] = {package: (f"{_HOME}.{package}",) for package in _CLASSES}
-        self._defined: dict[str, str] = {}
+        self._modules: dict[str, tuple[str, ...]] = {package: (module,) for package, module in _CLASSES.items()}
+        self._most = len(self._texts) + _MOST_DEFINED
         self._built: dict[str, Interface] = {}
         self._open: list[str] = []
         self._lock = RLock()
@@ -117,26 +110,23 @@ class Interfaces:
             UnknownTypeError: There is none of that name; the error suggests similar ones.
             UsageError: Its definition is invalid.
         """
-        found = self._find(ros_type, "msg")
-        assert isinstance(found, type)  # noqa: S101 - by its kind
+        found: type[Message] = self._find(ros_type, "msg")
         return found
 
     def find_service(self, ros_type: str) -> ServiceType[Any, Any]:
         """Return the service called *ros_type*, as :meth:`find_message` does."""
-        found = self._find(ros_type, "srv")
-        assert isinstance(found, ServiceType)  # noqa: S101 - by its kind
+        found: ServiceType[Any, Any] = self._find(ros_type, "srv")
         return found
 
     def find_action(self, ros_type: str) -> ActionType[Any, Any, Any]:
         """Return the action called *ros_type*, as :meth:`find_message` does."""
-        found = self._find(ros_type, "action")
-        assert isinstance(found, ActionType)  # noqa: S101 - by its kind
+        found: ActionType[Any, Any, Any] = self._find(ros_type, "action")
         return found
 
     def names(self, package: str = "") -> tuple[str, ...]:
         """Return the known interfaces as ``package/kind/Name``, sorted; of one *package* if it is given."""
-        known = {*_shipped_names(), *self._texts, *self._defined}
-        for own in self._modules.keys() - set(_CLASSES):
+        known = {*_shipped_names(), *self._texts}
+        for own in self._modules.keys() - _CLASSES:
             known |= self._classes_of(own).keys()
         return tuple(sorted(key for key in known if not package or key.startswith(f"{package}/")))
 
@@ -147,11 +137,10 @@ class Interfaces:
             UnknownTypeError: There is none of that name.
         """
         interface = self._find(ros_type, kind)
-        key = interface.ros_type
-        if key in self._classes_of(key.partition("/")[0]):
+        key: str = interface.ros_type
+        if key in self._classes_of(key):
             return "---\n".join(definition_body(message) for message in messages_in(interface))
-        text = self._own_text(key)
-        return _shipped_text(key, self._distribution)[0] if text is None else text
+        return self._texts.get(key) or _shipped_text(key, self._distribution)[0]
 
     def define(self, ros_type: str, definition: str) -> Interface:
         """Define *ros_type* (``package/kind/Name``) by the text of its file, with nested messages after it.
@@ -162,37 +151,29 @@ class Interfaces:
         Raises:
             UsageError: The definition is invalid, too large, or differs from the known one.
         """
-        parts = ros_type[:_LONGEST_NAME].split("/")
-        kind = parts[1] if len(parts) == 3 and parts[1] in KINDS else "msg"
-        key = interface_key(ros_type, kind)
-        if not key:
-            raise UsageError(f"{ros_type[:_LONGEST_NAME]!r} is no type; write package/msg/Name, with srv or action")
-        if len(definition) > _LONGEST_TEXT:
-            raise UsageError(
-                f"{key}: the definition has {len(definition)} characters, at most {_LONGEST_TEXT} are read"
-            )
-        texts = split_definitions(key, definition)
+        key, texts = _split(ros_type[:_LONGEST_NAME], definition)
         parsed = {name: parse_interface(name, text) for name, text in texts.items()}
         if sum(len(message.fields) for messages in parsed.values() for message in messages) > _MOST_FIELDS:
             raise UsageError(f"{key}: the definition has more than {_MOST_FIELDS} fields")
-        known = {name for name in parsed if self._is_known(name)}
-        for name in known:
-            self._check_same(name, parsed[name])
-        if len(self._defined) + len(parsed) - len(known) > _MOST_DEFINED:
-            raise UsageError(
-                f"{key}: clients have defined {len(self._defined)} types, at most {_MOST_DEFINED} are kept"
-            )
-        before = dict(self._built), dict(self._defined)
-        self._defined |= {name: text for name, text in texts.items() if name not in known}
+        new = {}
+        for name, messages in parsed.items():
+            if self._is_known(name):
+                self._check_same(name, messages)
+            else:
+                new[name] = texts[name]
+        if new and len(self._texts) + len(new) > self._most:
+            raise UsageError(f"{key}: of the types that clients define, at most {_MOST_DEFINED} are kept")
+        before = dict(self._built), dict(self._texts)
+        self._texts |= new
         try:
             for name in parsed:
                 _check_size(name, messages_in(self._resolve(name)))
         except UsageError:
-            self._built, self._defined = before
+            self._built, self._texts = before
             raise
         return self._resolve(key)
 
-    def _find(self, ros_type: str, kind: str) -> Interface:
+    def _find(self, ros_type: str, kind: str) -> Any:
         shown = ros_type[:_LONGEST_NAME]
         key = interface_key(shown, kind)
         if not key or not self._is_known(key):
@@ -200,8 +181,7 @@ class Interfaces:
         return self._resolve(key)
 
     def _is_known(self, key: str) -> bool:
-        texts = (self._built, self._texts, self._defined, _shipped_names())
-        return any(key in known for known in texts) or key in self._classes_of(key.partition("/")[0])
+        return any(key in known for known in (self._built, self._texts, _shipped_names(), self._classes_of(key)))
 
     def _similar(self, key: str, kind: str) -> list[str]:
         """Return the likely names in place of the unknown *key*, of the packages with a likely name."""
@@ -216,30 +196,26 @@ class Interfaces:
     def _resolve(self, key: str) -> Interface:
         with self._lock:
             if key not in self._built:
-                self._built[key] = self._classes_of(key.partition("/")[0]).get(key) or self._build(key)
+                self._built[key] = self._classes_of(key).get(key) or self._build(key)
             return self._built[key]
 
     def _build(self, key: str) -> Interface:
-        text = self._own_text(key)
-        if text is None:
+        if key not in self._texts:
             return _shipped_interface(key, self._distribution)
         if key in self._open:
             raise UsageError(f"{key} holds itself, by way of {', '.join(self._open)}")
         self._open.append(key)
         try:
-            return build_interface(key, parse_interface(key, text), self.find_message)
+            return build_interface(key, parse_interface(key, self._texts[key]), self.find_message)
         finally:
             self._open.pop()
 
-    def _own_text(self, key: str) -> str | None:
-        return self._texts.get(key, self._defined.get(key))
-
-    def _classes_of(self, package: str) -> Mapping[str, Interface]:
-        return _classes_in(self._modules.get(package, ()))
+    def _classes_of(self, key: str) -> Mapping[str, Interface]:
+        return _classes_in(self._modules.get(key.partition("/")[0], ()))
 
     def _check_same(self, key: str, parsed: Iterable[ParsedMessage]) -> None:
         known = [[field.declaration for field in fields_of(one)] for one in messages_in(self._resolve(key))]
-        given = [[field.definition.declaration for field in message.fields] for message in parsed]
+        given = [[field.declaration for field in message.fields.values()] for message in parsed]
         if known != given:
             raise UsageError(f"{key} is known with other fields ({known}); give the type another name")
 
@@ -247,9 +223,19 @@ class Interfaces:
 _KIND_NAMES: Final = {"msg": "message", "srv": "service", "action": "action"}
 
 
+def _split(ros_type: str, definition: str) -> tuple[str, dict[str, str]]:
+    """Return the key of *ros_type*, and the texts of it and the messages after it by theirs."""
+    kind = next((kind for kind in KINDS if f"/{kind}/" in ros_type), "msg")
+    key = interface_key(ros_type, kind)
+    if not key:
+        raise UsageError(f"{ros_type!r} is no type; write package/msg/Name, with srv or action")
+    if len(definition) > _LONGEST_TEXT:
+        raise UsageError(f"{key}: the definition has {len(definition)} characters, at most {_LONGEST_TEXT} are read")
+    return key, split_definitions(key, definition)
+
+
 def _check_size(key: str, messages: Iterable[type[Message]]) -> None:
-    for message in messages:
-        values, depth = _size(message)
+    for values, depth in map(_size, messages):
         if values > _MOST_VALUES or depth > _DEEPEST:
             raise UsageError(
                 f"{key} holds {values} values in {depth} levels, at most {_MOST_VALUES} in {_DEEPEST} are possible"
@@ -270,15 +256,9 @@ def _size(message: type[Message]) -> tuple[int, int]:
 @lru_cache
 def _classes_in(modules: tuple[str, ...]) -> Mapping[str, Interface]:
     """Return the interfaces that *modules* export, by name; the messages of a service are no interfaces."""
-    found: dict[str, Interface] = {}
-    for name in modules:
-        module = import_module(name)
-        for exported in (getattr(module, item) for item in module.__all__):
-            if isinstance(exported, ServiceType | ActionType) or (
-                isinstance(exported, type) and issubclass(exported, Message)
-            ):
-                found[exported.ros_type] = exported
-    return {key: interface for key, interface in found.items() if interface_key(key, key.split("/")[1]) == key}
+    exported = (getattr(module, name) for module in map(import_module, modules) for name in module.__all__)
+    known = (one for one in exported if hasattr(one, "ros_type"))
+    return {one.ros_type: one for one in known if interface_key(one.ros_type, one.ros_type.split("/")[1])}
 
 
 @lru_cache
@@ -292,13 +272,12 @@ def _shipped_interface(key: str, distribution: str) -> Interface:
     text, owner = _shipped_text(key, distribution)
     if owner != distribution:
         return _shipped_interface(key, owner)
-    return build_interface(key, parse_interface(key, text), _shipped().find_message)
+    return build_interface(key, parse_interface(key, text), find_message)
 
 
 def _shipped_text(key: str, distribution: str) -> tuple[str, str]:
-    """Return the shipped definition of *key* in *distribution*, and the distribution whose it is."""
-    package, kind, name = key.split("/")
-    path = f"{package}/{kind}/{name}.{kind}"
+    """Return the shipped definition of *key* in *distribution*, and the distribution that it belongs to."""
+    path = f"{key}.{key.split('/')[1]}"
     with suppress(FileNotFoundError):
         return _read(f"distributions/{distribution}/{path}"), distribution
     return _read(path), _DEFAULT
@@ -309,26 +288,9 @@ def _read(path: str) -> str:
     return (get_data(_HOME, f"share/{path}") or b"").decode()
 
 
-@lru_cache
-def _shipped() -> Interfaces:
-    return Interfaces()
+_SHIPPED: Final = Interfaces()
 
-
-def find_message(ros_type: str) -> type[Message]:
-    """Return the message of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
-    return _shipped().find_message(ros_type)
-
-
-def find_service(ros_type: str) -> ServiceType[Any, Any]:
-    """Return the service of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
-    return _shipped().find_service(ros_type)
-
-
-def find_action(ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the action of ROS called *ros_type*; see :meth:`Interfaces.find_message`."""
-    return _shipped().find_action(ros_type)
-
-
-def interface_names(package: str = "") -> tuple[str, ...]:
-    """Return the interfaces that homebot comes with; see :meth:`Interfaces.names`."""
-    return _shipped().names(package)
+find_message = _SHIPPED.find_message
+find_service = _SHIPPED.find_service
+find_action = _SHIPPED.find_action
+interface_names = _SHIPPED.names

@@ -1,20 +1,16 @@
 """Table ``[ros]`` of the configuration: the interfaces that clients may name."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict
 
-from homebot.config import FilePath
+from homebot.config import FilePath, Table, parse_settings
+from homebot.errors import ConfigError, UsageError
 from homebot.messages.interfaces.interface_text import parse_interface
-from homebot.messages.interfaces.interfaces import DISTRIBUTIONS, Interfaces
+from homebot.messages.interfaces.interfaces import Interfaces
 
-__all__ = ["RosSettings"]
-
-
-def _known(distribution: str) -> str:
-    if distribution not in DISTRIBUTIONS:
-        raise ValueError(f"known are {', '.join(DISTRIBUTIONS)}")
-    return distribution
+__all__ = ["RosSettings", "read_interfaces"]
 
 
 class RosSettings(BaseModel):
@@ -28,18 +24,24 @@ class RosSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     interfaces: tuple[FilePath, ...] = ()
-    distro: Annotated[str, AfterValidator(_known)] = "jazzy"
+    distro: Literal["humble", "jazzy", "kilted"] = "jazzy"
 
-    def read(self) -> Interfaces:
-        """Return the interfaces of these settings; each file is parsed, its class made when it is first named.
 
-        Raises:
-            OSError: A folder cannot be read.
-            UsageError: A file is invalid; the message names its type and line.
-        """
-        texts: dict[str, str] = {}
-        for folder in self.interfaces:
-            texts |= Interfaces.read_folder(folder)
+def read_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
+    """Return the interfaces by the *table* ``[ros]`` of the file *source*, with paths that start from *folder*.
+
+    Each file is parsed, and its class made when it is first named.
+
+    Raises:
+        ConfigError: A key, a folder or a definition is wrong.
+    """
+    settings = parse_settings(RosSettings, table, source, "ros", folder)
+    texts: dict[str, str] = {}
+    try:
+        for one in settings.interfaces:
+            texts |= Interfaces.read_folder(one)
         for key, text in texts.items():
             parse_interface(key, text)
-        return Interfaces(texts, self.distro)
+    except (OSError, UsageError) as exc:
+        raise ConfigError(source, "ros.interfaces", str(exc)) from exc
+    return Interfaces(texts, settings.distro)

@@ -1,9 +1,9 @@
-"""ROS ``std_msgs``: the time and place of a message, and a colour."""
+"""ROS ``std_msgs/Header``."""
 
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Float32, Message
+from homebot.messages.message import Message
 
-__all__ = ["ColorRGBA", "Header"]
+__all__ = ["Header"]
 
 
 class Header(Message, ros_type="std_msgs/msg/Header"):
@@ -11,12 +11,3 @@ class Header(Message, ros_type="std_msgs/msg/Header"):
 
     stamp: Time
     frame_id: str
-
-
-class ColorRGBA(Message, ros_type="std_msgs/msg/ColorRGBA"):
-    """A colour: red, green, blue and how opaque it is, from 0 to 1 each."""
-
-    r: Float32
-    g: Float32
-    b: Float32
-    a: Float32

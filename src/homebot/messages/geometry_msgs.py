@@ -1,0 +1,120 @@
+"""ROS ``geometry_msgs``: places, directions and speeds; the rest of the package is made of its text."""
+
+from typing import Annotated, TypeAlias
+
+from pydantic import Field
+
+from homebot.messages.message import Float64Array, Message
+from homebot.messages.std_msgs.header import Header
+
+__all__ = [
+    "Point",
+    "Pose",
+    "PoseStamped",
+    "PoseWithCovariance",
+    "PoseWithCovarianceStamped",
+    "Quaternion",
+    "Transform",
+    "TransformStamped",
+    "Twist",
+    "TwistStamped",
+    "TwistWithCovariance",
+    "Vector3",
+]
+
+_Covariance: TypeAlias = Annotated[Float64Array, Field(min_length=36, max_length=36)]
+"""Six rows of six: x, y, z, and the rotations about them."""
+
+
+class Vector3(Message, ros_type="geometry_msgs/msg/Vector3"):
+    """A vector, such as a speed in metres or radians per second."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Point(Message, ros_type="geometry_msgs/msg/Point"):
+    """A place in metres."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Quaternion(Message, ros_type="geometry_msgs/msg/Quaternion"):
+    """A rotation; without values it is none."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+
+class Pose(Message, ros_type="geometry_msgs/msg/Pose"):
+    """A place and the direction that something has there."""
+
+    position: Point
+    orientation: Quaternion
+
+
+class Transform(Message, ros_type="geometry_msgs/msg/Transform"):
+    """A way from one coordinate frame to another."""
+
+    translation: Vector3
+    rotation: Quaternion
+
+
+class Twist(Message, ros_type="geometry_msgs/msg/Twist"):
+    """A speed in space, or a command to drive at it.
+
+    Attributes:
+        linear: Metres per second.
+        angular: Radians per second.
+    """
+
+    linear: Vector3
+    angular: Vector3
+
+
+class PoseWithCovariance(Message, ros_type="geometry_msgs/msg/PoseWithCovariance"):
+    """A :class:`Pose` that is uncertain."""
+
+    pose: Pose
+    covariance: _Covariance
+
+
+class TwistWithCovariance(Message, ros_type="geometry_msgs/msg/TwistWithCovariance"):
+    """A :class:`Twist` that is uncertain."""
+
+    twist: Twist
+    covariance: _Covariance
+
+
+class PoseStamped(Message, ros_type="geometry_msgs/msg/PoseStamped"):
+    """A :class:`Pose` at a time, in a frame."""
+
+    header: Header
+    pose: Pose
+
+
+class PoseWithCovarianceStamped(Message, ros_type="geometry_msgs/msg/PoseWithCovarianceStamped"):
+    """A :class:`PoseWithCovariance` at a time, in a frame."""
+
+    header: Header
+    pose: PoseWithCovariance
+
+
+class TwistStamped(Message, ros_type="geometry_msgs/msg/TwistStamped"):
+    """A :class:`Twist` at a time, in a frame."""
+
+    header: Header
+    twist: Twist
+
+
+class TransformStamped(Message, ros_type="geometry_msgs/msg/TransformStamped"):
+    """The way from the frame of the header to another, at a time."""
+
+    header: Header
+    child_frame_id: str
+    transform: Transform
