@@ -178,7 +178,6 @@ def test_transforms_are_kept_for_ten_seconds_and_older_ones_refused() -> None:
     buffer = buffer_of(transform("map", "base", seconds(1)), transform("map", "base", seconds(12)))
 
     assert not buffer.set_transform(transform("map", "base", seconds(1.5)))
-    assert buffer.refused_old == 1
     assert buffer.set_transform(transform("map", "base", seconds(11), (5.0, 0.0, 0.0)))
     assert buffer.lookup_transform("map", "base", seconds(11)).transform.translation.x == 5.0
     assert not buffer.can_transform("map", "base", seconds(1))

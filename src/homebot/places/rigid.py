@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, TypeAlias
 
-__all__ = ["IDENTITY", "Quaternion", "Rigid", "Vector", "rotate", "slerp", "yaw_of"]
+__all__ = ["IDENTITY", "Rigid", "yaw_of"]
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -29,52 +29,39 @@ class Rigid(NamedTuple):
 
     def then(self, inner: Rigid) -> Rigid:
         """Return the transform that applies *inner* first."""
-        x, y, z = rotate(self.rotation, inner.translation)
-        own = self.translation
-        return Rigid((own[0] + x, own[1] + y, own[2] + z), _product(self.rotation, inner.rotation))
+        (x, y, z), (moved_x, moved_y, moved_z) = self.translation, _rotate(self.rotation, inner.translation)
+        ax, ay, az, aw = self.rotation
+        bx, by, bz, bw = inner.rotation
+        rotation = (
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        )
+        return Rigid((x + moved_x, y + moved_y, z + moved_z), rotation)
 
     def inverse(self) -> Rigid:
         """Return the transform from the parent frame into the child frame."""
         x, y, z, w = self.rotation
         back = (-x, -y, -z, w)
-        moved = rotate(back, self.translation)
-        return Rigid((-moved[0], -moved[1], -moved[2]), back)
+        moved_x, moved_y, moved_z = _rotate(back, self.translation)
+        return Rigid((-moved_x, -moved_y, -moved_z), back)
 
     def between(self, later: Rigid, share: float) -> Rigid:
-        """Return the transform at *share*, 0 to 1, of the way to *later*."""
-        first, last = self.translation, later.translation
-        moved = (
-            first[0] + (last[0] - first[0]) * share,
-            first[1] + (last[1] - first[1]) * share,
-            first[2] + (last[2] - first[2]) * share,
-        )
-        return Rigid(moved, slerp(self.rotation, later.rotation, share))
+        """Return the transform at *share*, 0 to 1, of the shorter way to *later*."""
+        x, y, z = (a + (b - a) * share for a, b in zip(self.translation, later.translation, strict=True))
+        cosine = sum(map(float.__mul__, self.rotation, later.rotation))
+        sign, angle = math.copysign(1.0, cosine), math.acos(min(1.0, abs(cosine)))
+        first, last = 1.0 - share, share
+        if abs(cosine) < _NEARLY_PARALLEL:
+            first, last = math.sin(first * angle), math.sin(last * angle)
+        turned = [a * first + b * last * sign for a, b in zip(self.rotation, later.rotation, strict=True)]
+        norm = math.hypot(*turned)
+        qx, qy, qz, qw = (one / norm for one in turned)
+        return Rigid((x, y, z), (qx, qy, qz, qw))
 
 
 IDENTITY = Rigid((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-
-
-def rotate(rotation: Quaternion, vector: Vector) -> Vector:
-    """Return *vector*, rotated."""
-    x, y, z, w = rotation
-    vx, vy, vz = vector
-    tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
-    return vx + w * tx + y * tz - z * ty, vy + w * ty + z * tx - x * tz, vz + w * tz + x * ty - y * tx
-
-
-def slerp(first: Quaternion, last: Quaternion, share: float) -> Quaternion:
-    """Return the rotation at *share* of the shorter way from *first* to *last*."""
-    cosine = sum(map(float.__mul__, first, last))
-    sign = -1.0 if cosine < 0 else 1.0
-    cosine *= sign
-    if cosine > _NEARLY_PARALLEL:
-        weights = 1.0 - share, share * sign
-    else:
-        angle = math.acos(cosine)
-        weights = math.sin((1.0 - share) * angle) / math.sin(angle), math.sin(share * angle) / math.sin(angle) * sign
-    x, y, z, w = (a * weights[0] + b * weights[1] for a, b in zip(first, last, strict=True))
-    norm = math.sqrt(x * x + y * y + z * z + w * w)
-    return x / norm, y / norm, z / norm, w / norm
 
 
 def yaw_of(rotation: Quaternion) -> float:
@@ -83,12 +70,8 @@ def yaw_of(rotation: Quaternion) -> float:
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
+def _rotate(rotation: Quaternion, vector: Vector) -> Vector:
+    x, y, z, w = rotation
+    vx, vy, vz = vector
+    tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
+    return vx + w * tx + y * tz - z * ty, vy + w * ty + z * tx - x * tz, vz + w * tz + x * ty - y * tx

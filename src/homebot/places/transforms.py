@@ -10,7 +10,7 @@ from bisect import bisect_left, bisect_right, insort
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import NamedTuple, final
+from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import HomebotError
 from homebot.messages.builtin_interfaces import Time
@@ -66,6 +66,9 @@ class _Sample(NamedTuple):
     rigid: Rigid
 
 
+_stamp = attrgetter("stamp")
+
+
 @dataclass(slots=True)
 class _Track:
     """The transforms of one frame, by time; of a static frame one, which holds at any time."""
@@ -89,10 +92,9 @@ class _Track:
         if not first <= time <= last:
             raise ExtrapolationException(_outside(time, first, last))
         index = bisect_left(self.samples, time, key=_stamp)
-        later = self.samples[index]
+        later, earlier = self.samples[index], self.samples[max(0, index - 1)]
         if later.stamp == time:
             return later
-        earlier = self.samples[index - 1]
         if earlier.parent != later.parent:
             return earlier
         share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
@@ -102,10 +104,9 @@ class _Track:
         """Insert *sample* in the order of time; return False for one that is too old."""
         if self.is_static:
             self.samples = [sample]
-            return True
-        if self.samples and sample.stamp < self.newest.stamp - CACHE_TIME:
+        elif self.samples and sample.stamp < self.newest.stamp - CACHE_TIME:
             return False
-        if not self.samples or sample.stamp > self.newest.stamp:
+        elif not self.samples or sample.stamp > self.newest.stamp:
             self.samples.append(sample)
             oldest = bisect_right(self.samples, sample.stamp - CACHE_TIME - 1, key=_stamp)
             del self.samples[: max(oldest, len(self.samples) - MAX_SAMPLES)]
@@ -114,16 +115,15 @@ class _Track:
         return True
 
 
+_Walk: TypeAlias = dict[str, Rigid]
+"""A frame and its ancestors, each with the transform of points of the frame into it."""
+
+
 @final
 class TransformBuffer:
-    """The frames of one robot or house, and the transforms between them.
-
-    Attributes:
-        refused_old: Transforms that were older than the newest of their frame by more than 10 s.
-    """
+    """The frames of one robot or house, and the transforms between them."""
 
     def __init__(self) -> None:
-        self.refused_old = 0
         self._tracks: dict[str, _Track] = {}
         self._frames: dict[str, None] = {}
 
@@ -155,16 +155,21 @@ class TransformBuffer:
             ConnectivityException: The frames are not part of one tree.
             ExtrapolationException: The transform is not known at that time.
         """
-        self._check("target_frame", target_frame)
-        self._check("source_frame", source_frame)
-        wanted = _LATEST if time is None else _nanoseconds(time)
+        asked = {"target_frame": target_frame, "source_frame": source_frame}
+        for argument, frame in asked.items():
+            if not frame or frame.startswith("/"):
+                problem = "start with a '/'" if frame else "be empty"
+                invalid = f'Invalid argument "{frame}" passed to lookupTransform argument {argument}'
+                raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot {problem}")
+        at = _LATEST if time is None else _nanoseconds(time)
         if target_frame == source_frame:
             track = self._tracks.get(source_frame)
             latest = 0 if track is None or track.is_static else track.newest.stamp
-            return _stamped(target_frame, source_frame, wanted or latest, IDENTITY)
-        self._check_known("target_frame", target_frame)
-        self._check_known("source_frame", source_frame)
-        at = wanted or self._latest_common(target_frame, source_frame)
+            return _stamped(target_frame, source_frame, at or latest, IDENTITY)
+        for argument, frame in asked.items():
+            if frame not in self._frames:
+                raise LookupException(f'"{frame}" passed to lookupTransform argument {argument} does not exist. ')
+        at = at or self._latest_common(target_frame, source_frame)
         return _stamped(target_frame, source_frame, at, self._between(target_frame, source_frame, at))
 
     def can_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> bool:
@@ -195,7 +200,6 @@ class TransformBuffer:
         if track is None or track.is_static is not is_static:
             track = _Track(is_static)
         if not track.add(_Sample(_nanoseconds(transform.header.stamp), parent, rigid)):
-            self.refused_old += 1
             return False
         self._tracks[child] = track
         self._frames.update({parent: None, child: None})
@@ -229,79 +233,43 @@ class TransformBuffer:
         Raises:
             ConnectivityException: The frames are not part of one tree.
         """
-        above_source, above_target = list(self._ancestors(source)), list(self._ancestors(target))
-        known = frozenset(above_target)
-        common = next((frame for frame in above_source if frame in known), None)
-        if common is None:
+        above_target, above_source = dict.fromkeys(self._ancestors(target)), dict.fromkeys(self._ancestors(source))
+        if above_target.keys().isdisjoint(above_source):
             raise _unconnected(target, source)
-        between = [
-            *above_source[: above_source.index(common)],
-            *above_target[: above_target.index(common)],
-        ]
+        between = above_target.keys() ^ above_source.keys()
         stamps = [track.newest.stamp for one in between if not (track := self._tracks[one]).is_static]
-        return min((stamp for stamp in stamps if stamp), default=0)
+        return min(filter(None, stamps), default=0)
 
     def _between(self, target: str, source: str, time: int) -> Rigid:
-        try:
-            missing = None
-            up = self._walk(source, time, target)
-        except _TrackEnds as end:
-            up, missing = end.walked, end.error
-        if up[-1][0] == target:
-            return up[-1][1]
-        from_top = dict(up)
-        where = f", when looking up transform from frame [{source}] to frame [{target}]"
-        try:
-            down = self._walk(target, time, source)
-        except _TrackEnds as end:
-            down, missing = end.walked, end.error
-        for frame, way in down:
-            if frame in from_top:
-                return way.inverse().then(from_top[frame])
-        if missing is not None:
-            raise ExtrapolationException(f"{missing}{where}")
-        raise _unconnected(target, source)
-
-    def _walk(self, frame: str, time: int, until: str) -> list[tuple[str, Rigid]]:
-        """Return *frame* and its ancestors at *time*, to the root or *until*, each with the transform into it.
+        """Return the transform of points of *source* into *target*.
 
         Raises:
-            _TrackEnds: A transform on the way is not known at that time.
+            ExtrapolationException: A transform on the way is not known at that time.
+            ConnectivityException: The frames are not part of one tree at that time.
         """
-        walked = [(frame, IDENTITY)]
-        while frame != until and (track := self._tracks.get(frame)) is not None:
+        up, first_problem = self._walk(source, time)
+        down, problem = self._walk(target, time)
+        for frame, way in down.items():
+            if frame in up:
+                return way.inverse().then(up[frame])
+        if problem := problem or first_problem:
+            where = f", when looking up transform from frame [{source}] to frame [{target}]"
+            raise ExtrapolationException(f"{problem}{where}")
+        raise _unconnected(target, source)
+
+    def _walk(self, frame: str, time: int) -> tuple[_Walk, str]:
+        """Return *frame* and its ancestors at *time*, and why there are no more; that is empty for the root."""
+        walked = {frame: IDENTITY}
+        while (track := self._tracks.get(frame)) is not None:
             try:
                 sample = track.at(time)
             except ExtrapolationException as exc:
-                raise _TrackEnds(walked, exc) from exc
+                return walked, str(exc)
+            if sample.parent in walked:  # at an older time frames may have stood in a circle
+                raise LookupException(f"The tf tree is invalid because it contains a loop at frame [{sample.parent}]")
+            walked[sample.parent] = sample.rigid.then(walked[frame])
             frame = sample.parent
-            if len(walked) > MAX_FRAMES:  # at an older time frames may have stood in a circle
-                raise LookupException(f"The tf tree is invalid because it contains a loop at frame [{frame}]")
-            walked.append((frame, sample.rigid.then(walked[-1][1])))
-        return walked
-
-    def _check(self, argument: str, frame: str) -> None:
-        invalid = f'Invalid argument "{frame}" passed to lookupTransform argument {argument}'
-        if not frame:
-            raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot be empty")
-        if frame.startswith("/"):
-            raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot start with a '/'")
-
-    def _check_known(self, argument: str, frame: str) -> None:
-        if frame not in self._frames:
-            raise LookupException(f'"{frame}" passed to lookupTransform argument {argument} does not exist. ')
-
-
-class _TrackEnds(Exception):
-    """A walk ends at a frame without a transform at the wanted time."""
-
-    def __init__(self, walked: list[tuple[str, Rigid]], error: ExtrapolationException) -> None:
-        super().__init__(str(error))
-        self.walked = walked
-        self.error = error
-
-
-_stamp = attrgetter("stamp")
+        return walked, ""
 
 
 def _unconnected(target: str, source: str) -> ConnectivityException:
