@@ -58,17 +58,16 @@ def run(
     return command
 
 
-@pytest.mark.parametrize("verb", ["check", "import"])
-def test_a_room_that_a_map_does_not_have_is_named(run: Run, tmp_path: Path, verb: str) -> None:
+def test_a_room_that_a_map_does_not_have_is_named(run: Run, tmp_path: Path) -> None:
     (tmp_path / "map.pgm").write_bytes(b"P5 80 50 255\n" + ROW * 50)
     (tmp_path / "map.yaml").write_text(YAML.replace("0.25", "0.196"))
 
-    assert run("places", verb, str(tmp_path / "map.yaml")) == (
+    assert run("places", "check", str(tmp_path / "map.yaml")) == (
         1,
         "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
     )
     (tmp_path / "map.yaml").write_text(YAML)
-    code, printed = run("places", verb, str(tmp_path / "map.yaml"))
+    code, printed = run("places", "check", str(tmp_path / "map.yaml"))
     assert code == 0
     assert "warning: free_thresh 0.25 makes the grey 205" in printed
     assert printed.endswith("the areas of 2 rooms fit the map\n")
@@ -79,6 +78,21 @@ def test_a_map_without_its_image_is_refused(run: Run, tmp_path: Path) -> None:
     code, printed = run("places", "check", str(tmp_path / "map.yaml"))
     assert code == 1
     assert "map.pgm cannot be read: No such file" in printed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (("map.yaml",), "a map has walls and no rooms; give a point in each room: --room Hall=1,2"),
+        (("house.toml", "--room", "Hall=1,2"), "--room is for the map of a robot"),
+        (("map.yaml", "--room", "Hall"), "'Hall' is no point in a room; write ROOM=X,Y"),
+        (("map.yaml", "--room", "Hall=1"), "'1' is no position"),
+    ],
+)
+def test_a_wrong_import_of_a_map_is_refused(run: Run, arguments: tuple[str, ...], problem: str) -> None:
+    code, printed = run("places", "import", *arguments)
+    assert code
+    assert problem in printed
 
 
 FLOOR = OccupancyGrid(
@@ -100,3 +114,10 @@ def test_the_map_of_a_robot_is_compared(run: Run) -> None:
         1,
         "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
     )
+
+
+@pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
+def test_rooms_are_imported_from_the_map_of_a_robot(run: Run) -> None:
+    code, printed = run("places", "import", "/map", "--room", "Attic=5,1")
+    assert (code, printed) == (0, "the map has 80 x 50 cells of 0.1 m\nimported room Attic\n")
+    assert "polygon = [[0.0, 0.0], [6.0, 0.0], [6.0, 5.0], [0.0, 5.0]]" in run("places", "export")[1]

@@ -287,7 +287,8 @@ def test_rooms_are_listed_as_json(run: Run) -> None:
                 {
                     "name": door_name(("Hall", "Kitchen")),
                     "rooms": ["Hall", "Kitchen"],
-                    "position": [],
+                    "x": [],
+                    "y": [],
                     "width": 0.8,
                     "contact": "",
                     "lock": "",
@@ -429,9 +430,8 @@ def test_a_position_that_cannot_be_is_refused(house: Run, position: str, problem
 
 def test_the_geometry_of_the_house_is_listed_and_exported(house: Run) -> None:
     listed = json.loads(house("places", "list", "--json")[1])
-    corners = [[0, 0], [4, 0], [4, 5], [0, 5]]
-    assert listed["rooms"][0]["areas"] == [{"corners": corners, "is_hole": False}]
-    assert [(one["rooms"], one["position"]) for one in listed["doors"]] == [(["Hall", "Kitchen"], [[3.8, 4.5]])]
+    assert listed["rooms"][0]["areas"] == [{"x": [0, 4, 4, 0], "y": [0, 0, 5, 5], "is_hole": False}]
+    assert [(one["rooms"], one["x"], one["y"]) for one in listed["doors"]] == [(["Hall", "Kitchen"], [3.8], [4.5])]
     lines = house("places", "export")[1].splitlines()
     for line in (
         "polygon = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [0.0, 5.0]]",

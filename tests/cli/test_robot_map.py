@@ -1,24 +1,24 @@
-"""Files of map_server: golden cells of each grey, images, and mistakes."""
+"""Maps of robots: golden cells of each grey, images, mistakes, and the rooms around points."""
 
 from __future__ import annotations
 
 import json
-import zlib
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from random import Random
-from struct import pack
 
 import pytest
+from PIL import Image
 
+from homebot.cli.robot_map import MapSettings, RobotMap, cell_table, read_map
 from homebot.errors import ConfigError, UsageError
-from homebot.places.grey_image import GreyImage, read_grey_image
-from homebot.places.map_file import MapSettings, cell_table, make_grid, read_map_settings
+from homebot.places.polygon import Polygon
 
 TABLES = json.loads((Path(__file__).parent / "data" / "map_server_tables.json").read_text())["tables"]
 
 YAML = """\
 # a map
-image: "house map.pgm"
+image: "house map.png"
 mode: trinary
 resolution: 0.050000
 origin: [-1.0, -2, 0]
@@ -30,26 +30,34 @@ free_thresh: 0.196   # as savers write it
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda one: f"{one['mode']}-{one['negate']}-{one['free_thresh']}")
 def test_the_cell_of_each_grey_is_that_of_map_server(table: dict[str, object]) -> None:
-    settings = MapSettings(
-        "",
-        0.05,
-        (0, 0, 0),
-        float(str(table["occupied_thresh"])),
-        float(str(table["free_thresh"])),
-        bool(table["negate"]),
-        str(table["mode"]),
-    )
+    fields = MapSettings.model_fields.keys() & table.keys()
+    stated = {name: table[name] for name in fields} | {"image": "", "resolution": 0.05, "origin": (0, 0, 0)}
 
-    assert [cell if cell < 128 else cell - 256 for cell in cell_table(settings)] == table["cells"]
+    cells = cell_table(MapSettings.model_validate(stated))
+
+    assert [cell if cell < 128 else cell - 256 for cell in cells] == table["cells"]
+
+
+def written(folder: Path, text: str = YAML, image: Image.Image | None = None) -> str:
+    (image or Image.new("L", (2, 2), 254)).save(folder / "house map.png")
+    (folder / "map.yaml").write_text(text)
+    return str(folder / "map.yaml")
 
 
 @pytest.mark.parametrize("text", [YAML, YAML.replace("[-1.0, -2, 0]", "\n- -1.0\n- -2\n- 0")], ids=["list", "lines"])
-def test_the_settings_of_a_map_are_read(text: str) -> None:
-    settings = read_map_settings(text, "map.yaml")
+def test_a_map_is_read_with_its_first_row_uppermost(text: str, tmp_path: Path) -> None:
+    image = Image.new("L", (3, 2), 254)
+    image.putpixel((0, 0), 0)
+    image.putpixel((1, 0), 205)
 
-    assert settings == MapSettings("house map.pgm", 0.05, (-1.0, -2.0, 0.0), 0.65, 0.196)
-    assert not settings.warning
-    assert "makes the grey 205" in settings._replace(free=0.25).warning
+    found, warning = read_map(written(tmp_path, text, image))
+
+    assert (found.resolution, found.origin, warning) == (0.05, (-1.0, -2.0, 0.0), "")
+    assert found.cells.tobytes() == bytes([100, 255, 0, 0, 0, 0])
+
+
+def test_a_threshold_that_frees_what_is_unknown_is_warned_of(tmp_path: Path) -> None:
+    assert "makes the grey 205" in read_map(written(tmp_path, YAML.replace("0.196", "0.25")))[1]
 
 
 @pytest.mark.parametrize(
@@ -58,102 +66,93 @@ def test_the_settings_of_a_map_are_read(text: str) -> None:
         ("negate: 0\n", "", "negate"),
         ("negate: 0", "negate: 2", "negate"),
         ("0.050000", "-1", "resolution"),
-        ("0.050000", "nan", "resolution"),
+        ("0.050000", ".nan", "resolution"),
         ("[-1.0, -2, 0]", "[-1.0, -2]", "origin"),
         ("trinary", "other", "mode"),
         ("0.196", "0.7", "free_thresh"),
         ("negate: 0", "negate:\n  deep: 0", "negate"),
     ],
 )
-def test_a_mistake_in_the_settings_is_named_by_its_key(old: str, new: str, key: str) -> None:
+def test_a_mistake_in_the_settings_is_named_by_its_key(old: str, new: str, key: str, tmp_path: Path) -> None:
     with pytest.raises(ConfigError) as caught:
-        read_map_settings(YAML.replace(old, new), "map.yaml")
-    assert caught.value.key == key
-
-
-def test_the_first_row_of_an_image_is_the_uppermost_of_the_map() -> None:
-    settings = read_map_settings(YAML, "map.yaml")
-    image = GreyImage(2, 3, bytes([0, 254, 254, 254, 254, 205]), bytes([255, 255, 255, 0, 255, 255]))
-    grid = make_grid(settings, image)
-
-    assert grid.cells == bytes([0, 255, 0, 255, 100, 0])
-    assert grid.cell_at(-0.99, -1.87) == 100
-    assert grid.cell_at(-0.94, -1.99) == 255
-    assert grid.cell_at(-1.01, -1.99) == 255
-    turned = grid._replace(origin=(0.0, 0.0, 1.5707963267948966))
-    assert turned.cell_at(-0.12, 0.02) == 100
-
-
-def test_the_formats_of_pgm_are_read() -> None:
-    for content in (
-        b"P2\n# made by hand\n2 2\n255\n0 128\n# more\n254 255\n",
-        b"P5 2 2 255\n\x00\x80\xfe\xff",
-        b"P5\n2 2\n# 16 bit\n65535\n\x00\x00\x80\x80\xfe\xfe\xff\xff",
-    ):
-        assert read_grey_image(content) == GreyImage(2, 2, bytes([0, 128, 254, 255]))
-    assert read_grey_image(b"P2 2 1 100\n100 50").grey == bytes([255, 127])
-
-
-def png(kind: int, depth: int, width: int, rows: list[bytes], **chunks: bytes) -> bytes:
-    head = pack(">IIBBBBB", width, len(rows), depth, kind, 0, 0, chunks.pop("interlaced", b"\0")[0])
-    parts = {"IHDR": head, **chunks, "IDAT": zlib.compress(b"".join(rows)), "IEND": b""}
-    body = b"".join(
-        pack(">I", len(data)) + name.encode() + data + pack(">I", zlib.crc32(name.encode() + data))
-        for name, data in parts.items()
-    )
-    return b"\x89PNG\r\n\x1a\n" + body
-
-
-def filtered(rows: list[bytes], kinds: list[int], step: int) -> list[bytes]:
-    """Return rows with a filter of PNG each, as an encoder writes them."""
-    found, above = [], bytes(len(rows[0]))
-    for row, kind in zip(rows, kinds, strict=True):
-        out = bytearray()
-        for index, value in enumerate(row):
-            left, corner = (row[index - step], above[index - step]) if index >= step else (0, 0)
-            up = above[index]
-            estimate = left + up - corner
-            paeth = min((abs(estimate - one), number, one) for number, one in enumerate((left, up, corner)))[2]
-            out.append((value - (0, left, up, (left + up) // 2, paeth)[kind]) & 255)
-        found.append(bytes([kind, *out]))
-        above = row
-    return found
-
-
-def test_each_filter_of_png_is_taken_out() -> None:
-    random = Random(3)  # noqa: S311 - a test that repeats
-    for step, kind in ((1, 0), (2, 4), (3, 2), (4, 6)):
-        rows = [random.randbytes(9 * step) for _ in range(10)]
-        image = read_grey_image(png(kind, 8, 9, filtered(rows, [0, 1, 2, 3, 4] * 2, step)))
-        colours = max(1, step - step % 2 if step < 3 else 3)
-        colours = 1 if step < 3 else 3
-        pixels = [row[at : at + step] for row in rows for at in range(0, 9 * step, step)]
-        assert image.grey == bytes(sum(pixel[:colours]) // colours for pixel in pixels)
-        assert image.alpha == (bytes(pixel[-1] for pixel in pixels) if step in {2, 4} else b"")
-
-
-def test_palettes_and_few_bits_are_read() -> None:
-    palette = bytes([0, 0, 0, 254, 254, 254, 205, 205, 205])
-    rows = [bytes([0, 0b00011000])]
-    assert read_grey_image(png(3, 2, 3, rows, PLTE=palette)).grey == bytes([0, 254, 205])
-    assert read_grey_image(png(3, 2, 3, rows, PLTE=palette, tRNS=b"\0")).alpha == bytes([0, 255, 255])
-    assert read_grey_image(png(0, 1, 4, [bytes([0, 0b10100000])])).grey == bytes([255, 0, 255, 0])
-    assert read_grey_image(png(0, 16, 1, [bytes([0, 0x80, 0x01])])).grey == bytes([0x80])
+        read_map(written(tmp_path, YAML.replace(old, new)))
+    assert caught.value.key.split(".")[0] == key
 
 
 @pytest.mark.parametrize(
-    ("content", "reason"),
+    ("text", "content", "reason"),
     [
-        (b"GIF89a", "is no image that is known"),
-        (b"P5 9000 9000 255\n", "16,000,000 is the limit"),
-        (b"P5 2 2 255\n\x00", "is cut"),
-        (png(0, 8, 60_000, [b""] * 60_000), "16,000,000 is the limit"),
-        (png(0, 8, 4, [bytes(3)]), "is cut"),
-        (png(0, 8, 4, [bytes(5)], interlaced=b"\1"), "interlaced"),
-        (png(0, 8, 4, [bytes([9, 0, 0, 0, 0])]), "unknown filter"),
-        (png(0, 8, 4, [bytes(5)])[:40], "damaged"),
+        ("image: [", b"", "map.yaml cannot be read"),
+        (YAML, b"P5 5000 4000 255\n", "16,000,000 is the limit"),
+        (YAML, b"P5 20 40 255\n", "house map.png cannot be read"),
+        (YAML, b"\x89PNG\r\n\x1a\n", "house map.png cannot be read"),
+        (YAML, b"GIF89a", "house map.png cannot be read"),
     ],
 )
-def test_a_damaged_or_huge_image_is_refused(content: bytes, reason: str) -> None:
+def test_a_damaged_or_huge_map_is_refused(text: str, content: bytes, reason: str, tmp_path: Path) -> None:
+    file = written(tmp_path, text)
+    (tmp_path / "house map.png").write_bytes(content)
     with pytest.raises(UsageError, match=reason):
-        read_grey_image(content)
+        read_map(file)
+
+
+@pytest.mark.parametrize(
+    ("image", "cells"),
+    [
+        (Image.new("RGB", (1, 1), (254, 255, 253)), [0]),
+        (Image.new("RGBA", (1, 1), (254, 254, 254, 200)), [255]),
+        (Image.new("LA", (1, 1), (0, 255)), [100]),
+        (Image.new("1", (1, 1), 1), [0]),
+        (Image.new("I;16", (1, 1), 205 * 257), [255]),
+        (Image.new("I;16", (1, 1), 254 * 257), [0]),
+    ],
+    ids=["colours", "not opaque", "opaque", "two", "sixteen bits", "sixteen bits free"],
+)
+def test_the_kinds_of_png_are_read(image: Image.Image, cells: Sequence[int], tmp_path: Path) -> None:
+    assert [*read_map(written(tmp_path, image=image))[0].cells.tobytes()] == cells
+
+
+WALL = {0, 40, 79}
+
+
+def two_rooms(yaw: float = 0.0) -> RobotMap:
+    """Two rooms of about 4 m by 5 m with a wall between them, in which a door is 0.8 m wide, and furniture in one."""
+    cells = Image.new("L", (80, 50), 0)
+    for column in range(80):
+        for row in range(50):
+            is_door = column == 40 and 2 <= row < 10
+            is_wall = (column in WALL and not is_door) or row in {0, 49} or (10 <= column < 15 and 20 <= row < 25)
+            cells.putpixel((column, row), 100 if is_wall else 0)
+    return RobotMap(cells, 0.1, (2.0, 1.0, yaw))
+
+
+def turned(x: float, y: float, yaw: float) -> tuple[float, float]:
+    return 2 + x * math.cos(yaw) - y * math.sin(yaw), 1 + x * math.sin(yaw) + y * math.cos(yaw)
+
+
+@pytest.mark.parametrize("yaw", [0.0, math.pi / 2, math.pi])
+def test_a_room_is_the_free_area_around_a_point_up_to_walls_and_doors(yaw: float) -> None:
+    door = turned(4.05, 4.0, yaw), turned(4.05, 4.8, yaw)
+    points = {"Hall": turned(1, 1, yaw), "Kitchen": turned(6, 1, yaw)}
+
+    hall, kitchen = two_rooms(yaw).rooms(points, [door])
+
+    for room, (left, right) in ((hall, (0.1, 4.0)), (kitchen, (4.1, 7.9))):
+        area = Polygon(room.polygons[0][0])
+        corners = [turned(x, y, yaw) for x in (left, right) for y in (0.1, 4.9)]
+        assert area.area == pytest.approx((right - left) * 4.8, abs=0.2)
+        assert all(area.border_distance(*corner) < 0.15 for corner in corners)
+
+
+@pytest.mark.parametrize(
+    ("points", "problem"),
+    [
+        ({"Hall": (3.0, 2.0), "Kitchen": (8.0, 2.0)}, "Hall and Kitchen are one free area of the map"),
+        ({"Hall": (3.2, 3.7)}, "the point 3.2,3.7 of Hall is not free"),
+        ({"Hall": (-3.0, 2.0)}, "the point -3,2 of Hall is not free"),
+        ({f"Room {one}": (3.0, 2.0) for one in range(151)}, "150 is the limit"),
+    ],
+)
+def test_a_point_that_gives_no_room_is_refused(points: Mapping[str, tuple[float, float]], problem: str) -> None:
+    with pytest.raises(UsageError, match=problem):
+        list(two_rooms().rooms(points, []))
