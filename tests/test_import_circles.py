@@ -10,7 +10,6 @@ pytestmark = pytest.mark.no_cover
 PARTS = {
     ("homebot.devices.handles.handle_query", "homebot.devices.handles.handle"),
     ("homebot.graph.graph", "homebot.graph.node"),
-    ("homebot.places.plan", "homebot.places.floor_plan"),
     ("homebot.robots.pose_topics", "homebot.robots.tracker"),
     ("homebot.robots.sensors", "homebot.robots.tracker"),
     ("homebot.robots.vacuum", "homebot.robots.tracker"),

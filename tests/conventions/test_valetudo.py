@@ -14,8 +14,8 @@ import pytest
 
 from homebot.conventions.valetudo import read_map
 from homebot.errors import WireError
+from homebot.places.outline import simplified
 from homebot.places.polygon import Polygon
-from homebot.robots.outline import simplified
 
 DATA = Path(__file__).parents[1] / "robots" / "data"
 SAMPLES = sorted(DATA.glob("valetudo_*.zlib"))

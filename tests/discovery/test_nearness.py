@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import anyio
@@ -76,22 +77,22 @@ class House:
         return {one.device.id: one.reasons[0] for one in answer.results}
 
 
-Golden = Callable[[], AbstractAsyncContextManager[House]]
+Golden = Callable[..., AbstractAsyncContextManager[House]]
 
 
 @pytest.fixture
 def golden(announce: Announce, part: MakePart) -> Golden:
-    return lambda: _house(announce, part)
+    return partial(_house, announce, part)
 
 
 @asynccontextmanager
-async def _house(announce: Announce, part: MakePart) -> AsyncIterator[House]:
+async def _house(announce: Announce, part: MakePart, closed_door: float = 3.0) -> AsyncIterator[House]:
     graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
         (name,): (OwnerFact("position", at, "configuration", 0.0),) for name, at in POSITIONS.items()
     }
-    owner = OwnerFacts("Home", Places((HALL, KITCHEN), devices, (DOOR,)))
+    owner = OwnerFacts("Home", Places((HALL, KITCHEN), devices, (DOOR,), closed_door))
     async with (
         Node(graph, "mqtt", namespace="/gateway") as gateway,
         Node(graph, "discovery") as node,
@@ -160,6 +161,15 @@ async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_
         ]
         await house.hears(door("unlocked", now), door("open", now))
         assert (await house.why("lamps near robi"))["kitchen_lamp"] == "7.1 m = 7.1 path by Hall-Kitchen"
+
+
+async def test_the_metres_of_a_closed_door_are_a_setting(golden: Golden, door: Callable[..., Report]) -> None:
+    async with golden(closed_door=7.5) as house:
+        await house.robot_at(3.5, 1.0)
+        await house.hears(door("closed", house.app.graph.clock.now()))
+        assert (await house.why("lamps near robi"))["kitchen_lamp"].startswith(
+            "14.6 m = 7.1 path by Hall-Kitchen + 7.5"
+        )
 
 
 async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is(

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices import Device, Sighting
+from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
-from homebot.discovery.description import MAX_FACTS
+from homebot.discovery.description import MAX_FACTS, position_of
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
-from homebot.places import HouseRoom, read_places
+from homebot.places import HouseRoom, Position, read_places
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -447,3 +447,74 @@ def test_what_the_owner_stated_of_all_outranks_every_later_announcement(
                 index.places.place(device.id, "Attic", 2.0)
                 index.places.add(device.id, "tag", "night", 2.0)
     assert {(device.area, device.tags) for device in index.devices()} <= {("Attic", ("night",))}
+
+
+AREAS = {
+    "Hall": {"polygon": [[0, 0], [4, 0], [4, 5], [0, 5]]},
+    "Kitchen": {"polygon": [[4, 0], [8, 0], [8, 5], [4, 5]]},
+}
+
+
+def with_areas() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0, owner=OwnerFacts("Home", read_places({"rooms": AREAS}, "Home", "x", "x")))
+
+
+def positions(index: DeviceIndex, device_id: str) -> list[tuple[float, float, float, str]]:
+    found = position_of(got(index, device_id).facts)
+    return [] if found is None else [(found.x, found.y, found.error, found.source)]
+
+
+@pytest.mark.parametrize(
+    ("fact", "stated", "error"),
+    [
+        ("position", "6,1", 2.0),  # a Thing Description's homebot:facts
+        ("txt_position", "6,1", 2.0),  # DNS-SD's TXT
+        ("position", "6.0,1.0 ±0.25 m", 0.25),
+    ],
+)
+def test_a_device_that_announces_its_position_is_in_the_room_that_is_there(
+    announce: Announce, part: MakePart, fact: str, stated: str, error: float
+) -> None:
+    index = with_areas()
+    light = part("light", "on_off", id="l")
+    index.observe(announce("l", light, name="Lamp", convention="thing", facts={fact: stated}))
+    assert got(index, "lamp").area == "Kitchen"
+    assert positions(index, "lamp") == [(6.0, 1.0, error, "thing")]
+    assert index.places.place("lamp", "", 3.0, at=Position(1, 1)) == "Hall"
+    assert positions(index, "lamp") == [(1.0, 1.0, 0.1, "command")]
+    assert index.places.unplace("lamp") == "Kitchen"
+
+
+def test_an_announced_room_outranks_the_room_at_an_announced_position(lamp: Sighting) -> None:
+    index = with_areas()
+    index.observe(lamp.model_copy(update={"metadata": (KeyValue(key="position", value="6,1"),)}))
+    assert got(index, "lamp").area == "Study"
+
+
+def test_an_announced_word_that_is_no_position_is_passed_over(announce: Announce, part: MakePart) -> None:
+    index = with_areas()
+    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp", facts={"position": "left"}))
+    assert (got(index, "lamp").area, positions(index, "lamp")) == ("", [])
+
+
+def test_a_tag_teaches_its_own_position(announce: Announce, part: MakePart) -> None:
+    index = with_areas()
+    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp"))
+    index.observe(announce("t", part("x_tag", id="t"), name="Tag", gateway="nfc"))
+    index.places.place("tag", "", 1.0, at=Position(6, 1))
+
+    assert index.places.teach("lamp", "nfc", "homeassistant:t", "", 2.0) == ("Kitchen", True)
+    assert index.places.teach("lamp", "nfc", "homeassistant:t", "", 3.0) == ("Kitchen", False)
+
+    assert positions(index, "lamp") == [(6.0, 1.0, 0.3, "tag")]
+    assert [(one.value, one.convention, one.gateway) for one in got(index, "lamp").facts if one.name == "position"] == [
+        ("6,1 ±0.3 m", "tag", "nfc")
+    ]
+    assert without_taught_room(got(index, "lamp")).area == ""
+    assert index.places.place("lamp", "", 4.0, at=Position(1, 1)) == "Hall"
+    assert without_taught_room(got(index, "lamp")).area == "Hall"
+    restored = OwnerFacts("Home")
+    restored.restore(index.owner.record())
+    index.places.unplace("lamp")
+    assert index.places.unplace("lamp") == ""
+    assert positions(index, "lamp") == []

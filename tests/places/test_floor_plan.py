@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from random import Random
 
 import pytest
 
 from homebot.errors import ConfigError
 from homebot.places import FloorPlan, HouseDoor, HousePlan, HouseRoom, Position, places_text, read_places
+from homebot.places.floor_plan import RoomAt
 from homebot.places.path import Spot
+from homebot.places.polygon import Polygon
 from homebot.support.toml_file import parse_toml
 
 CASES = json.loads((Path(__file__).parent / "data" / "room_cases.json").read_text())
@@ -47,7 +48,10 @@ def test_rooms_of_a_configuration_are_found_by_point(case: dict[str, object]) ->
     found = FloorPlan.of(HousePlan("Home", rooms)).room_at(float(str(case["x"])), float(str(case["y"])))
 
     assert (found and found.room) == case["nearest"]
-    assert (found is not None and not found.is_nearest) is (case["room"] is not None)
+    assert (None if found is None or found.is_nearest else found.room) == case["room"]
+    areas = [Polygon(room["polygon"], room.get("holes", ())) for room in CASES["rooms"].values()]
+    distance = min(area.border_distance(float(str(case["x"])), float(str(case["y"]))) for area in areas)
+    assert distance == pytest.approx(case["border_m"], abs=1e-6)
 
 
 def test_the_lamp_behind_the_wall_is_farther_in_a_configured_house() -> None:
@@ -140,27 +144,51 @@ def test_a_robot_in_a_doorway_stays_in_its_room_until_it_is_well_outside() -> No
     assert rooms == ["Hall", "Hall", "Hall", "Hall", "Kitchen", "Kitchen", "Kitchen", "Hall"]
 
 
-def test_the_rooms_of_an_uncertain_position_are_as_likely_as_many_random_points_say() -> None:
-    plan, random = FloorPlan.of(house()), Random(7)  # noqa: S311 - a test that repeats
-    for _ in range(25):
-        x, y = random.uniform(2, 6), random.uniform(0.5, 4.5)
-        spread, ratio, angle = random.uniform(0.05, 0.8), random.uniform(0.3, 1), random.uniform(0, math.pi)
-        major, minor = spread**2, (spread * ratio) ** 2
-        c, s = math.cos(angle), math.sin(angle)
-        covariance = [0.0] * 36
-        covariance[0], covariance[7] = major * c * c + minor * s * s, major * s * s + minor * c * c
-        covariance[1] = covariance[6] = (major - minor) * s * c
-        drawn: dict[str, int] = {}
-        for _ in range(4000):
-            u, v = random.gauss(0, spread), random.gauss(0, spread * ratio)
-            at = plan.room_at(x + u * c - v * s, y + u * s + v * c)
-            drawn[at.room if at else ""] = drawn.get(at.room if at else "", 0) + 1
+def test_a_room_is_found_on_its_floor_alone() -> None:
+    text = HOUSE.replace("[places.rooms.Kitchen]", '[places.rooms.Kitchen]\nfloor = "Top"')
+    plan = FloorPlan.of(house(text))
 
-        found = dict(plan.rooms_of(x, y, covariance))
+    assert plan.room_at(5, 1) is None
+    assert plan.room_at(5, 1, "top") == RoomAt("Kitchen")
 
-        assert sum(found.values()) == pytest.approx(1)
-        for room in {*drawn, *found}:
-            assert found.get(room, 0) == pytest.approx(drawn.get(room, 0) / 4000, abs=0.06)
+
+def test_a_robot_enters_a_room_inside_another_one() -> None:
+    niche = "[places.rooms.Niche]\npolygon = [[1, 1], [3, 1], [3, 3], [1, 3]]\n\n"
+    plan = FloorPlan.of(house(niche + HOUSE))
+
+    rooms, last = [], ""
+    for x in (0.5, 1.1, 1.3, 1.1, 0.9, 0.7):
+        found = plan.room_at(x, 2, last=last)
+        assert found is not None
+        last = found.room
+        rooms.append(last)
+
+    assert rooms == ["Hall", "Hall", "Niche", "Niche", "Niche", "Hall"]
+
+
+def test_stairs_have_a_foot_and_a_head() -> None:
+    text = HOUSE.replace("[places.rooms.Kitchen]", '[places.rooms.Kitchen]\nfloor = "Top"')
+    plan = FloorPlan.of(house(text.replace("position = [4, 4.5]", "position = [[1, 4.8], [7, 0.2]]")))
+    finder = plan.path_finder()
+    finder.put("lamp", Spot("Kitchen", (7.0, 4.2)))
+
+    (way,) = finder.nearest(Spot("Hall", (1.0, 1.8)), lambda _: 10.0)
+
+    assert (round(way.path, 2), way.extra) == (7.0, 10.0)
+    with pytest.raises(ConfigError, match=r"2\.00 m from Kitchen"):
+        house(text.replace("position = [4, 4.5]", "position = [[1, 4.8], [10, 0.2]]"))
+
+
+def test_a_way_in_a_room_of_two_areas_leads_through_both() -> None:
+    """Two rectangles form an L, once by touching and once by overlapping; across the corner is outside."""
+    for upper in ([[0, 2], [2, 2], [2, 6], [0, 6]], [[0, 0], [2, 0], [2, 6], [0, 6]]):
+        polygon = [[[[0, 0], [6, 0], [6, 2], [0, 2]]], [upper]]
+        finder = FloorPlan.of(house(HOUSE + f"\n[places.rooms.L]\nfloor = 'Top'\npolygon = {polygon}\n")).path_finder()
+        finder.put("lamp", Spot("L", (1.0, 5.0)))
+
+        (way,) = finder.nearest(Spot("L", (5.0, 1.0)), lambda _: 0.0)
+
+        assert way.path == pytest.approx(math.dist((5, 1), (2, 2)) + math.dist((2, 2), (1, 5)))
 
 
 def test_rooms_that_overlap_are_named_and_nested_ones_are_not() -> None:
@@ -168,7 +196,7 @@ def test_rooms_that_overlap_are_named_and_nested_ones_are_not() -> None:
     table = {name: {"polygon": [[a, b], [c, b], [c, d], [a, d]]} for name, (a, b, c, d) in rooms.items()}
     plan = HousePlan("Home", read_places({"rooms": table}, "Home", "x", "x").rooms)
 
-    assert [(a, b, round(area, 6)) for a, b, area in FloorPlan.of(plan).overlaps()] == [("Hall", "Kitchen", 1.0)]
+    assert [(a, b, round(area, 6)) for a, b, area in FloorPlan.of(plan).overlaps] == [("Hall", "Kitchen", 1.0)]
 
 
 def test_a_written_plan_is_read_as_it_was() -> None:

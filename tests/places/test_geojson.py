@@ -8,8 +8,8 @@ import math
 import pytest
 
 from homebot.errors import ConfigError
-from homebot.places import HousePlan, read_places
-from homebot.places.facts import Places, position_of
+from homebot.places import FloorPlan, HousePlan, read_places
+from homebot.places.facts import Places, read_position
 from homebot.places.geojson import geojson_table
 
 
@@ -57,14 +57,13 @@ def test_polygons_are_rooms_lines_doors_and_points_devices() -> None:
         ("Kitchen", "Ground", 2),
     ]
     assert len(plan.rooms[0].polygons[0]) == 2  # with a hole
-    assert plan.floor_plan.room_at(1.2, 1.2) is not None
+    assert FloorPlan.of(plan).room_at(1.2, 1.2) is not None
     assert [(set(door.rooms), door.contact, door.cost) for door in plan.doors] == [
         ({"Hall", "Kitchen"}, "a contact", 1),
         ({"Hall", "outside"}, "", None),
     ]
-    position = position_of(places.devices["lights/lamp",])
-    assert position is not None
-    assert position[:4] == (5.0, 2.0, "Ground", 0.2)
+    (fact,) = places.devices["lights/lamp",]
+    assert (fact.name, read_position(fact.value)[:4]) == ("position", (5.0, 2.0, "Ground", 0.2))
 
 
 @pytest.mark.parametrize("bearing", [0, 30, -100])
@@ -73,7 +72,7 @@ def test_degrees_are_metres_from_the_stated_origin_and_bearing(bearing: float) -
     for one in features:
         one["geometry"]["coordinates"] = moved(one["geometry"]["coordinates"], 16.37, 48.2, bearing)
 
-    _, plan = read(features, homebot={"units": "degrees", "origin": [16.37, 48.2], "bearing": bearing})
+    _, plan = read(features, homebot={"origin": [16.37, 48.2], "bearing": bearing})
 
     corners = [corner for rings in plan.rooms[1].polygons for corner in rings[0]]
     expected = [corner for x in (4, 20) for corner in square(x, 0)[:-1]]
@@ -81,21 +80,13 @@ def test_degrees_are_metres_from_the_stated_origin_and_bearing(bearing: float) -
         assert found == pytest.approx(corner, abs=0.001)
 
 
-def test_units_of_imdf_are_rooms_on_their_levels() -> None:
-    level = feature("Polygon", [square(0, 0, 50)], name={"en": "First floor"}) | {"feature_type": "level", "id": "l1"}
-    unit = feature("Polygon", [square(0, 0)], name={"de": "Küche"}, level_id="l1") | {"feature_type": "unit"}
-    _, plan = read([level, unit])
-
-    assert [(room.name, room.floor) for room in plan.rooms] == [("Küche", "First floor")]
-
-
 @pytest.mark.parametrize(
     ("features", "more", "key", "reason"),
     [
         ([feature("Polygon", [square(0, 0)])], {}, "features.0.properties.name", "is missing"),
         ([feature("Polygon", [square(0, 0, 0.001)], name="a")], {}, "homebot", '"origin": [lon, lat]'),
-        ([feature("Polygon", [square(0, 0, 1)], name="a")], {}, "homebot", "may be degrees or metres"),
-        ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.properties.rooms", "not within 0.3 m"),
+        ([feature("Polygon", [square(0, 0, 0.01)], name="a")], {"homebot": {"origin": 3}}, "homebot.origin", "[x, y]"),
+        ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.properties.rooms", "at no room"),
         ([*HOUSE, feature("LineString", [[0, 3], [0, 4]])], {}, "features.6.properties.rooms", '["Hall", "outside"]'),
         ([*HOUSE, feature("LineString", [[4, 1], [4, 2], [4, 3]])], {}, "features.6.geometry", "two ends"),
         ([feature("Polygon", [[[0, 0], ["x", 3], [9, 9]]], name="a")], {}, "features.0", "is no position"),

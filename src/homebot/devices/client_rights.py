@@ -207,7 +207,7 @@ def without_taught_room(device: Device) -> Device:
     A tag anywhere can name a room, so it gives no rights. A room that the owner states, in the
     configuration or by a command, and one that the device announces of itself are not touched.
     """
-    conventions = {one.convention for one in device.facts if one.name == "area"} if device.area else set()
+    conventions = {one.convention for one in device.facts if one.name in {"area", "position"}} if device.area else set()
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
 
 

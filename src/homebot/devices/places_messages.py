@@ -156,8 +156,6 @@ class DoorInfo(Message):
         width: Metres; only for a centre.
         contact: The device that reports whether it is open; empty for none.
         lock: The device that locks it; empty for none.
-        has_cost: Whether a cost is stated; else it is 10 between two floors, and 0.
-        cost: Metres that going through it counts, besides the way.
     """
 
     name: str
@@ -167,8 +165,6 @@ class DoorInfo(Message):
     width: float = 0.8
     contact: str = ""
     lock: str = ""
-    has_cost: bool = False
-    cost: float = 0.0
 
 
 class GetPlacesResponse(Message):

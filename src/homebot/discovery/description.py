@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, filterfalse
 from operator import attrgetter
 from typing import Final
 
+import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
 from homebot.devices.always_ask import APPROVED, CHANGED
 from homebot.devices.device_types import wanted_types
@@ -20,10 +21,11 @@ from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
+from homebot.errors import UsageError
 from homebot.messages import Time
-from homebot.places import NO_AREAS, HousePlan, OwnerFact, position_of
+from homebot.places import NO_AREAS, HousePlan, OwnerFact, Position, read_position
 
-__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "with_approvals", "with_stated_facts"]
+__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "position_of", "with_approvals", "with_stated_facts"]
 
 
 MAX_FACTS = 200
@@ -73,8 +75,13 @@ def describe_device(
     main = main_part(parts)
     believed = tuple(filterfalse(_IS_CLAIMED, ordered)) or ordered
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
-    if area and owner is not None:
-        area, outer_areas = owner.plan.locate(area)
+    facts = _facts(ordered)
+    if owner is not None:
+        plan = owner.rooms.plan  # without a call, as this is for every announcement
+        if not area and plan.has_areas:
+            area = _room_at(facts, plan)
+        if area:
+            area, outer_areas = plan.locate(area)
     return DeviceDescription(
         name=first.name,
         names=tuple(dict.fromkeys(map(_NAME, believed))),
@@ -84,7 +91,7 @@ def describe_device(
         outer_areas=outer_areas,
         identifiers=tuple(dict.fromkeys(chain.from_iterable(map(_IDENTIFIERS, ordered)))),
         metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
-        facts=_facts(ordered),
+        facts=facts,
         addresses=addresses(ordered, main),
         merged=merged,
     )
@@ -123,9 +130,6 @@ def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
     return merged._replace(parts=tuple(parts))
 
 
-_VALUES: Final = ("area", "position", "name", "tag", "taught_area")
-
-
 def with_stated_facts(
     described: DeviceDescription, stated: tuple[OwnerFact, ...], plan: HousePlan
 ) -> DeviceDescription:
@@ -133,30 +137,59 @@ def with_stated_facts(
 
     The owner's statements outrank announcements, and these the teaching of a tag; the facts are in this order.
     """
-    values = {name: tuple(fact.value for fact in stated if fact.name == name) for name in _VALUES}
-    names = tuple(dict.fromkeys((*values["name"], described.name, *described.names)))
+    own = [_stated_fact(fact) for fact in stated if not fact.name.startswith(_TAUGHT)]
+    taught = [_stated_fact(fact) for fact in stated if fact.name.startswith(_TAUGHT)]
+    names = tuple(dict.fromkeys((*_values(own, "name"), described.name, *described.names)))
     area, outer_areas = described.area, described.outer_areas
-    if stated_area := values["area"] or _room_at(stated, plan) or (() if area else values["taught_area"]):
-        area, outer_areas = plan.locate(stated_area[0])
-    own = [_stated_fact(fact) for fact in stated if fact.name != "taught_area"]
-    taught = [_stated_fact(fact) for fact in stated if fact.name == "taught_area"]
+    if stated_area := _area_of(own, plan) or (not area and _area_of(taught, plan)):
+        area, outer_areas = plan.locate(stated_area)
     return replace(
         described,
         name=names[0],
         names=names,
         area=area,
         outer_areas=outer_areas,
-        tags=values["tag"],
+        tags=tuple(_values(own, "tag")),
         facts=((*own, *described.facts)[: MAX_FACTS - len(taught)] + tuple(taught)),
     )
 
 
-def _room_at(stated: tuple[OwnerFact, ...], plan: HousePlan) -> tuple[str, ...]:
-    """Return the room at the position that is stated of a device; empty for none."""
-    if (position := position_of(stated)) is None:
-        return ()
-    found = plan.floor_plan.place_of(position)
-    return () if found is None else (found.room,)
+_TAUGHT: Final = "taught_"
+
+
+_POSITIONS: Final = frozenset({"position", "txt_position"})
+"""The fact as Thing Descriptions (``homebot:facts``) and DNS-SD (a pair of TXT) have it."""
+
+_ANNOUNCED_ERROR: Final = 2.0
+"""Metres by which a position may be wrong that a device announces without an error."""
+
+
+def position_of(facts: Iterable[Fact]) -> Position | None:
+    """Return the first position among the *facts* of a device; None if there is none."""
+    for fact in facts:
+        if fact.name in _POSITIONS:
+            source = fact.key if fact.convention == OWNER else fact.convention or fact.gateway
+            try:
+                return read_position(fact.value, _ANNOUNCED_ERROR, source)
+            except UsageError:  # a device's own word for something else
+                continue
+    return None
+
+
+def _values(facts: Iterable[Fact], name: str) -> Iterator[str]:
+    return (fact.value for fact in facts if fact.name == name)
+
+
+def _area_of(facts: Sequence[Fact], plan: HousePlan) -> str:
+    """Return the room that *facts* state, else the one at the position that they state; empty for none."""
+    return next(_values(facts, "area"), "") or _room_at(facts, plan)
+
+
+def _room_at(facts: Iterable[Fact], plan: HousePlan) -> str:
+    """Return the room at the position among *facts*; empty for none."""
+    position = position_of(facts) if plan.has_areas else None
+    place = None if position is None else homebot.places.FloorPlan.of(plan).place_of(position)
+    return "" if place is None else place.room
 
 
 def with_approvals(
@@ -198,9 +231,9 @@ def _owner_fact(name: str, value: str, place: PartPlace, approval: Approval) -> 
 
 
 def _stated_fact(fact: OwnerFact) -> Fact:
-    name, gateway, convention, key = fact.name, "", OWNER, fact.source
-    if fact.name == "taught_area":
-        name, convention = "area", TAG
+    name, gateway, convention, key = fact.name.removeprefix(_TAUGHT), "", OWNER, fact.source
+    if name != fact.name:
+        convention = TAG
         gateway, _, key = fact.source.partition("/")
     return Fact(
         name=name,

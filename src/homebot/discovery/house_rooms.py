@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import final
 
+import homebot.places
 from homebot.errors import ConfigError, RefusedError
 from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
@@ -42,7 +43,7 @@ class HouseRooms:
             ConfigError: They do not fit the plan; nothing was added.
         """
         added, added_doors = tuple(rooms), tuple(doors)
-        self.plan = self.plan.with_rooms(added, source, added_doors)
+        self.plan = _checked(self.plan.with_rooms(added, source, added_doors))
         self.imported = HousePlan(self.plan.home, (*self.imported, *added), source).rooms
         self.imported_doors = tuple({fold(one.name): one for one in (*self.imported_doors, *added_doors)}.values())
 
@@ -55,11 +56,11 @@ class HouseRooms:
         self.imported, self.imported_doors = rooms, doors
         problem: ConfigError | None = None
         try:
-            self.plan = self.plan.with_rooms(rooms, source, doors)
+            self.plan = _checked(self.plan.with_rooms(rooms, source, doors))
         except ConfigError:
             for added, further in [*(((room,), ()) for room in rooms), *(((), (door,)) for door in doors)]:
                 try:
-                    self.plan = self.plan.with_rooms(added, source, further)
+                    self.plan = _checked(self.plan.with_rooms(added, source, further))
                 except ConfigError as exc:
                     problem = exc
         if problem is not None:
@@ -111,8 +112,19 @@ class HouseRooms:
         known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
         changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
         joined = tuple(one for one in doors if known.issuperset(map(fold, one.rooms)))
-        self.plan = self._configured.with_rooms(changed, "the imported rooms", joined)
+        self.plan = _checked(self._configured.with_rooms(changed, "the imported rooms", joined))
         self.imported, self.imported_doors = changed, joined
+
+
+def _checked(plan: HousePlan) -> HousePlan:
+    """Return *plan*.
+
+    Raises:
+        ConfigError: An area is none, or a door is not at its rooms.
+    """
+    if plan.has_areas:
+        homebot.places.FloorPlan.of(plan)
+    return plan
 
 
 def _renamed(room: HouseRoom, name: str, new: str) -> HouseRoom:

@@ -18,22 +18,20 @@ from homebot.devices.device import State
 from homebot.devices.names import ROBOT_POSES, ROBOTS_NODE
 from homebot.devices.query import IsNear, NameIs, Query, query_terms
 from homebot.devices.robot_messages import RobotPose
+from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.past_outcomes import PastOutcomes
 from homebot.discovery.search.near_rank import CostTerm, Doors, DoorState, NearDevice, ago_text, cost_text, nearest
 from homebot.discovery.search.rank import best_score, scorer_of, shortcomings
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
-from homebot.places import HouseDoor, HousePlan, Position, position_of
+from homebot.places import HouseDoor, HousePlan, Position
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.path import PathFinder, Spot
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 __all__ = ["NearAnswer", "Nearness"]
-
-CLOSED: Final = 3.0
-"""Metres that a closed door counts."""
 
 _POSES_QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _ANY_ROBOT: Final = "robot"
@@ -85,13 +83,11 @@ class Nearness:
     Args:
         node: The node of the directory.
         index: The index; all its changes were taken when it is asked.
-        closed: Metres that a closed door counts; infinite where robots cannot open doors.
     """
 
-    def __init__(self, node: Node, index: DeviceIndex, closed: float = CLOSED) -> None:
+    def __init__(self, node: Node, index: DeviceIndex) -> None:
         self._clock = node.graph.clock
         self._index = index
-        self._closed = closed
         self._outcomes = PastOutcomes(node)
         self._poses: dict[str, RobotPose] = {}
         self._source = node.create_subscription(RobotPose, ROBOT_POSES, qos_profile=_POSES_QOS, from_node=ROBOTS_NODE)
@@ -221,7 +217,7 @@ class Nearness:
 
     def _place(self, device: Device) -> None:
         """Spot *device* by its position, else in its room."""
-        position = self._position(device)
+        position = position_of(device.facts)
         plan = self._floor_plan
         room = device.area if device.area and fold(device.area) not in self._not_rooms() else ""
         place, error, reason = None, 0.0, ""
@@ -248,12 +244,6 @@ class Nearness:
         plan = self._floor_plan.plan
         return frozenset(map(fold, (plan.home, *plan.floors)))
 
-    def _position(self, device: Device) -> Position | None:
-        owner, entry = self._index.owner, self._index.entry(device.id)
-        if entry is None or owner.is_empty:
-            return None
-        return position_of(owner.of(device.id, tuple(entry.sources.values())))
-
     def _door(self, name: str) -> DoorState:
         """Return the state of the door *name*: a lock outranks the contact, and one without a contact is open."""
         door = self._doors[name]
@@ -266,7 +256,9 @@ class Nearness:
         if contact is None:
             return DoorState(tuple(terms), "" if cost and not door.contact else "assumed open")
         if contact[0].value.plain() is False:
-            return DoorState((*terms, CostTerm(self._closed, f"is closed {self._told(contact, 'contact')}")))
+            return DoorState(
+                (*terms, CostTerm(self._index.owner.closed_door, f"is closed {self._told(contact, 'contact')}"))
+            )
         is_stale = contact[1].freshness == "stale"
         return DoorState(tuple(terms), f"open {self._told(contact, 'contact')}" if is_stale else "")
 

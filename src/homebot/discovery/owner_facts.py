@@ -12,9 +12,9 @@ Of two statements on one fact a command outranks an import, an import the config
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias, final
+from typing import TypeAlias, final, get_args
 
 from homebot.config import UNNAMED
 from homebot.discovery.approvals import ApprovalRegistry
@@ -22,7 +22,7 @@ from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.owner_records import places_record, read_places_record
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
-from homebot.places import HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
+from homebot.places import FactName, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
 from homebot.support.folding import fold
 
 __all__ = ["MAX_STATEMENTS", "OwnerFacts"]
@@ -61,6 +61,7 @@ class OwnerFacts:
 
     Attributes:
         approvals: The approved parts.
+        closed_door: Metres that going through a closed door counts.
         rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
@@ -72,6 +73,7 @@ class OwnerFacts:
         "_configured",
         "_known_as",
         "approvals",
+        "closed_door",
         "is_empty",
         "is_unsaved",
         "rooms",
@@ -79,6 +81,7 @@ class OwnerFacts:
 
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
+        self.closed_door = given.closed_door
         self.rooms = HouseRooms(home, given.rooms, given.doors)
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
@@ -363,10 +366,8 @@ def _names(device_id: str, sources: Iterable[SourceRecord]) -> Iterator[str]:
         yield from source.sighting.identifiers
 
 
-_ORDER: Mapping[str, int] = {"area": 0, "position": 1, "name": 2, "tag": 3, "taught_area": 4}
-
-
-_SINGLE = frozenset({"area", "position", "taught_area"})
+_ORDER: Sequence[str] = get_args(FactName)
+_SINGLE = frozenset({"area", "position", "taught_area", "taught_position"})
 
 
 def _rank(fact: OwnerFact) -> tuple[bool, float]:
@@ -378,4 +379,4 @@ def _once(facts: Iterable[OwnerFact]) -> _Facts:
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
         found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)
-    return tuple(sorted(found.values(), key=lambda fact: _ORDER[fact.name]))
+    return tuple(sorted(found.values(), key=lambda fact: _ORDER.index(fact.name)))

@@ -11,7 +11,7 @@ from homebot.config import value_errors
 from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import WireError
-from homebot.places import HouseDoor, HouseRoom, OwnerFact, position_of
+from homebot.places import HouseDoor, HouseRoom, OwnerFact, read_position
 
 __all__ = ["PlacesRecord", "places_record", "read_places_record"]
 
@@ -35,7 +35,9 @@ class _StatementRecord(BaseModel):
     @classmethod
     def _with_positions_that_can_be_read(cls, facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
         with value_errors():
-            position_of(facts)
+            for fact in facts:
+                if fact.name.endswith("position"):
+                    read_position(fact.value)
         return facts
 
 

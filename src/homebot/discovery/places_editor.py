@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Final, final
 
+from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.places import FactName, OwnerFact, Position, check_floor, check_name, read_position
+from homebot.places import FactName, OwnerFact, Position, check_name
+from homebot.places.facts import TAG_ERROR
 from homebot.support.folding import fold, is_room_typo
 
 __all__ = ["PlacesEditor"]
@@ -24,10 +26,12 @@ _WORDS: Mapping[FactName, str] = {
     "name": "alias",
     "tag": "tag",
     "taught_area": "room",
+    "taught_position": "position",
 }
 
 
 _WHERE: Final = ("area", "position")
+_TAUGHT: Final = ("taught_area", "taught_position")
 
 
 @final
@@ -47,13 +51,14 @@ class PlacesEditor:
         """Return whether there is a device of that id."""
         return device_id in self._table.entries
 
-    def place(self, device_id: str, room: str, now: float, *, is_new: bool = False) -> str:
-        """Set the room of a device; return it as the plan spells it.
+    def place(self, device_id: str, room: str, now: float, *, at: Position | None = None, is_new: bool = False) -> str:
+        """Set the room of a device, its position, or both; return the room that it is in now.
 
         Args:
             device_id: The device.
-            room: The room, or a floor.
+            room: The room, or a floor; empty for none.
             now: Seconds since the Unix epoch.
+            at: The position.
             is_new: Whether it may be a room with a name one typo away from that of another.
 
         Raises:
@@ -61,51 +66,23 @@ class PlacesEditor:
             UsageError: The name cannot be one, or is probably a typo.
         """
         entry = self._entry(device_id)
-        name, _ = self._table.owner.plan.locate(check_name(room))
-        if not is_new:
-            self._check_typo(name)
-        facts = [fact for fact in self.stated(entry) if fact.name != "area"]
-        self.state(entry, [OwnerFact("area", name, "command", now), *facts], f"the owner placed it in {name}")
-        return name
+        facts = self._where(room, at, now, is_new=is_new)
+        replaced = {fact.name for fact in facts}
+        where = " at ".join(fact.value for fact in facts)
+        others = [fact for fact in self.stated(entry) if fact.name not in replaced]
+        self.state(entry, [*facts, *others], f"the owner placed it {'in' if room else 'at'} {where}")
+        return entry.to_device(self._table.topics).area
 
-    def put_at(
-        self, device: str, position: Position, now: float, *, may_be_absent: bool = False
-    ) -> tuple[str, str, str]:
-        """Set the position of a device.
-
-        Args:
-            device: Its id; of one that is not there yet as for :meth:`place_absent`.
-            position: The position.
-            now: Seconds since the Unix epoch.
-            may_be_absent: Whether it need not be there.
-
-        Returns:
-            The position as text, the room that the device is in now, and the id or hardware address by which it will be
-            known if it is not there.
-
-        Raises:
-            RefusedError: There is no such device, or there are too many statements.
-            UsageError: The device cannot be called so, there is no such floor, or the numbers are no position.
-        """
-        floor = check_floor(position.floor, self._table.owner.plan)
-        text = read_position(position._replace(floor=floor).text).text
-        fact = OwnerFact("position", text, "command", now)
-        if may_be_absent and not self.has(device):
-            key = _future_name(check_name(device))
-            self._state_absent(key, fact, "position")
-            return text, "", key
-        entry = self._entry(device)
-        facts = [one for one in self.stated(entry) if one.name != "position"]
-        self.state(entry, [fact, *facts], f"the owner placed it at {text}")
-        return text, entry.to_device(self._table.topics).area, ""
-
-    def place_absent(self, device: str, room: str, now: float, *, is_new: bool = False) -> tuple[str, str]:
-        """Set the room of a device that is not there yet.
+    def place_absent(
+        self, device: str, room: str, now: float, *, at: Position | None = None, is_new: bool = False
+    ) -> tuple[str, str]:
+        """Set the room of a device that is not there yet, its position, or both.
 
         Args:
             device: The name or the id that it will have, or its hardware address, such as ``mac:a4cf12f04ab1``.
             room: As for :meth:`place`.
             now: Likewise.
+            at: Likewise.
             is_new: Likewise.
 
         Returns:
@@ -113,14 +90,23 @@ class PlacesEditor:
 
         Raises:
             RefusedError: There are too many statements.
-            UsageError: A name cannot be one, or that of the room is probably a typo.
+            UsageError: As for :meth:`place`, or the device cannot be called so.
         """
-        name, _ = self._table.owner.plan.locate(check_name(room))
-        if not is_new:
-            self._check_typo(name)
+        facts = self._where(room, at, now, is_new=is_new)
         key = _future_name(check_name(device))
-        self._state_absent(key, OwnerFact("area", name, "command", now), "area")
-        return key, name
+        self._state_absent(key, facts, {fact.name for fact in facts})
+        return key, next((fact.value for fact in facts if fact.name == "area"), "")
+
+    def _where(self, room: str, at: Position | None, now: float, *, is_new: bool) -> list[OwnerFact]:
+        facts = []
+        if room or at is None:
+            name, _ = self._table.owner.plan.locate(check_name(room))
+            if not is_new:
+                self._check_typo(name)
+            facts.append(OwnerFact("area", name, "command", now))
+        if at is not None:
+            facts.append(OwnerFact("position", at.text, "command", now))
+        return facts
 
     def unplace_absent(self, device: str) -> str:
         """Take back the room of a device that is not there; return the id or hardware address that was meant.
@@ -132,7 +118,7 @@ class PlacesEditor:
         key = _future_name(check_name(device))
         if not any(fact.name in _WHERE for fact in self._table.owner.stated_of((key,))):
             raise RefusedError("taking back the room", f"there is no device {device}, and no command stated its room")
-        self._state_absent(key, None, *_WHERE)
+        self._state_absent(key, (), _WHERE)
         return key
 
     def absent(self) -> Iterator[tuple[str, str]]:
@@ -143,10 +129,9 @@ class PlacesEditor:
         for key, facts in self._table.owner.unknown(known):
             yield from ((key, fact.value) for fact in facts if fact.name == "area")
 
-    def _state_absent(self, key: str, fact: OwnerFact | None, *replaced: FactName) -> None:
+    def _state_absent(self, key: str, facts: Iterable[OwnerFact], replaced: Container[FactName]) -> None:
         others = [one for one in self._table.owner.stated_of((key,)) if one.name not in replaced]
-        facts = others if fact is None else [fact, *others]
-        self._table.owner.put_unknown((key,), facts, self._table.owners)
+        self._table.owner.put_unknown((key,), [*facts, *others], self._table.owners)
 
     def unplace(self, device_id: str) -> str:
         """Take back the room and position that a command or an import stated, or the room that a tag taught.
@@ -161,7 +146,7 @@ class PlacesEditor:
         stated = self.stated(entry)
         facts = [fact for fact in stated if fact.name not in _WHERE]
         if len(facts) == len(stated):
-            facts = [fact for fact in stated if fact.name != "taught_area"]
+            facts = [fact for fact in stated if fact.name not in _TAUGHT]
         if len(facts) == len(stated):
             where = self._where_configured("area", entry)
             raise RefusedError("taking back the room", where or f"no command stated the room of {device_id}")
@@ -169,32 +154,42 @@ class PlacesEditor:
         return entry.to_device(self._table.topics).area
 
     def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float) -> tuple[str, bool]:
-        """Remember the room that a tag at a device says; it counts where neither the owner nor the device says one.
+        """Remember what a tag at a device says of its place; it counts where neither the owner nor the device does.
+
+        That is the tag's own place, as far as it is known.
 
         Args:
             device_id: The device.
             gateway: The gateway of the tag.
             tag: The key of the tag.
-            room: The room on the tag; the room that it is in itself, as far as that is known, counts more.
+            room: The room on the tag; the room that it is in itself counts more.
             now: Seconds since the Unix epoch.
 
         Returns:
-            The room that the device is in now, and whether the room of the tag is another one than before.
+            The room that the device is in now, and whether the tag said another place before, or none.
 
         Raises:
             RefusedError: There is no such device, or there are too many statements.
             UsageError: The tag's room is unknown, its room cannot be one, or is probably a typo.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
+        source = f"{gateway}/{tag or 'code'}"
         at = self._table.owners.get((gateway, tag))
-        said = (at.to_device(self._table.topics).area if at is not None and at is not entry else "") or room
-        name, _ = self._table.owner.plan.locate(check_name(said))
-        self._check_typo(name)
-        is_new = all((fact.name, fact.value) != ("taught_area", name) for fact in stated)
+        place = None if at is None or at is entry else at.to_device(self._table.topics)
+        facts = []
+        if place is not None and (position := position_of(place.facts)) is not None:
+            position = position._replace(error=max(position.error, TAG_ERROR))
+            facts.append(OwnerFact("taught_position", position.text, source, now))
+        if not facts or room or (place is not None and place.area):
+            name, _ = self._table.owner.plan.locate(check_name((place.area if place is not None else "") or room))
+            self._check_typo(name)
+            facts.append(OwnerFact("taught_area", name, source, now))
+        before = {(fact.name, fact.value) for fact in stated if fact.name in _TAUGHT}
+        is_new = before != {(fact.name, fact.value) for fact in facts}
         if is_new:
-            fact = OwnerFact("taught_area", name, f"{gateway}/{tag or 'code'}", now)
-            others = [one for one in stated if one.name != "taught_area"]
-            self.state(entry, [*others, fact], f"a tag says that it is in {name}")
+            others = [one for one in stated if one.name not in _TAUGHT]
+            where = " at ".join(fact.value for fact in reversed(facts))
+            self.state(entry, [*others, *facts], f"a tag says that it is in {where}")
         return entry.to_device(self._table.topics).area, is_new
 
     def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:

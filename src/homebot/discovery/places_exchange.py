@@ -6,12 +6,13 @@ from collections.abc import Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
+from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
-from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, position_of, read_places
+from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, read_places
 from homebot.places.geojson import geojson_table
 from homebot.support.folding import fold
 from homebot.support.toml_file import parse_toml
@@ -159,9 +160,9 @@ class PlacesExchange:
     def _restate(self, before: HousePlan, now: HousePlan) -> Iterator[None]:
         for entry in tuple(self._table.entries.values()):
             yield
-            area = entry.to_device(self._table.topics).area
-            has_moved = bool(area) and before.locate(area) != now.locate(area)
-            has_moved = has_moved or position_of(self._table.owner.of(entry.id, entry.sources.values())) is not None
+            device = entry.to_device(self._table.topics)
+            has_moved = bool(device.area) and before.locate(device.area) != now.locate(device.area)
+            has_moved = has_moved or position_of(device.facts) is not None
             if has_moved and self._table.entries.get(entry.id) is entry:
                 self._editor.restate((entry,), "the rooms of the house changed")
 

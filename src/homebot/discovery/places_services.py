@@ -64,7 +64,7 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
-from homebot.places import HouseDoor, HouseRoom, Position
+from homebot.places import HouseDoor, HousePlan, HouseRoom, Position, check_floor, check_position
 from homebot.places.facts import OWNER_ERROR
 from homebot.places.plan import Point
 from homebot.support.folding import fold
@@ -106,24 +106,23 @@ class PlacesServices:
         node.create_service(ImportPlaces, IMPORT_PLACES, partial(self._import, owner))
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
-        places, now = self._index.places, self._clock.now()
-        absent = room = position = ""
-        is_absent = request.may_be_absent and not places.has(request.device)
+        places, now, device = self._index.places, self._clock.now(), request.device
+        is_absent = request.may_be_absent and not places.has(device)
+        absent = room = ""
         try:
-            at = _position(request)
-            if request.room and is_absent:
-                absent, room = places.place_absent(request.device, request.room, now, is_new=request.is_new)
-            elif request.room:
-                room = places.place(request.device, request.room, now, is_new=request.is_new)
-            elif at is None:
-                absent = places.unplace_absent(request.device) if is_absent else ""
-                room = "" if is_absent else places.unplace(request.device)
-            if at is not None:
-                position, inside, absent = places.put_at(request.device, at, now, may_be_absent=is_absent)
-                room = room or inside
+            at = _position(request, self._index.owner.plan)
+            if not request.room and at is None and is_absent:
+                absent = places.unplace_absent(device)
+            elif not request.room and at is None:
+                room = places.unplace(device)
+            elif is_absent:
+                absent, room = places.place_absent(device, request.room, now, at=at, is_new=request.is_new)
+            else:
+                room = places.place(device, request.room, now, at=at, is_new=request.is_new)
         except (RefusedError, UsageError) as exc:
             return PlaceDeviceResponse(success=False, message=str(exc))
         self._publish_all()
+        position = "" if at is None else at.text
         return PlaceDeviceResponse(success=True, room=room, absent=absent, position=position)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
@@ -254,37 +253,36 @@ class PlacesServices:
                 await turns.pause()
 
 
-def _position(request: PlaceDeviceRequest) -> Position | None:
+def _position(request: PlaceDeviceRequest, plan: HousePlan) -> Position | None:
     """Return the position in a request, None for none.
 
     Raises:
-        UsageError: It has one number.
+        UsageError: It has one number, there is no such floor, or the numbers are no position.
     """
     if not request.at:
         return None
     if len(request.at) == 1:
         raise UsageError("a position has two numbers, x and y; one was given")
-    return Position(request.at[0], request.at[1], request.floor, request.error or OWNER_ERROR)
+    error = request.error or OWNER_ERROR
+    return check_position(Position(request.at[0], request.at[1], check_floor(request.floor, plan), error))
 
 
 def _room_info(room: HouseRoom) -> RoomInfo:
-    areas = (_ring(ring, is_hole=index > 0) for rings in room.polygons for index, ring in enumerate(rings))
+    rings = ((ring, index > 0) for rings in room.polygons for index, ring in enumerate(rings))
+    areas = (AreaRing(x=_xs(ring), y=_ys(ring), is_hole=is_hole) for ring, is_hole in rings)
     return RoomInfo(name=room.name, floor=room.floor, doors=room.doors, areas=tuple(areas))
 
 
-def _ring(corners: tuple[Point, ...], *, is_hole: bool) -> AreaRing:
-    return AreaRing(x=tuple(x for x, _ in corners), y=tuple(y for _, y in corners), is_hole=is_hole)
-
-
 def _door_info(door: HouseDoor) -> DoorInfo:
+    ends, more = door.position, (door.width, door.contact, door.lock)
     return DoorInfo(
-        name=door.name,
-        rooms=door.rooms,
-        x=tuple(x for x, _ in door.position),
-        y=tuple(y for _, y in door.position),
-        width=door.width,
-        contact=door.contact,
-        lock=door.lock,
-        has_cost=door.cost is not None,
-        cost=door.cost or 0.0,
+        name=door.name, rooms=door.rooms, x=_xs(ends), y=_ys(ends), width=more[0], contact=more[1], lock=more[2]
     )
+
+
+def _xs(points: tuple[Point, ...]) -> tuple[float, ...]:
+    return tuple(x for x, _ in points)
+
+
+def _ys(points: tuple[Point, ...]) -> tuple[float, ...]:
+    return tuple(y for _, y in points)

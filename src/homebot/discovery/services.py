@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import anyio.lowlevel
 
+import homebot.places
 from homebot.devices import (
     FIND_DEVICES,
     GET_CHANGES,
@@ -301,7 +302,7 @@ class DirectoryServices:
         }
         troubles = () if self._persistence.state in {"off", "ok"} else (self._persistence.state,)
         plan = self._index.owner.plan
-        overlaps = plan.floor_plan.overlaps() if any(room.polygons for room in plan.rooms) else ()
+        overlaps = homebot.places.FloorPlan.of(plan).overlaps if plan.has_areas else ()
         notes = [
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]

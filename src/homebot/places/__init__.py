@@ -1,6 +1,14 @@
 """Places in the house: its rooms, floors and doors, and the owner's statements about devices. Pure."""
 
-from homebot.places.facts import NO_PLACES, FactName, OwnerFact, Places, Position, position_of, read_position
+from homebot.places.facts import (
+    NO_PLACES,
+    FactName,
+    OwnerFact,
+    Places,
+    Position,
+    check_position,
+    read_position,
+)
 from homebot.places.plan import NO_AREAS, OUTSIDE, HouseDoor, HousePlan, HouseRoom
 from homebot.support.lazy_names import lazy_names
 
@@ -25,8 +33,8 @@ __all__ = [
     "Position",
     "check_floor",
     "check_name",
+    "check_position",
     "places_text",
-    "position_of",
     "read_places",
     "read_position",
 ]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -11,7 +10,7 @@ from homebot.errors import UsageError
 from homebot.places.plan import HouseDoor, HouseRoom
 
 __all__ = [
-    "ANNOUNCED_ERROR",
+    "CLOSED_DOOR",
     "NO_PLACES",
     "OWNER_ERROR",
     "TAG_ERROR",
@@ -19,22 +18,22 @@ __all__ = [
     "OwnerFact",
     "Places",
     "Position",
-    "position_of",
+    "check_position",
     "read_position",
 ]
 
 OWNER_ERROR = 0.1
 """Metres by which a position may be wrong that the owner states."""
 
+CLOSED_DOOR = 3.0
+"""Metres that going through a closed door counts besides the way, if none are stated."""
+
 TAG_ERROR = 0.3
 """Metres for one that a tag says."""
 
-ANNOUNCED_ERROR = 2.0
-"""Metres for one that a device announces."""
-
 _FARTHEST = 10_000.0
 
-FactName: TypeAlias = Literal["area", "position", "name", "tag", "taught_area"]
+FactName: TypeAlias = Literal["area", "position", "name", "tag", "taught_area", "taught_position"]
 
 
 class Position(NamedTuple):
@@ -45,8 +44,7 @@ class Position(NamedTuple):
         y: Metres in the frame ``map``.
         floor: The floor; empty where that is not stated.
         error: Metres by which it may be wrong.
-        source: How it was stated; see :attr:`OwnerFact.source`.
-        at: When, in seconds since the Unix epoch.
+        source: How it was stated; empty where that is not known.
     """
 
     x: float
@@ -54,7 +52,6 @@ class Position(NamedTuple):
     floor: str = ""
     error: float = OWNER_ERROR
     source: str = ""
-    at: float = 0.0
 
     @property
     def text(self) -> str:
@@ -68,8 +65,8 @@ class OwnerFact(NamedTuple):
 
     Attributes:
         name: ``area`` for the room, ``position`` as :attr:`Position.text`, ``name`` for an alias, ``tag``, or
-            ``taught_area`` for the room that an NFC tag or a code at the device says, used only without any other
-            statement.
+            ``taught_area`` and ``taught_position`` for what an NFC tag or a code at the device says, used only without
+            any other statement.
         value: The value.
         source: How it was stated: ``configuration``, ``command`` or ``import``; of a taught room the gateway and the
             number of the tag, with ``/`` between.
@@ -90,24 +87,25 @@ class Places:
         rooms: The rooms.
         devices: The facts of each device, by the ids and hardware addresses that it is known by.
         doors: The doors of which more is stated than their rooms.
+        closed_door: Metres that going through a closed door counts.
     """
 
     rooms: tuple[HouseRoom, ...] = ()
     devices: Mapping[tuple[str, ...], tuple[OwnerFact, ...]] = field(default_factory=dict)
     doors: tuple[HouseDoor, ...] = ()
+    closed_door: float = CLOSED_DOOR
 
 
 NO_PLACES = Places()
 
 
-def read_position(text: str, error: float = OWNER_ERROR, source: str = "", at: float = 0.0) -> Position:
+def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Position:
     """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``.
 
     Args:
         text: The text.
         error: Its error, if the text has none.
         source: See :class:`Position`.
-        at: Likewise.
 
     Raises:
         UsageError: It is no such text, or a number is not finite or beyond 10 km.
@@ -115,15 +113,18 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "", at: f
     place, _, stated = text.partition("±")
     x, y, floor = (*place.split(",", 2), "", "")[:3]
     try:
-        numbers = float(x), float(y), float(stated.removesuffix("m") or error)
+        position = Position(float(x), float(y), floor.strip(), float(stated.removesuffix("m") or error), source)
     except ValueError:
         raise UsageError(f"{text!r} is no position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
-    if not all(math.isfinite(one) and abs(one) <= _FARTHEST for one in numbers) or numbers[2] < 0:
-        raise UsageError(f"the position {text!r} is not within {_FARTHEST:,.0f} m")
-    return Position(numbers[0], numbers[1], floor.strip(), numbers[2], source, at)
+    return check_position(position)
 
 
-def position_of(facts: Iterable[OwnerFact]) -> Position | None:
-    """Return the first position among *facts*; None if there is none."""
-    fact = next((one for one in facts if one.name == "position"), None)
-    return None if fact is None else read_position(fact.value, source=fact.source, at=fact.said_at)
+def check_position(position: Position) -> Position:
+    """Return *position*.
+
+    Raises:
+        UsageError: A number is not finite or beyond 10 km.
+    """
+    if not all(abs(one) <= _FARTHEST for one in (position.x, position.y)) or not 0 <= position.error <= _FARTHEST:
+        raise UsageError(f"the position {position.text!r} is not within {_FARTHEST:,.0f} m")
+    return position

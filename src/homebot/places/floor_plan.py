@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple, final
 
 from homebot.errors import ConfigError, UsageError
@@ -13,48 +13,45 @@ from homebot.places.path import Doorway, PathFinder, Spot
 from homebot.places.plan import STAIRS, HouseDoor, HousePlan, HouseRoom
 from homebot.places.polygon import Point, Polygon
 from homebot.places.room_paths import RoomPaths
-from homebot.places.room_shapes import RoomAt, RoomShape, RoomShapes
 from homebot.support.folding import fold
 
-__all__ = ["HYSTERESIS", "SURE", "FloorPlan", "RoomChance"]
+__all__ = ["FloorPlan", "RoomAt"]
 
-HYSTERESIS = 0.2
+_HYSTERESIS = 0.2
 """Metres that a robot must be away from its last room, to be in another one."""
 
-SURE = 0.6
-"""The probability from which one room is named for a position with an error."""
+_NEARBY = 0.5
+"""Metres from a room within which a point that is in no room belongs to it: walls and doorways."""
 
 _REACH = 0.3
 """Metres that a door may be away from each of its rooms."""
 
 _WIDE = 1.2
 _STEP = 0.6
-_CERTAIN = 3.0
-"""Standard deviations from the border of a room from which it is certain."""
-
-_COUNT = 64
-_TURN = math.pi * (3 - math.sqrt(5))
+_LEAST_OVERLAP = 0.1
 
 
-def _sample(index: int) -> Point:
-    """Return one of the fixed points that stand for the standard normal distribution, all equally probable."""
-    radius, angle = math.sqrt(-2 * math.log(1 - (index + 0.5) / _COUNT)), index * _TURN
-    return radius * math.cos(angle), radius * math.sin(angle)
-
-
-_SAMPLES = tuple(map(_sample, range(_COUNT)))
-
-
-class RoomChance(NamedTuple):
-    """A room that a robot may be in.
+class RoomAt(NamedTuple):
+    """The room of a point.
 
     Attributes:
-        room: The room; empty for none.
-        probability: From 0 to 1.
+        room: The room.
+        is_nearest: Whether the point is in no room, and this is the nearest.
+        distance: Metres from the point to the room; 0 inside.
     """
 
     room: str
-    probability: float
+    is_nearest: bool = False
+    distance: float = 0.0
+
+
+class _Area(NamedTuple):
+    """One polygon of a room; a room may have several."""
+
+    size: float
+    room: str
+    floor: str
+    polygon: Polygon
 
 
 @final
@@ -66,22 +63,23 @@ class FloorPlan:
 
     Attributes:
         plan: Likewise.
-        shapes: The areas of rooms.
 
     Raises:
         ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
     """
 
-    __slots__ = ("_areas", "_levels", "_paths", "plan", "shapes")
-
     def __init__(self, plan: HousePlan) -> None:
         self.plan = plan
-        self._areas = {room.name: _polygons(room, plan.source) for room in plan.rooms if room.polygons}
-        self.shapes = RoomShapes(
-            RoomShape(room.name, room.floor, area) for room in plan.rooms for area in self._areas.get(room.name, ())
-        )
-        self._levels = {fold(shape.floor): shape.floor for shape in self.shapes.shapes}
-        self._paths: dict[str, RoomPaths | _SeveralPaths] | None = None
+        self._polygons = {room.name: _polygons(room, plan.source) for room in plan.rooms if room.polygons}
+        self._floors = {room.name: room.floor for room in plan.rooms if room.polygons}
+        self._levels = {fold(one): one for one in self._floors.values()}
+        areas = (_Area(area.area, room, self._floors[room], area) for room in self._polygons for area in self._of(room))
+        self._areas = sorted(areas, key=lambda one: one[:2])
+        self._by_column: dict[tuple[str, int], list[_Area]] = {}
+        for area in self._areas:
+            box = area.polygon.box
+            for column in range(math.floor(box.left - _NEARBY), math.floor(box.right + _NEARBY) + 1):
+                self._by_column.setdefault((area.floor, column), []).append(area)
         self._check_doors()
 
     @staticmethod
@@ -91,7 +89,7 @@ class FloorPlan:
         return FloorPlan(plan)
 
     def room_at(self, x: float, y: float, floor: str = "", last: str = "") -> RoomAt | None:
-        """Return the room that holds a point, else the nearest within 0.5 m.
+        """Return the smallest room that holds a point, else the nearest within 0.5 m.
 
         Args:
             x: Metres.
@@ -99,41 +97,18 @@ class FloorPlan:
             floor: The floor; may be empty where only one has areas.
             last: The room before, which is left only by more than 0.2 m; empty for none.
         """
-        level = self.level(floor)
-        found = self.shapes.room_at(x, y, level)
-        if not last or (found is not None and found.room == last):
-            return found
-        room = self.plan.room(last)
-        if room is None or room.floor != level or room.name not in self._areas:
-            return found
-        distance = self.distance(room.name, x, y)
-        return RoomAt(room.name, is_nearest=True, distance=distance) if distance <= HYSTERESIS else found
-
-    def rooms_of(self, x: float, y: float, covariance: Sequence[float], floor: str = "") -> tuple[RoomChance, ...]:
-        """Return the rooms of an uncertain position, the likeliest first.
-
-        Args:
-            x: Metres.
-            y: Metres.
-            covariance: The 36 numbers of a ROS pose, row by row, in square metres.
-            floor: As for :meth:`room_at`.
-        """
-        xx, xy, yy = covariance[0], (covariance[1] + covariance[6]) / 2, covariance[7]
-        largest = math.sqrt(max(0.0, (xx + yy) / 2 + math.hypot((xx - yy) / 2, xy)))
-        level = self.level(floor)
-        here = self.shapes.room_at(x, y, level)
-        if here is not None and not here.is_nearest and self._border(x, y, level) > _CERTAIN * largest:
-            return (RoomChance(here.room, 1.0),)
-        a = math.sqrt(max(0.0, xx))
-        b = xy / a if a else 0.0
-        c = math.sqrt(max(0.0, yy - b * b))
-        counts: dict[str, int] = {}
-        for u, v in _SAMPLES:
-            found = self.shapes.room_at(x + a * u, y + b * u + c * v, level)
-            room = "" if found is None else found.room
-            counts[room] = counts.get(room, 0) + 1
-        ordered = sorted(counts.items(), key=lambda one: (-one[1], one[0]))
-        return tuple(RoomChance(room, count / _COUNT) for room, count in ordered)
+        near = self._near(x, y, floor)
+        holding = next((one for one in near if one.polygon.contains(x, y)), None)
+        if holding is not None and last in {"", holding.room}:
+            return RoomAt(holding.room)
+        distances = {one.room: self.distance(one.room, x, y) for one in near}
+        away = distances.get(last, math.inf)
+        if (away or holding is None or holding.polygon.border_distance(x, y)) <= _HYSTERESIS:
+            return RoomAt(last, is_nearest=away > 0, distance=away)
+        if holding is not None:
+            return RoomAt(holding.room)
+        distance, room = min(((distances[one], one) for one in distances), default=(math.inf, ""))
+        return RoomAt(room, is_nearest=True, distance=distance) if distance <= _NEARBY else None
 
     def level(self, floor: str) -> str:
         """Return *floor* as the plan spells it; for an empty one the sole floor that has areas."""
@@ -143,19 +118,18 @@ class FloorPlan:
 
     def distance(self, room: str, x: float, y: float) -> float:
         """Return metres from a point to a room, 0 inside; infinite for a room without an area."""
-        areas = self._areas.get(room, ())
+        areas = self._of(room)
         return min((0.0 if one.contains(x, y) else one.border_distance(x, y) for one in areas), default=math.inf)
 
     def centre_of(self, room: str) -> Position | None:
         """Return a position that stands for a room, with half its diagonal as the error; None without an area."""
-        if room not in self._areas:
+        area = max(self._of(room), key=lambda one: one.area, default=None)
+        if area is None:
             return None
-        area = max(self._areas[room], key=lambda one: one.area)
         x, y = area.nearest_inside(*area.centroid())
         box = area.box
-        found = self.plan.room(room)
         error = math.dist((box.left, box.bottom), (box.right, box.top)) / 2
-        return Position(x, y, "" if found is None else found.floor, error, "room")
+        return Position(x, y, self._floors[room], error, "room")
 
     def place_of(self, position: Position, room: str = "") -> Spot | None:
         """Return the place of a position, for a :class:`PathFinder`; None if it is in no room.
@@ -166,83 +140,78 @@ class FloorPlan:
         """
         point = position.x, position.y
         if room:
-            known = self.plan.room(room)
-            name = room if known is None else known.name
-            return Spot(name, point if self.distance(name, *point) <= position.error + HYSTERESIS else None)
+            name, _ = self.plan.locate(room)
+            return Spot(name, point if self.distance(name, *point) <= position.error + _HYSTERESIS else None)
         found = self.room_at(*point, position.floor)
         return None if found is None else Spot(found.room, point)
 
+    def rooms_beside(self, x: float, y: float, floor: str = "") -> list[str]:
+        """Return the rooms that a door at a point may join, the nearest first."""
+        distances = {one.room: self.distance(one.room, x, y) for one in self._near(x, y, floor)}
+        return sorted((room for room in distances if distances[room] <= _REACH), key=lambda one: (distances[one], one))
+
     def path_finder(self) -> PathFinder:
         """Return a new finder of ways, without targets."""
-        if self._paths is None:
-            self._paths = {room: _paths(areas) for room, areas in self._areas.items()}
         return PathFinder(self._paths, self.doorways())
 
     def doorways(self) -> Iterator[Doorway]:
         """Yield the ways through each door."""
         for door in self.plan.doors:
-            first, second = (self._areas.get(room, ()) for room in door.rooms)
-            ends = _ends(door, first or second)
-            points = [(_nearest(first, one), _nearest(second, one)) for one in _crossings(ends)]
-            yield Doorway(door.name, door.rooms, tuple(points))
+            first, second = map(self._of, door.rooms)
+            sides = [(_nearest(first, one), _nearest(second, other)) for one, other in self._crossings(door)]
+            yield Doorway(door.name, door.rooms, tuple(sides))
+
+    def is_stairs(self, door: HouseDoor) -> bool:
+        """Return whether a door joins two floors."""
+        first, second = map(self.plan.room, door.rooms)
+        return first is not None and second is not None and first.floor != second.floor
 
     def cost_of(self, door: HouseDoor) -> float:
         """Return the metres that an open door counts: those stated, or of stairs between two floors."""
         if door.cost is not None:
             return door.cost
-        first, second = map(self.plan.room, door.rooms)
-        return STAIRS if first is not None and second is not None and first.floor != second.floor else 0.0
+        return STAIRS if self.is_stairs(door) else 0.0
 
-    def overlaps(self) -> Iterator[tuple[str, str, float]]:
-        """Yield each two rooms that overlap by more than 0.1 m² without one being inside the other, and the area."""
-        from homebot.places.overlap import overlap_area  # noqa: PLC0415 - for checks alone
-
-        shapes = sorted(self.shapes.shapes, key=lambda one: one.polygon.box.left)
-        for index, one in enumerate(shapes):
-            for other in shapes[index + 1 :]:
+    @cached_property
+    def overlaps(self) -> tuple[tuple[str, str, float], ...]:
+        """Each two rooms that overlap by more than 0.1 m² without one being inside the other, and the area."""
+        found = []
+        areas = sorted(self._areas, key=lambda one: one.polygon.box.left)
+        for index, one in enumerate(areas):
+            for other in areas[index + 1 :]:
                 if other.polygon.box.left >= one.polygon.box.right:
                     break
                 if one.floor == other.floor and one.room != other.room:
-                    area = overlap_area(one.polygon, other.polygon)
-                    smaller = min(one.polygon.area, other.polygon.area)
-                    if _LEAST_OVERLAP < area < smaller - _LEAST_OVERLAP:
-                        yield one.room, other.room, area
+                    found.append((one.room, other.room, one.polygon.overlap(other.polygon)))
+        return tuple(one for one in found if one[2] > _LEAST_OVERLAP)
+
+    @cached_property
+    def _paths(self) -> dict[str, RoomPaths]:
+        return {room: RoomPaths(*areas) for room, areas in self._polygons.items()}
+
+    def _of(self, room: str) -> tuple[Polygon, ...]:
+        return self._polygons.get(room, ())
+
+    def _near(self, x: float, y: float, floor: str) -> list[_Area]:
+        """Return the areas that may hold a point, or be within 0.5 m of it, the smallest first."""
+        areas = self._by_column.get((self.level(floor), math.floor(x)), ())
+        return [one for one in areas if one.polygon.box.bottom - _NEARBY <= y <= one.polygon.box.top + _NEARBY]
+
+    def _crossings(self, door: HouseDoor) -> list[tuple[Point, Point]]:
+        """Return the points at which a door is passed, as its two rooms see them; empty if that is not known."""
+        if self.is_stairs(door) and len(door.position) == 2:
+            return [(door.position[0], door.position[1])]
+        areas = self._of(door.rooms[0]) or self._of(door.rooms[1])
+        return [(one, one) for one in _passages(_ends(door, areas))]
 
     def _check_doors(self) -> None:
         for door in self.plan.doors:
-            known = [room for room in door.rooms if room in self._areas] if door.position else []
-            for room in known:
-                away = self.distance(room, *_crossings(_ends(door, self._areas[known[0]]))[0])
-                if away > _REACH:
-                    reason = f"is {away:.2f} m from {room}; {_REACH} m is the limit"
-                    raise ConfigError(self.plan.source, f"places.doors.{door.name}.position", reason)
-
-    def _border(self, x: float, y: float, level: str) -> float:
-        """Return metres from a point to the nearest border of any room on a floor."""
-        near = (one.polygon for one in self.shapes.near(x, y, level))
-        return min((one.border_distance(x, y) for one in near), default=math.inf)
-
-
-_LEAST_OVERLAP = 0.1
-
-
-@final
-class _SeveralPaths:
-    """Ways in a room of several areas: between two of them a straight line counts."""
-
-    def __init__(self, areas: Sequence[Polygon]) -> None:
-        self._paths = [RoomPaths(area) for area in areas]
-
-    def distance(self, start: Point, end: Point) -> float:
-        """Return metres between two points."""
-        for one in self._paths:
-            if one.polygon.contains(*start) and one.polygon.contains(*end):
-                return one.distance(start, end)
-        return math.dist(start, end)
-
-
-def _paths(areas: Sequence[Polygon]) -> RoomPaths | _SeveralPaths:
-    return RoomPaths(areas[0]) if len(areas) == 1 else _SeveralPaths(areas)
+            for crossing in self._crossings(door)[:1]:
+                for room, point in zip(door.rooms, crossing, strict=True):
+                    away = self.distance(room, *point) if room in self._polygons else 0.0
+                    if away > _REACH:
+                        reason = f"is {away:.2f} m from {room}; {_REACH} m is the limit"
+                        raise ConfigError(self.plan.source, f"places.doors.{door.name}.position", reason)
 
 
 def _polygons(room: HouseRoom, source: str) -> tuple[Polygon, ...]:
@@ -270,7 +239,7 @@ def _ends(door: HouseDoor, areas: Sequence[Polygon]) -> tuple[Point, ...]:
     return (x - dx, y - dy), (x + dx, y + dy)
 
 
-def _crossings(ends: tuple[Point, ...]) -> list[Point]:
+def _passages(ends: tuple[Point, ...]) -> list[Point]:
     """Return the middle of a door, of one wider than 1.2 m points along it: the nearest to the middle first."""
     if len(ends) < 2:
         return list(ends)

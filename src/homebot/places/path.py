@@ -6,17 +6,17 @@ In a room without a polygon, and to a place in a room that is not known more exa
 from __future__ import annotations
 
 import math
-from bisect import insort
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
-from typing import NamedTuple, Protocol, TypeAlias, final
+from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.polygon import Point
+from homebot.places.room_paths import RoomPaths
 
-__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Paths", "Spot", "Way"]
+__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Spot", "Way"]
 
 HALF_HOP = 2.0
 """Metres between a door and a place in a room whose shape is not known."""
@@ -69,36 +69,30 @@ Crossing: TypeAlias = Callable[[str], float]
 """The metres that going through a door costs: 0 if it is open, infinite if it is locked."""
 
 
-class Paths(Protocol):
-    """Ways inside a room."""
-
-    def distance(self, start: Point, end: Point) -> float:
-        """Return metres between two points."""
-
-
 @dataclass(slots=True, eq=False, repr=False)
 class _Gate:
     """One way through a door, as seen from one of its rooms.
 
     Attributes:
         other: The same way, as seen from the other room.
-        near: The targets in the room, by distance; None until it is asked for.
+        ways: The gates of the room, each with its distance.
+        targets: The distances of targets in the room that were asked for.
     """
 
     door: str
-    room: str
-    point: Point | None
+    spot: Spot
     other: _Gate | None = None
     ways: list[tuple[float, _Gate]] = field(default_factory=list)
-    near: list[tuple[float, str]] | None = None
+    targets: dict[str, float] = field(default_factory=dict)
 
 
 class _Step(NamedTuple):
-    """A settled gate: how far it is, and through which doors."""
+    """The way to a target, or to a gate of the room that it ends in."""
 
+    to: str | _Gate
     path: float
-    extra: float
-    doors: tuple[str, ...]
+    extra: float = 0.0
+    doors: tuple[str, ...] = ()
 
 
 @final
@@ -110,21 +104,22 @@ class PathFinder:
         doorways: The doors.
     """
 
-    def __init__(self, shapes: Mapping[str, Paths], doorways: Iterable[Doorway]) -> None:
+    def __init__(self, shapes: Mapping[str, RoomPaths], doorways: Iterable[Doorway]) -> None:
         self._shapes = shapes
         self._gates: dict[str, list[_Gate]] = {}
         self._targets: dict[str, Spot] = {}
         self._in_room: dict[str, set[str]] = {}
         self._reachable: dict[tuple[str, frozenset[str]], AbstractSet[str]] = {}
         for doorway in doorways:
-            self._add(doorway)
+            for here, there in doorway.points or ((None, None),):
+                gate = _Gate(doorway.name, Spot(doorway.rooms[0], here))
+                gate.other = _Gate(doorway.name, Spot(doorway.rooms[1], there), gate)
+                for one in (gate, gate.other):
+                    self._gates.setdefault(one.spot.room, []).append(one)
         for gates in self._gates.values():
             for gate in gates:
-                gate.ways = [
-                    (self._inside(gate.room, gate.point, one.point, 2 * HALF_HOP), one)
-                    for one in gates
-                    if one is not gate
-                ]
+                others = (one for one in gates if one is not gate)
+                gate.ways = [(self._inside(gate.spot, one.spot, 2 * HALF_HOP), one) for one in others]
 
     def put(self, target: str, place: Spot) -> None:
         """Spot a target, or move it."""
@@ -133,9 +128,6 @@ class PathFinder:
         self.discard(target)
         self._targets[target] = place
         self._in_room.setdefault(place.room, set()).add(target)
-        for gate in self._gates.get(place.room, ()):
-            if gate.near is not None:
-                insort(gate.near, (self._inside(place.room, gate.point, place.point, HALF_HOP), target))
 
     def discard(self, target: str) -> None:
         """Remove a target."""
@@ -143,7 +135,7 @@ class PathFinder:
         if place is not None:
             self._in_room[place.room].discard(target)
             for gate in self._gates.get(place.room, ()):
-                gate.near = None
+                gate.targets.pop(target, None)
 
     def place_of(self, target: str) -> Spot | None:
         """Return the place of a target."""
@@ -158,9 +150,9 @@ class PathFinder:
         while waiting:
             for gate in self._gates.get(waiting.pop(), ()):
                 other = gate.other
-                if other is not None and other.room not in found and gate.door not in locked:
-                    found.add(other.room)
-                    waiting.append(other.room)
+                if other is not None and other.spot.room not in found and gate.door not in locked:
+                    found.add(other.spot.room)
+                    waiting.append(other.spot.room)
         self._reachable = {(room, locked): found}
         return found
 
@@ -180,100 +172,54 @@ class PathFinder:
             crossing: What going through each door costs.
             wanted: The only targets to look for; None for all.
         """
-        order = count()  # ties are broken by the order in which they were found
-        heap: list[tuple[float, int, _QueueEntry]] = []
+        order = count()
+        heap: list[tuple[float, str, int, _Step]] = []
 
-        def push(found: _QueueEntry) -> None:
-            heappush(heap, (found.step.path + found.step.extra, next(order), found))
+        def push(step: _Step) -> None:
+            name = step.to if isinstance(step.to, str) else ""
+            heappush(heap, (step.path + step.extra, name, next(order), step))
 
-        here_too: AbstractSet[str] = self._in_room.get(start.room, set())
-        for target in sorted(here_too if wanted is None else here_too & wanted):
-            point = self._targets[target].point
-            lower = math.dist(start.point, point) if start.point is not None and point is not None else HALF_HOP
-            push(_QueueEntry(_Step(lower, 0.0, ()), target=target, is_estimate=True))
+        estimated = self._wanted_in(start.room, wanted)
+        for target in estimated:
+            push(_Step(target, self._air_distance(start, self._targets[target])))
         for gate in self._gates.get(start.room, ()):
-            push(_QueueEntry(_Step(self._inside(start.room, start.point, gate.point, HALF_HOP), 0.0, ()), gate=gate))
-        settled: set[_Gate] = set()
-        done: set[str] = set()
+            push(_Step(gate, self._inside(start, gate.spot, HALF_HOP)))
+        done: set[str | _Gate] = set()
         while heap:
-            _, _, found = heappop(heap)
-            if found.gate is not None:
-                if found.gate not in settled:
-                    settled.add(found.gate)
-                    self._leave(found.gate, found.step, crossing, wanted, push)
+            step = heappop(heap)[-1]
+            found, path, extra, doors = step
+            if found in done:
                 continue
-            if found.near:
-                _push_next(found, found.rank + 1, wanted, push)
-            if found.target in done:
+            if not doors and found in estimated:
+                estimated.discard(found)
+                push(_Step(found, self._inside(start, self._targets[found], HALF_HOP)))
                 continue
-            if found.is_estimate:
-                exact = self._inside(start.room, start.point, self._targets[found.target].point, HALF_HOP)
-                push(_QueueEntry(_Step(exact, 0.0, ()), target=found.target))
-                continue
-            done.add(found.target)
-            yield Way(found.target, found.step.path, found.step.extra, found.step.doors)
+            done.add(found)
+            if isinstance(found, str):
+                yield Way(found, path, extra, doors)
+            elif found.other is not None and not math.isinf(toll := crossing(found.door)):
+                for further, one in self._behind(found.other, wanted):
+                    push(_Step(one, path + further, extra + toll, (*doors, found.door)))
 
-    def _leave(
-        self,
-        gate: _Gate,
-        step: _Step,
-        crossing: Crossing,
-        wanted: AbstractSet[str] | None,
-        push: Callable[[_QueueEntry], None],
-    ) -> None:
-        """Go through *gate*: to the targets of the room behind it, and to the gates of that room."""
-        extra = crossing(gate.door)
-        if gate.other is None or math.isinf(extra):
-            return
-        entered = _Step(step.path, step.extra + extra, (*step.doors, gate.door))
-        _push_next(_QueueEntry(entered, near=self._near(gate.other), entered=entered), 0, wanted, push)
-        for distance, further in gate.other.ways:
-            push(_QueueEntry(_Step(entered.path + distance, entered.extra, entered.doors), gate=further))
+    def _wanted_in(self, room: str, wanted: AbstractSet[str] | None) -> set[str]:
+        here = self._in_room.get(room, set())
+        return set(here) if wanted is None else here & wanted
 
-    def _near(self, gate: _Gate) -> list[tuple[float, str]]:
-        if gate.near is None:
-            gate.near = sorted(
-                (self._inside(gate.room, gate.point, self._targets[target].point, HALF_HOP), target)
-                for target in self._in_room.get(gate.room, ())
-            )
-        return gate.near
+    def _behind(self, gate: _Gate, wanted: AbstractSet[str] | None) -> Iterator[tuple[float, str | _Gate]]:
+        """Yield the other gates and the wanted targets in the room of *gate*, each with its distance."""
+        yield from gate.ways
+        for target in self._wanted_in(gate.spot.room, wanted):
+            if target not in gate.targets:
+                gate.targets[target] = self._inside(gate.spot, self._targets[target], HALF_HOP)
+            yield gate.targets[target], target
 
-    def _inside(self, room: str, start: Point | None, end: Point | None, otherwise: float) -> float:
-        """Return metres between two points of a room, *otherwise* if one of them is not known."""
-        if start is None or end is None:
-            return otherwise
-        paths = self._shapes.get(room)
-        return math.dist(start, end) if paths is None else paths.distance(start, end)
+    def _inside(self, start: Spot, end: Spot, otherwise: float) -> float:
+        """Return metres between two places in one room, *otherwise* if one of them is not known."""
+        paths = self._shapes.get(start.room)
+        if paths is None or start.point is None or end.point is None:
+            return self._air_distance(start, end, otherwise)
+        return paths.distance(start.point, end.point)
 
-    def _add(self, doorway: Doorway) -> None:
-        first, second = doorway.rooms
-        for here, there in doorway.points or ((None, None),):
-            gate = _Gate(doorway.name, first, here)
-            gate.other = _Gate(doorway.name, second, there, gate)
-            self._gates.setdefault(first, []).append(gate)
-            self._gates.setdefault(second, []).append(gate.other)
-
-
-class _QueueEntry(NamedTuple):
-    """An entry of the queue: a gate, a target of the own room, or the next target behind a gate."""
-
-    step: _Step
-    gate: _Gate | None = None
-    target: str = ""
-    is_estimate: bool = False
-    near: Sequence[tuple[float, str]] = ()
-    entered: _Step = _Step(0.0, 0.0, ())
-    rank: int = 0
-
-
-def _push_next(
-    found: _QueueEntry, rank: int, wanted: AbstractSet[str] | None, push: Callable[[_QueueEntry], None]
-) -> None:
-    """Push the next wanted target behind the gate of *found*, from the one of *rank* on."""
-    near = found.near
-    while rank < len(near) and wanted is not None and near[rank][1] not in wanted:
-        rank += 1
-    if rank < len(near):
-        distance, target = near[rank]
-        path, extra, doors = found.entered
-        push(_QueueEntry(_Step(path + distance, extra, doors), None, target, False, near, found.entered, rank))  # noqa: FBT003
+    @staticmethod
+    def _air_distance(start: Spot, end: Spot, otherwise: float = HALF_HOP) -> float:
+        return otherwise if start.point is None or end.point is None else math.dist(start.point, end.point)

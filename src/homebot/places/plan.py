@@ -6,16 +6,12 @@ ignoring case and accents, so no area can contain itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import ConfigError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from homebot.places.floor_plan import FloorPlan
 
 __all__ = [
     "MAX_ROOMS",
@@ -115,30 +111,38 @@ class HousePlan:
         rooms: Its rooms, with each door at both its ends.
         floors: The names of its floors.
         doors: All its doors, those of rooms too of which nothing else is stated.
+        has_areas: Whether the area of a room is known.
 
     Raises:
         ConfigError: A name is used on two levels, a door leads to no room, or there are too many rooms; names the key
             and the value.
     """
 
-    __slots__ = ("__weakref__", "_in_home", "_located", "_rooms", "doors", "floors", "home", "rooms", "source")
+    __slots__ = (
+        "__weakref__",
+        "_in_home",
+        "_located",
+        "_rooms",
+        "doors",
+        "floors",
+        "has_areas",
+        "home",
+        "rooms",
+        "source",
+    )
 
     def __init__(
         self, home: str, rooms: Iterable[HouseRoom] = (), source: str = "places", doors: Iterable[HouseDoor] = ()
     ) -> None:
         self.home = home
         self.source = source
-        stated = tuple({fold(door.name): door for door in doors}.values())
-        joined = _joined(rooms, source, stated)
-        floors: dict[str, str] = {}
-        for room in joined.values():
-            if room.floor:
-                floors.setdefault(fold(room.floor), room.floor)
-        self._rooms = {key: one._replace(floor=floors.get(fold(one.floor), "")) for key, one in joined.items()}
-        self.rooms = tuple(self._rooms.values())
-        self.floors = tuple(floors.values())
+        self._rooms = _merged(rooms, source)
         self._check_levels(source)
-        self._check_doors(source, stated)
+        self.doors = self._join({fold(door.name): door for door in doors}.values())
+        self.rooms = tuple(self._rooms.values())
+        self.has_areas = any(room.polygons for room in self.rooms)
+        floors = {fold(room.floor): room.floor for room in self.rooms if room.floor}
+        self.floors = tuple(floors.values())
         self._in_home = (home,)
         on_floor = {"": self._in_home, **{key: (floor, home) for key, floor in floors.items()}}
         self._located = {
@@ -146,23 +150,6 @@ class HousePlan:
             **{key: (floor, self._in_home) for key, floor in floors.items()},
             **{key: (room.name, on_floor[fold(room.floor)]) for key, room in self._rooms.items()},
         }
-        self.doors = self._with_plain(stated)
-
-    @property
-    def floor_plan(self) -> FloorPlan:
-        """The rooms and doors in the plane."""
-        from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
-
-        return FloorPlan.of(self)
-
-    def check_geometry(self) -> None:
-        """Check the areas and the positions of doors; those stated from outside are, before they are used.
-
-        Raises:
-            ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
-        """
-        if any(room.polygons for room in self.rooms) or any(door.position for door in self.doors):
-            _ = self.floor_plan
 
     def locate(self, area: str) -> tuple[str, tuple[str, ...]]:
         """Return *area* as the plan spells it, and the areas that it is in, the innermost first: its floor, the home.
@@ -179,11 +166,9 @@ class HousePlan:
         """Return the plan with further *rooms* and *doors*, which win where both state a floor, an area or a door.
 
         Raises:
-            ConfigError: As for the class, and :meth:`check_geometry`.
+            ConfigError: As for the class.
         """
-        plan = HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
-        plan.check_geometry()
-        return plan
+        return HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
 
     def _check_levels(self, source: str) -> None:
         home = fold(self.home)
@@ -196,34 +181,44 @@ class HousePlan:
             if floor in self._rooms or floor == OUTSIDE:
                 raise ConfigError(source, f"{_ROOMS}.{room.name}.floor", f"{room.floor!r} is a room")
 
-    def _check_doors(self, source: str, stated: Iterable[HouseDoor]) -> None:
-        for one in stated:
-            for name, other in (one.rooms, one.rooms[::-1]):
-                self._check_door(name, other, source, f"{_DOORS}.{one.name}.rooms")
-        for room in self.rooms:
-            for door in room.doors:
-                self._check_door(room.name, door, source, f"{_ROOMS}.{room.name}.doors")
+    def _join(self, stated: Collection[HouseDoor]) -> tuple[HouseDoor, ...]:
+        """Set the doors of all rooms; return the *stated* doors, and one for further rooms that are joined."""
+        ways = [
+            (HouseDoor("", (room.name, to)), f"{_ROOMS}.{room.name}.doors")
+            for room in self._rooms.values()
+            for to in room.doors
+        ]
+        ways += [(door, f"{_DOORS}.{door.name}.rooms") for door in stated]
+        joined: dict[str, dict[str, str]] = {key: {} for key in self._rooms}
+        plain: dict[frozenset[str], HouseDoor] = {}
+        more = []
+        for way, key in ways:
+            rooms = self._spelled(way.rooms, key), self._spelled(way.rooms[::-1], key)
+            door = way._replace(name=way.name or door_name(rooms), rooms=rooms)
+            for one, other in (rooms, rooms[::-1]):
+                joined.get(fold(one), {}).setdefault(fold(other), other)
+            if door.is_plain:
+                plain.setdefault(frozenset(rooms), door)
+            else:
+                more.append(door)
+        for door in more:
+            plain.pop(frozenset(door.rooms), None)
+        for key, room in self._rooms.items():
+            self._rooms[key] = room._replace(doors=tuple(joined[key].values()))
+        return (*more, *plain.values())
 
-    def _check_door(self, room: str, to: str, source: str, key: str) -> None:
-        known = [one.name for one in self.rooms]
-        if fold(to) == fold(room):
-            raise ConfigError(source, key, f"{to!r} is the room itself")
-        if fold(to) not in self._rooms and fold(to) != OUTSIDE:
-            hint = did_you_mean(to, known, f"rooms are {', '.join(known)}")
-            raise ConfigError(source, key, f"there is no room {to!r}; {hint}")
-
-    def _with_plain(self, stated: Iterable[HouseDoor]) -> tuple[HouseDoor, ...]:
-        """Return the doors, each with its rooms as the plan spells them, and one for all rooms that are joined."""
-        found = [door._replace(rooms=(self.locate(door.rooms[0])[0], self.locate(door.rooms[1])[0])) for door in stated]
-        known = {frozenset(map(fold, door.rooms)) for door in found if not door.is_plain}
-        found = [door for door in found if not door.is_plain]
-        for room in self.rooms:
-            for other in room.doors:
-                ends = frozenset((fold(room.name), fold(other)))
-                if ends not in known:
-                    known.add(ends)
-                    found.append(HouseDoor(door_name((room.name, other)), (room.name, other)))
-        return tuple(found)
+    def _spelled(self, rooms: tuple[str, str], key: str) -> str:
+        """Return the first of two *rooms* that a door joins as the plan spells it."""
+        name, other = rooms
+        if fold(name) == fold(other):
+            raise ConfigError(self.source, key, f"{name!r} is the room itself")
+        if (room := self._rooms.get(fold(name))) is not None:
+            return room.name
+        if fold(name) != OUTSIDE:
+            known = [one.name for one in self._rooms.values()]
+            hint = did_you_mean(name, known, f"rooms are {', '.join(known)}")
+            raise ConfigError(self.source, key, f"there is no room {name!r}; {hint}")
+        return OUTSIDE
 
 
 def door_name(rooms: tuple[str, str]) -> str:
@@ -231,30 +226,17 @@ def door_name(rooms: tuple[str, str]) -> str:
     return "–".join(rooms)  # noqa: RUF001 - an en dash joins the ends of a way
 
 
-def _joined(rooms: Iterable[HouseRoom], source: str, stated: Iterable[HouseDoor]) -> dict[str, HouseRoom]:
-    """Return each room once, by its folded name, with each door at both its ends."""
+def _merged(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
+    """Return each room once, by its folded name, on floors that are spelled as first."""
     found: dict[str, HouseRoom] = {}
     for room in rooms:
-        known = found.get(fold(room.name))
-        if known is not None:
-            room = known._replace(  # noqa: PLW2901
-                floor=room.floor or known.floor,
-                doors=(*known.doors, *room.doors),
-                polygons=room.polygons or known.polygons,
-            )
-        found[fold(room.name)] = room
+        known = found.get(fold(room.name), room)
+        found[fold(room.name)] = known._replace(
+            floor=room.floor or known.floor,
+            doors=(*known.doors, *room.doors),
+            polygons=room.polygons or known.polygons,
+        )
     if len(found) > MAX_ROOMS:
         raise ConfigError(source, _ROOMS, f"has {len(found):,} rooms; {MAX_ROOMS:,} is the limit")
-    ends = [(room.name, name) for room in found.values() for name in room.doors]
-    doors = _doors_of(found, (*ends, *(door.rooms for door in stated)))
-    return {key: room._replace(doors=doors[key]) for key, room in found.items()}
-
-
-def _doors_of(rooms: Mapping[str, HouseRoom], ends: Iterable[tuple[str, str]]) -> dict[str, tuple[str, ...]]:
-    """Return the rooms behind the doors of each room, as they are spelled, by folded name."""
-    doors: dict[str, dict[str, str]] = {key: {} for key in rooms}
-    for first, second in ends:
-        for here, there in ((fold(first), second), (fold(second), first)):
-            if here in doors:
-                doors[here].setdefault(fold(there), rooms[fold(there)].name if fold(there) in rooms else there)
-    return {key: tuple(found.values()) for key, found in doors.items()}
+    floors: dict[str, str] = {}
+    return {key: room._replace(floor=floors.setdefault(fold(room.floor), room.floor)) for key, room in found.items()}

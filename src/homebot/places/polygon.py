@@ -9,13 +9,17 @@ from typing import NamedTuple, TypeAlias, final
 from homebot.errors import UsageError
 from homebot.places.plan import Point
 
-__all__ = ["Edge", "Point", "Polygon"]
+__all__ = ["Edge", "Point", "Polygon", "foot"]
 
 Edge: TypeAlias = tuple[Point, Point]
 
 LEAST_AREA = 0.01
 LARGEST = 10_000.0
 MOST_CORNERS = 1000
+
+_NEARLY = 1e-6
+_STEPS = 20
+"""Points along each side of the rectangle in which two polygons may overlap."""
 
 
 class Box(NamedTuple):
@@ -76,6 +80,22 @@ class Polygon:
         """Return metres from the point to the nearest edge."""
         return math.sqrt(min(_squared_distance(x, y, edge) for edge in self.edges()))
 
+    def holds(self, x: float, y: float) -> bool:
+        """Return whether the point is inside or on the border."""
+        return self.contains(x, y) or self.border_distance(x, y) < _NEARLY
+
+    def overlap(self, other: Polygon) -> float:
+        """Return about how many square metres two polygons share: 0 where all corners of one are in the other."""
+        left, bottom = max(self.box.left, other.box.left), max(self.box.bottom, other.box.bottom)
+        right, top = min(self.box.right, other.box.right), min(self.box.top, other.box.top)
+        if left >= right or bottom >= top:
+            return 0.0
+        if any(all(one.holds(*corner) for corner in inner.rings[0]) for one, inner in ((self, other), (other, self))):
+            return 0.0
+        width, height = (right - left) / _STEPS, (top - bottom) / _STEPS
+        points = ((left + (i + 0.5) * width, bottom + (j + 0.5) * height) for i in range(_STEPS) for j in range(_STEPS))
+        return sum(self.contains(*one) and other.contains(*one) for one in points) * width * height
+
     def nearest_edge(self, x: float, y: float) -> Edge:
         """Return the edge that is nearest to a point."""
         return min(self.edges(), key=lambda one: _squared_distance(x, y, one))
@@ -85,7 +105,7 @@ class Polygon:
         if self.contains(x, y) and self.border_distance(x, y) >= margin:
             return x, y
         edge = self.nearest_edge(x, y)
-        px, py = _foot(x, y, edge)
+        px, py = foot(x, y, edge)
         (x1, y1), (x2, y2) = edge
         length = math.hypot(x2 - x1, y2 - y1)
         return px - (y2 - y1) / length * margin, py + (x2 - x1) / length * margin  # the inside is to the left
@@ -134,16 +154,16 @@ def _signed_area(ring: Sequence[Point]) -> float:
     return sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in zip(ring, (*ring[1:], ring[0]), strict=True)) / 2
 
 
-def _foot(x: float, y: float, edge: Edge) -> Point:
+def foot(x: float, y: float, edge: Edge) -> Point:
     """Return the point of *edge* that is nearest to a point."""
     (x1, y1), (x2, y2) = edge
     dx, dy = x2 - x1, y2 - y1
-    share = min(1.0, max(0.0, ((x - x1) * dx + (y - y1) * dy) / (dx * dx + dy * dy)))
+    share = min(1.0, max(0.0, ((x - x1) * dx + (y - y1) * dy) / (dx * dx + dy * dy or 1.0)))
     return x1 + share * dx, y1 + share * dy
 
 
 def _squared_distance(x: float, y: float, edge: Edge) -> float:
-    px, py = _foot(x, y, edge)
+    px, py = foot(x, y, edge)
     return (px - x) ** 2 + (py - y) ** 2
 
 

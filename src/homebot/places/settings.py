@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
-from homebot.places.facts import OWNER_ERROR, FactName, OwnerFact, Places, Position, read_position
+from homebot.places.facts import CLOSED_DOOR, OWNER_ERROR, FactName, OwnerFact, Places, Position, check_position
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom, Point, Rings, door_name
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -25,7 +25,6 @@ __all__ = [
 ]
 
 _LONGEST = 100
-_NUMBER = "#"
 _MOST = 50
 """Doors of a room, and aliases, tags or identifiers of a device."""
 
@@ -107,12 +106,13 @@ class RoomSettings(BaseModel):
 
 
 class HouseDoorSettings(BaseModel):
-    """The table ``[[places.doors]]``, or ``[places.doors.NAME]``.
+    """A table ``[[places.doors]]``.
 
     Attributes:
         name: Its name; by default the names of its rooms.
         rooms: The two rooms; one may be ``outside``.
-        position: Its two ends ``[[x, y], [x, y]]`` in metres, or its centre ``[x, y]``.
+        position: Its two ends ``[[x, y], [x, y]]`` in metres, or its centre ``[x, y]``; of stairs between two floors
+            where they begin in the first room and end in the second.
         width: Metres of a door with a centre.
         contact: The device that reports whether it is open, by id or name.
         lock: The device that locks it, by id or name.
@@ -161,13 +161,15 @@ class PlacesSettings(BaseModel):
     Attributes:
         rooms: The rooms by name.
         doors: The doors of which more is known than their rooms.
+        closed_door: Metres that going through a closed door counts besides the way.
         devices: The owner's statements, by device id or hardware address.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     rooms: dict[str, RoomSettings] = Field(default_factory=dict)
-    doors: Annotated[dict[str, HouseDoorSettings], Field(max_length=4000)] = Field(default_factory=dict)
+    doors: Annotated[tuple[HouseDoorSettings, ...], Field(max_length=4000)] = ()
+    closed_door: _Metres = CLOSED_DOOR
     devices: dict[str, DeviceSettings] = Field(default_factory=dict)
 
 
@@ -184,14 +186,14 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
     Raises:
         ConfigError: A key is unknown or a value invalid; names *source*, the key, and the value.
     """
-    doors = table.get("doors")
-    if isinstance(doors, list):  # an array of tables, in which the number of a door stands for its name
-        table = {**table, "doors": {f"{_NUMBER}{index}": door for index, door in enumerate(doors, 1)}}
     settings = parse_settings(PlacesSettings, table, source, "places")
     rooms = _rooms(settings.rooms, source)
     house_doors = _doors(settings.doors, source)
     plan = HousePlan(home, rooms, source, house_doors)
-    plan.check_geometry()
+    if plan.has_areas:
+        from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
+
+        FloorPlan.of(plan)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
     names: dict[str, str] = {}
     for name, device in settings.devices.items():
@@ -213,15 +215,15 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         devices[known_by] = tuple(
             OwnerFact(kind, value, stated_by, now) for kind, values in stated for value in _distinct(values)
         )
-    return Places(rooms, devices, house_doors)
+    return Places(rooms, devices, house_doors, settings.closed_door)
 
 
 def _position(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> tuple[str, ...]:
     if device.at is None:
         return ()
     try:
-        position = Position(device.at[0], device.at[1], check_floor(device.floor, plan), device.error)
-        return (read_position(position.text).text,)
+        position = Position(*device.at, check_floor(device.floor, plan), device.error)
+        return (check_position(position).text,)
     except UsageError as exc:
         raise ConfigError(source, f"{key}.{'floor' if device.floor else 'at'}", str(exc)) from exc
 
@@ -264,21 +266,14 @@ def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, 
     return tuple(found)
 
 
-def _doors(tables: Mapping[str, HouseDoorSettings], source: str) -> tuple[HouseDoor, ...]:
+def _doors(tables: Iterable[HouseDoorSettings], source: str) -> tuple[HouseDoor, ...]:
     found: dict[str, HouseDoor] = {}
-    for key, door in tables.items():
-        name = door_name(door.rooms) if key.startswith(_NUMBER) else key
-        name = stated = door.name or name
-        number = 1
-        while fold(name) in found:
-            if door.name or not key.startswith(_NUMBER):
-                raise ConfigError(source, f"places.doors.{key}", f"is the same door as {found[fold(name)].name!r}")
-            number += 1
-            name = f"{stated} {number}"
-        try:
-            name = check_name(name)
-        except UsageError as exc:
-            raise ConfigError(source, f"places.doors.{key}", str(exc)) from exc
+    for index, door in enumerate(tables):
+        name = door.name or door_name(door.rooms)
+        if fold(name) in found and door.name:
+            raise ConfigError(source, f"places.doors.{index}.name", f"is the same door as {found[fold(name)].name!r}")
+        if fold(name) in found:
+            name = f"{name} {index + 1}"
         found[fold(name)] = HouseDoor(name, door.rooms, door.position, door.width, door.contact, door.lock, door.cost)
     return tuple(found.values())
 

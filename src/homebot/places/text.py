@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Iterator
+from typing import get_args
 
-from homebot.places.facts import OWNER_ERROR, OwnerFact, position_of
+from homebot.places.facts import OWNER_ERROR, FactName, OwnerFact, read_position
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
 
@@ -42,56 +43,50 @@ def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, .
 
 def _room(room: HouseRoom, written: set[frozenset[str]]) -> Iterator[str]:
     """Yield the lines of a room; a door that is *written* at its other end is left out."""
-    yield ""
-    yield f"[places.rooms.{_text(room.name)}]"
-    if room.floor:
-        yield f"floor = {_text(room.floor)}"
-    doors = [door for door in room.doors if frozenset((fold(door), fold(room.name))) not in written]
-    if doors:
-        written.update(frozenset((fold(door), fold(room.name))) for door in doors)
-        yield f"doors = {_texts(doors)}"
-    if room.polygons:
-        several: object = room.polygons if len(room.polygons) > 1 else room.polygons[0]
-        yield f"polygon = {json.dumps(room.polygons[0][0] if several == room.polygons[0][:1] else several)}"
+    doors = {frozenset((fold(door), fold(room.name))): door for door in room.doors}
+    doors = {ends: door for ends, door in doors.items() if ends not in written}
+    written.update(doors)
+    polygon: tuple[object, ...] = room.polygons
+    while len(polygon) == 1 and isinstance(polygon[0], tuple):
+        polygon = polygon[0]
+    yield from _table(
+        f"[places.rooms.{_text(room.name)}]", floor=room.floor, doors=tuple(doors.values()), polygon=polygon
+    )
 
 
 def _door(door: HouseDoor) -> Iterator[str]:
-    yield ""
-    yield f"[places.doors.{_text(door.name)}]"
-    yield f"rooms = {_texts(door.rooms)}"
-    if door.position:
-        yield f"position = {json.dumps(door.position if len(door.position) > 1 else door.position[0])}"
-    if door.width != WIDTH:
-        yield f"width = {door.width!r}"
-    if door.contact:
-        yield f"contact = {_text(door.contact)}"
-    if door.lock:
-        yield f"lock = {_text(door.lock)}"
-    if door.cost is not None:
-        yield f"cost = {door.cost!r}"
+    values = door._asdict() | {"width": None if door.width == WIDTH else door.width}
+    return _table(
+        "[[places.doors]]", **values | {"position": door.position[0] if len(door.position) == 1 else door.position}
+    )
 
 
 def _device(device_id: str, facts: Collection[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
+    values = {name: tuple(fact.value for fact in facts if fact.name == name) for name in get_args(FactName)}
+    position = next(map(read_position, values["position"]), None)
+    return _table(
+        f"[places.devices.{_text(device_id)}]",
+        room=next(iter(values["area"]), ""),
+        at=position and position[:2],
+        error=None if position is None or position.error == OWNER_ERROR else position.error,
+        floor=position and position.floor,
+        aliases=values["name"],
+        tags=values["tag"],
+        identifiers=tuple(identifiers),
+    )
+
+
+def _table(head: str, **values: object) -> Iterator[str]:
+    """Yield the lines of a table, without values that are None or empty."""
     yield ""
-    yield f"[places.devices.{_text(device_id)}]"
-    values = {name: [fact.value for fact in facts if fact.name == name] for name in ("area", "name", "tag")}
-    yield from (f"room = {_text(room)}" for room in values["area"])
-    if (position := position_of(facts)) is not None:
-        yield f"at = [{position.x!r}, {position.y!r}]"
-        if position.error != OWNER_ERROR:
-            yield f"error = {position.error!r}"
-        if position.floor:
-            yield f"floor = {_text(position.floor)}"
-    if values["name"]:
-        yield f"aliases = {_texts(values['name'])}"
-    if values["tag"]:
-        yield f"tags = {_texts(values['tag'])}"
-    if known := tuple(identifiers):
-        yield f"identifiers = {_texts(known)}"
+    yield head
+    yield from (f"{key} = {_value(value)}" for key, value in values.items() if value not in {None, "", ()})
 
 
-def _texts(values: Iterable[str]) -> str:
-    return f"[{', '.join(map(_text, values))}]"
+def _value(value: object) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_value, value))}]"
+    return _text(value) if isinstance(value, str) else repr(value)
 
 
 def _text(value: str) -> str:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import final
 
-from homebot.places.floor_plan import FloorPlan
+from homebot.places.floor_plan import FloorPlan, RoomAt
 from homebot.places.plan import HousePlan, HouseRoom
-from homebot.places.room_shapes import RoomAt
 from homebot.robots.evidence import ROOM_ERROR, MapPose
 
 __all__ = ["RobotRooms"]
@@ -62,8 +60,8 @@ class RobotRooms:
 
     def error_in(self, room: str) -> float:
         """Return by how many metres a position may be wrong of which only the room is known."""
-        boxes = [one.polygon.box for one in self._floor_plan.shapes.shapes if one.room == room]
-        return max((math.hypot(one.right - one.left, one.top - one.bottom) / 2 for one in boxes), default=ROOM_ERROR)
+        centre = self._floor_plan.centre_of(room)
+        return ROOM_ERROR if centre is None else centre.error
 
     def _join(self) -> None:
         mapped = (room for rooms in self._by_map.values() for room in rooms)

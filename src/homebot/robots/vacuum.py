@@ -13,10 +13,10 @@ from homebot.conventions.valetudo import VacuumMap, VacuumSegment, read_map
 from homebot.devices.gateway_messages import RawMessage
 from homebot.errors import UsageError, WireError
 from homebot.graph import Node
+from homebot.places.outline import simplified
 from homebot.places.plan import HouseRoom
 from homebot.robots.evidence import MapPose, PoseEvidence
 from homebot.robots.gateway_topics import GatewayTopics
-from homebot.robots.outline import simplified
 from homebot.robots.settings import RobotSettings
 
 if TYPE_CHECKING:

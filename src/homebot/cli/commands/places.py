@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, cast
 
@@ -16,10 +16,13 @@ from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
-from homebot.errors import PeerError, UsageError
+from homebot.errors import LinkError, PeerError, UsageError
+from homebot.places import HousePlan, places_text, read_position
+from homebot.plugins import check_extra
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
+    from homebot.cli.robot_map import RobotMap
     from homebot.devices import Device, KeyValue
     from homebot.devices.places_messages import (
         AreaRing,
@@ -35,6 +38,13 @@ __all__ = ["add_arguments"]
 _HEAD = ("ROOM", "FLOOR", "DOORS", "DEVICES")
 _MAX_BYTES = 800_000
 _MOST_NAMED = 5
+_MAP = "/map"
+_WAIT = 10.0
+"""Seconds for a robot's map to come."""
+
+_MOST_MISFIT = 0.25
+"""The share of a room that may be occupied or unknown in a map: furniture and its shadows."""
+
 _LIST = """\
   homebot places list
   homebot places list --json
@@ -60,13 +70,14 @@ _IMPORT = """\
   homebot places import house.toml --replace
 
   homebot places import house.geojson
+  homebot places import map.yaml --room Hall=1,2 --room Kitchen=6,2.5
 
 An import adds; what was stated here stays. With a mistake in the file nothing is imported. In GeoJSON polygons with a
-`name` are rooms, lines doors, and points with a `device` positions. A map of map_server (YAML) has no rooms: it is
-compared with those that are stated, as by `homebot places check`.
+`name` are rooms, lines doors, and points with a `device` positions. A robot's map, of map_server (YAML) or on the topic
+/map, has walls and no rooms: each is the free area around a point in it, up to the doors with both ends in [places].
 """
 _CHECK = """\
-  homebot places check
+  homebot places check /map
   homebot places check map.yaml
 
 Names the rooms of which more than a quarter is not free in the map: their polygons are misplaced, or the map is another
@@ -97,14 +108,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     imported = add_verb(verbs, "import", "take over the rooms, and what is stated of devices, from a file")
     set_client_command(imported, _import, _IMPORT)
-    imported.add_argument("file", metavar="FILE", help="the file; - for standard input")
+    imported.add_argument("file", metavar="FILE", help="the file; - for standard input, /map for a robot's map")
+    imported.add_argument(
+        "--room", action="append", default=[], metavar="ROOM=X,Y", help="a point in a room of a map; several times"
+    )
     imported.add_argument(
         "--replace", action="store_true", help="where a device is in another room in the file, take that of the file"
     )
     checked = add_verb(verbs, "check", "compare the areas of rooms with a robot's map")
     set_client_command(checked, _check, _CHECK)
     checked.add_argument(
-        "file", nargs="?", default="", metavar="FILE", help="the map's YAML file; without one the topic /map"
+        "file", nargs="?", default=_MAP, metavar="FILE", help="the map's YAML file; without one the topic /map"
     )
 
 
@@ -112,13 +126,14 @@ def _list(options: argparse.Namespace) -> int:
     """Print the rooms."""
 
     def run(door: DoorClient) -> int:
-        places = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {})))
+        answer = door.call(GET_PLACES, {})
+        places = cast("GetPlacesResponse", JsonMessage(answer))
         devices = all_devices(door, lambda device: (device.id, device.area, _position(device)))
         rooms = _rooms(places, [area for _, area, _ in devices])
         positions = {device_id: position for device_id, _, position in devices if position}
         if options.json:
             absent = [{"device": one.key, "room": one.value} for one in places.absent]
-            doors = [_door(one) for one in places.doors]
+            doors = answer["doors"]
             found = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
             print(json_text(found))
         else:
@@ -143,16 +158,6 @@ def _position(device: Device) -> str:
     return next((fact.value for fact in device.facts if fact.name == "position"), "")
 
 
-def _area(ring: AreaRing) -> dict[str, object]:
-    return {"corners": [[x, y] for x, y in zip(ring.x, ring.y, strict=True)], "is_hole": ring.is_hole}
-
-
-def _door(door: DoorInfo) -> dict[str, object]:
-    position = [[x, y] for x, y in zip(door.x, door.y, strict=True)]
-    more = {"width": door.width, "contact": door.contact, "lock": door.lock}
-    return {"name": door.name, "rooms": [*door.rooms], "position": position} | more
-
-
 class _Room(TypedDict):
     """A room as it is printed, with the number of devices in it."""
 
@@ -160,7 +165,7 @@ class _Room(TypedDict):
     floor: str
     doors: list[str]
     devices: int
-    areas: list[dict[str, object]]
+    areas: list[object]
 
 
 def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
@@ -175,7 +180,7 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     for room in places.rooms:
         names.pop(fold(room.name), None)
         count = counts.get(fold(room.name), 0)
-        shape = [_area(ring) for ring in room.areas]
+        shape: list[object] = [{"x": [*one.x], "y": [*one.y], "is_hole": one.is_hole} for one in room.areas]
         rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count, "areas": shape})
     announced = [names[key] for key in sorted(names)]
     return rooms + [
@@ -227,21 +232,22 @@ def _export(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     """Compare the areas of rooms with a map."""
-    from homebot.cli.map_check import map_on_graph, misfits, read_map  # noqa: PLC0415 - for maps alone
 
     def run(door: DoorClient) -> int:
-        grid, warning = read_map(options.file) if options.file else (map_on_graph(door), "")
-        print(f"the map has {grid.width} x {grid.height} cells of {grid.resolution:g} m")
-        if warning:
-            print(f"warning: {printable(warning)}")
-        places = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {})))
-        found = [*misfits(grid, places.rooms)]
-        for room, share in found:
-            print(f"{share:.0%} of {printable(room)} is not free in the map")
-        known = sum(bool(room.areas) for room in places.rooms)
+        robot_map, rooms = (
+            _map(door, options.file),
+            cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).rooms,
+        )
+        areas = {room.name: [(_points(one), one.is_hole) for one in room.areas] for room in rooms if room.areas}
+        taken = {name: 1 - robot_map.free_share(rings) for name, rings in areas.items()}
+        found = {name: share for name, share in taken.items() if share > _MOST_MISFIT}
+        for name, share in found.items():
+            print(f"{share:.0%} of {printable(name)} is not free in the map")
         if not found:
             print(
-                f"the areas of {known} rooms fit the map" if known else "no room has an area; state a polygon of each"
+                f"the areas of {len(areas)} rooms fit the map"
+                if areas
+                else "no room has an area; state a polygon of each"
             )
         return 1 if found else 0
 
@@ -249,13 +255,17 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    """Read a places file, and have it taken over."""
-    if Path(options.file).suffix in {".yaml", ".yml"}:
-        return _check(options)
-    text = _read(options.file)
+    """Read a places file, or a map, and import its content."""
+    is_map = options.file == _MAP or Path(options.file).suffix in {".yaml", ".yml"}
+    if is_map and not options.room:
+        raise UsageError("a map has walls and no rooms; give a point in each room: --room Hall=1,2")
+    if options.room and not is_map:
+        raise UsageError("--room is for the map of a robot, such as map.yaml or /map")
+    points = dict(map(_room_point, options.room))
+    text = "" if is_map else _read(options.file)
 
     def run(door: DoorClient) -> int:
-        request = {"text": text, "replaces": options.replace}
+        request = {"text": _map_text(door, options.file, points) if is_map else text, "replaces": options.replace}
         answer = cast("ImportPlacesResponse", JsonMessage(door.call(IMPORT_PLACES, request)))
         if not answer.success:
             raise PeerError(f"{options.file}: {answer.message}")
@@ -270,6 +280,45 @@ def _import(options: argparse.Namespace) -> int:
         return 0
 
     return with_client(options, run)
+
+
+def _room_point(text: str) -> tuple[str, tuple[float, float]]:
+    name, is_given, at = text.rpartition("=")
+    if not is_given or not name:
+        raise UsageError(f"{text!r} is no point in a room; write ROOM=X,Y in metres, such as Hall=1,2")
+    position = read_position(at)
+    return name, (position.x, position.y)
+
+
+def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
+    """Return the rooms around *points* in a map, as the text of a places file."""
+    doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
+    rooms = _map(door, file).rooms(points, [_points(one) for one in doors if len(one.x) > 1])
+    return places_text(HousePlan("a map", rooms))
+
+
+def _map(door: DoorClient, file: str) -> RobotMap:
+    """Return the map of a file, or that on the topic ``/map``."""
+    check_extra("a map", "maps", "PIL", "yaml")
+    from homebot.cli.robot_map import RobotMap, read_map  # noqa: PLC0415 - with the first map
+
+    if file == _MAP:
+        door.subscribe(_MAP)
+        found = next((one for one in door.until(_WAIT) if one.topic == _MAP), None)
+        if found is None:
+            raise LinkError(f"no map was published on {_MAP}; start the robot's map_server, or state a FILE")
+        robot_map = RobotMap.of(found.message)
+    else:
+        robot_map, warning = read_map(file)
+        if warning:
+            print(f"warning: {printable(warning)}")
+    width, height = robot_map.cells.size
+    print(f"the map has {width} x {height} cells of {robot_map.resolution:g} m")
+    return robot_map
+
+
+def _points(line: AreaRing | DoorInfo) -> list[tuple[float, float]]:
+    return [*zip(line.x, line.y, strict=True)]
 
 
 def _read(file: str) -> str:

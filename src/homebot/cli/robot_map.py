@@ -1,0 +1,221 @@
+"""Maps of robots: files of ROS's map_server, and ``nav_msgs/OccupancyGrid`` on the graph; loaded with the first one.
+
+A map has free cells and walls, and no rooms: where one ends is known of a point in it, and of the ends of its doors.
+
+Source: nav2_map_server 1.5.0, map_io.cpp. Its thresholds are compared as 32-bit floating-point numbers.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from struct import pack, unpack
+from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
+
+import yaml
+from PIL import Image, ImageDraw
+from pydantic import BaseModel, Field
+
+from homebot.config import parse_settings
+from homebot.conventions.valetudo import VacuumMap, VacuumSegment
+from homebot.errors import ConfigError, UsageError
+from homebot.messages.json import message_from_json
+from homebot.messages.nav_msgs import OccupancyGrid
+from homebot.places import HouseRoom
+from homebot.places.outline import simplified
+from homebot.places.plan import Point
+from homebot.places.rigid import yaw_of
+
+__all__ = ["MapSettings", "RobotMap", "cell_table", "read_map"]
+
+UNKNOWN: Final = 255
+"""The byte of a cell that is not known: -1."""
+
+_OCCUPIED: Final = 100
+_MOST_ROOMS: Final = 150
+_MOST_PIXELS: Final = 16_000_000
+_UNKNOWN_GREY: Final = 205
+_BESIDE: Final = 0.2
+"""Metres by which a stated door may end before the wall of the map."""
+
+_Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
+_Share: TypeAlias = Annotated[float, Field(ge=0, le=1)]
+
+
+class MapSettings(BaseModel):
+    """The YAML file of a map; further keys are passed over.
+
+    Attributes:
+        image: The file of the image, from the folder of the YAML file.
+        resolution: Metres of a cell.
+        origin: x, y and yaw of the lower left corner, in metres and radians.
+        occupied_thresh: The occupancy from which a cell is occupied.
+        free_thresh: The one up to which it is free.
+        negate: Whether black is free.
+        mode: What greys between the two mean.
+    """
+
+    image: str
+    resolution: Annotated[_Number, Field(gt=0)]
+    origin: tuple[_Number, _Number, _Number]
+    occupied_thresh: _Share
+    free_thresh: _Share
+    negate: bool | Literal[0, 1]
+    mode: Literal["trinary", "scale", "raw"] = "trinary"
+
+    @property
+    def warning(self) -> str:
+        """A mistake that many files have, in words; empty for none."""
+        if self.mode == "trinary" and not self.negate and cell_table(self)[_UNKNOWN_GREY] == 0:
+            grey = f"the grey {_UNKNOWN_GREY}, as savers write unknown cells"
+            return f"free_thresh {self.free_thresh:g} makes {grey}, free; use 0.196"
+        return ""
+
+
+class RobotMap(NamedTuple):
+    """A map.
+
+    Attributes:
+        cells: 0 free to 100 occupied, 255 unknown; the first row is the uppermost.
+        resolution: Metres of a cell.
+        origin: x, y and yaw of the lower left corner.
+    """
+
+    cells: Image.Image
+    resolution: float
+    origin: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, message: Mapping[str, object]) -> RobotMap:
+        """Return the map in a message as JSON.
+
+        Raises:
+            WireError: It is no ``nav_msgs/OccupancyGrid``.
+        """
+        grid = message_from_json(OccupancyGrid, message)
+        info, turn = grid.info, grid.info.origin.orientation
+        upwards = Image.frombytes("L", (info.width, info.height), bytes(cell & 255 for cell in grid.data))
+        yaw = yaw_of((turn.x, turn.y, turn.z, turn.w))
+        origin = info.origin.position.x, info.origin.position.y, yaw
+        return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
+
+    def free_share(self, rings: Iterable[tuple[Sequence[Point], bool]]) -> float:
+        """Return the share of an area that is free; *rings* are its corners, each with whether it is a hole."""
+        mask = Image.new("1", self.cells.size)
+        for corners, is_hole in rings:
+            ImageDraw.Draw(mask).polygon([self._pixel(one) for one in corners], fill=int(not is_hole))
+        counts = self.cells.histogram(mask)
+        return counts[0] / sum(counts) if any(counts) else 0.0
+
+    def rooms(self, points: Mapping[str, Point], doors: Iterable[Sequence[Point]]) -> Iterator[HouseRoom]:
+        """Yield the room around each point: its free cells up to walls and to the lines between the ends of *doors*.
+
+        Raises:
+            UsageError: A point is not free, two are in one area, or an area is no room.
+        """
+        cells, names = self.cells.copy(), list(points)
+        if len(names) > _MOST_ROOMS:
+            raise UsageError(f"{len(names):,} rooms are too many; {_MOST_ROOMS} is the limit")
+        for first, last in doors:
+            share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
+            ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
+            ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
+        for number, (name, point) in enumerate(points.items(), _OCCUPIED + 1):
+            column, row = self._pixel(point)
+            is_inside = 0 <= column < cells.width and 0 <= row < cells.height
+            here = cells.getpixel((column, row)) if is_inside else UNKNOWN
+            if isinstance(here, int) and _OCCUPIED < here < UNKNOWN:
+                other = names[here - _OCCUPIED - 1]
+                hint = f'state both ends of the door, [[places.doors]] rooms = ["{other}", "{name}"]'
+                raise UsageError(f"{other} and {name} are one free area of the map; {hint}")
+            if here != 0:
+                raise UsageError(f"the point {point[0]:g},{point[1]:g} of {name} is not free in the map")
+            ImageDraw.floodfill(cells, (column, row), number)
+            ring = simplified(self._outline(cells, number))
+            if not ring:
+                raise UsageError(f"the free area around {point[0]:g},{point[1]:g} is too small for {name}")
+            yield HouseRoom(name, polygons=((ring,),))
+
+    def _outline(self, cells: Image.Image, value: int) -> list[Point]:
+        """Return the corners around the cells of a *value*, in metres of the house."""
+        rows = (cells.crop((0, row, cells.width, row + 1)).tobytes() for row in range(cells.height))
+        same = re.compile(re.escape(bytes([value])) + b"+")
+        runs = {number: tuple(found.span() for found in same.finditer(row)) for number, row in enumerate(rows)}
+        segment = VacuumSegment("", "", {row: found for row, found in runs.items() if found})
+        drawn = VacuumMap("", self.resolution, cells.height * self.resolution, (segment,), None, None)
+        (left, bottom, yaw) = self.origin
+        c, s = math.cos(yaw), math.sin(yaw)
+        return [(left + x * c - y * s, bottom + x * s + y * c) for x, y in drawn.outline(segment)]
+
+    def _pixel(self, point: Point) -> tuple[int, int]:
+        x, y, c, s = (
+            point[0] - self.origin[0],
+            point[1] - self.origin[1],
+            math.cos(self.origin[2]),
+            math.sin(self.origin[2]),
+        )
+        row = math.floor((y * c - x * s) / self.resolution)
+        return math.floor((x * c + y * s) / self.resolution), self.cells.height - 1 - row
+
+
+def read_map(file: str) -> tuple[RobotMap, str]:
+    """Return the map of a YAML file and its image, and a warning that is empty for none.
+
+    Raises:
+        ConfigError, UsageError: One of them cannot be read, or is none; names the file and the value.
+    """
+    try:
+        table = yaml.safe_load(Path(file).read_text("utf-8"))
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
+        raise UsageError(f"{file} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
+    settings = parse_settings(MapSettings, table if isinstance(table, dict) else {}, file, "")
+    if settings.free_thresh >= settings.occupied_thresh:
+        raise ConfigError(file, "free_thresh", "must be below occupied_thresh")
+    path = Path(file).parent / settings.image
+    try:
+        with Image.open(path, formats=("PPM", "PNG", "BMP")) as image:
+            if image.width * image.height > _MOST_PIXELS:
+                raise UsageError(f"{path} has {image.width:,} x {image.height:,} pixels; {_MOST_PIXELS:,} is the limit")
+            return RobotMap(_cells(image, settings), settings.resolution, settings.origin), settings.warning
+    except (OSError, SyntaxError, ValueError) as exc:
+        raise UsageError(f"{path} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
+
+
+def cell_table(settings: MapSettings) -> bytes:
+    """Return the cell for each grey."""
+    if settings.mode == "raw":
+        return bytes(grey if grey <= _OCCUPIED else UNKNOWN for grey in range(256))
+    return bytes(_cell(grey, settings) for grey in range(256))
+
+
+def _cells(image: Image.Image, settings: MapSettings) -> Image.Image:
+    """Return the cells of an image: of the mean of its colours; what is not opaque is unknown."""
+    if image.mode.startswith("I"):  # of 16 bits
+        image = image.convert("I").point(lambda grey: grey * (1 / 257)).convert("L")
+    colours = image.convert("RGBA")
+    mean = colours.convert("RGB").convert("L", (1 / 3, 1 / 3, 1 / 3, 0))
+    cells = mean.point(list(cell_table(settings)))
+    if settings.mode != "raw":
+        cells.paste(UNKNOWN, mask=colours.getchannel("A").point([255] * 255 + [0]))
+    return cells
+
+
+def _cell(grey: int, settings: MapSettings) -> int:
+    occupied, free = _single(settings.occupied_thresh), _single(settings.free_thresh)
+    share = _single(grey / 255) if settings.negate else _single(1 - _single(grey / 255))
+    if share >= occupied:
+        return _OCCUPIED
+    if share <= free:
+        return 0
+    return round((share - free) / (occupied - free) * 100) if settings.mode == "scale" else UNKNOWN
+
+
+def _single(number: float) -> float:
+    """Return *number* as a 32-bit floating-point number."""
+    return float(unpack("f", pack("f", number))[0])
+
+
+def _between(first: Point, last: Point, share: float) -> Point:
+    return first[0] + (last[0] - first[0]) * share, first[1] + (last[1] - first[1]) * share
