@@ -11,8 +11,8 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.places import FactName, OwnerFact, Position, check_name
-from homebot.places.facts import TAG_ERROR
+from homebot.places import FactName, OwnerFact, Position, check_floor, check_name, check_position
+from homebot.places.facts import OWNER_ERROR, TAG_ERROR
 from homebot.support.folding import fold, is_room_typo
 
 __all__ = ["PlacesEditor"]
@@ -50,6 +50,24 @@ class PlacesEditor:
     def has(self, device_id: str) -> bool:
         """Return whether there is a device of that id."""
         return device_id in self._table.entries
+
+    def position(self, at: tuple[float, ...], floor: str, error: float) -> Position | None:
+        """Return a position, None for none.
+
+        Args:
+            at: x and y in metres, or nothing.
+            floor: Its floor; empty where one alone has areas.
+            error: Metres by which it may be wrong; 0 for the usual ones.
+
+        Raises:
+            UsageError: It has one number, there is no such floor, or the numbers are no position.
+        """
+        if not at:
+            return None
+        if len(at) == 1:
+            raise UsageError("a position has two numbers, x and y; one was given")
+        level = check_floor(floor, self._table.owner.plan)
+        return check_position(Position(at[0], at[1], level, error or OWNER_ERROR))
 
     def place(self, device_id: str, room: str, now: float, *, at: Position | None = None, is_new: bool = False) -> str:
         """Set the room of a device, its position, or both; return the room that it is in now.

@@ -64,8 +64,7 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
-from homebot.places import HouseDoor, HousePlan, HouseRoom, Position, check_floor, check_position
-from homebot.places.facts import OWNER_ERROR
+from homebot.places import HouseDoor, HouseRoom
 from homebot.places.plan import Point
 from homebot.support.folding import fold
 
@@ -110,7 +109,7 @@ class PlacesServices:
         is_absent = request.may_be_absent and not places.has(device)
         absent = room = ""
         try:
-            at = _position(request, self._index.owner.plan)
+            at = places.position(request.at, request.floor, request.error)
             if not request.room and at is None and is_absent:
                 absent = places.unplace_absent(device)
             elif not request.room and at is None:
@@ -251,20 +250,6 @@ class PlacesServices:
                 return result
             if turns.is_over:
                 await turns.pause()
-
-
-def _position(request: PlaceDeviceRequest, plan: HousePlan) -> Position | None:
-    """Return the position in a request, None for none.
-
-    Raises:
-        UsageError: It has one number, there is no such floor, or the numbers are no position.
-    """
-    if not request.at:
-        return None
-    if len(request.at) == 1:
-        raise UsageError("a position has two numbers, x and y; one was given")
-    error = request.error or OWNER_ERROR
-    return check_position(Position(request.at[0], request.at[1], check_floor(request.floor, plan), error))
 
 
 def _room_info(room: HouseRoom) -> RoomInfo:
