@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right, insort
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import NamedTuple, TypeAlias, final
+from typing import NamedTuple, final
 
 from homebot.errors import HomebotError
 from homebot.messages.builtin_interfaces import Time
@@ -115,10 +114,6 @@ class _Track:
         return True
 
 
-_Walk: TypeAlias = dict[str, Rigid]
-"""A frame and its ancestors, each with the transform of points of the frame into it."""
-
-
 @final
 class TransformBuffer:
     """The frames of one robot or house, and the transforms between them."""
@@ -180,10 +175,9 @@ class TransformBuffer:
             return False
         return True
 
-    def parent_of(self, frame: str) -> str:
-        """Return the parent of *frame* in its newest transform; empty without one."""
-        track = self._tracks.get(frame)
-        return track.newest.parent if track is not None else ""
+    def ancestors(self, frame: str) -> list[str]:
+        """Return *frame* and its ancestors by the newest transforms."""
+        return [*self._walk(frame, _LATEST)[0]]
 
     def clear(self) -> None:
         """Forget all transforms but static ones."""
@@ -191,13 +185,13 @@ class TransformBuffer:
 
     def _set(self, transform: TransformStamped, authority: str, *, is_static: bool) -> bool:
         parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
-        rigid = _rigid(transform.transform)
-        problem = self._problem(parent, child, rigid)
-        if problem:
+        moved, turned = transform.transform.translation, transform.transform.rotation
+        rigid = Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
+        if problem := self._problem(parent, child, rigid):
             sender = f" from {authority}" if authority else ""
             raise InvalidArgumentException(f"the transform{sender} from {child[:100]!r} to {parent[:100]!r} {problem}")
-        track = self._tracks.get(child)
-        if track is None or track.is_static is not is_static:
+        track = self._tracks.get(child, _Track(is_static))
+        if track.is_static is not is_static:
             track = _Track(is_static)
         if not track.add(_Sample(_nanoseconds(transform.header.stamp), parent, rigid)):
             return False
@@ -215,17 +209,11 @@ class TransformBuffer:
             return "has a number that is not finite"
         if abs(sum(one * one for one in rigid.rotation) - 1) >= _NORM_TOLERANCE:
             return f"has a quaternion that is not of length 1: {rigid.rotation}"
-        if any(frame == child for frame in self._ancestors(parent)):
+        if child in self.ancestors(parent):
             return "would make the frame its own ancestor"
         if len(self._frames.keys() | {parent, child}) > MAX_FRAMES:
             return f"is of one frame more than {MAX_FRAMES:,}"
         return ""
-
-    def _ancestors(self, frame: str) -> Iterator[str]:
-        """Yield *frame* and its ancestors by the newest transforms, which form no circle."""
-        while frame:
-            yield frame
-            frame = self.parent_of(frame)
 
     def _latest_common(self, target: str, source: str) -> int:
         """Return the newest time at which all transforms between two frames are known; 0 if all are static.
@@ -233,12 +221,11 @@ class TransformBuffer:
         Raises:
             ConnectivityException: The frames are not part of one tree.
         """
-        above_target, above_source = dict.fromkeys(self._ancestors(target)), dict.fromkeys(self._ancestors(source))
-        if above_target.keys().isdisjoint(above_source):
+        above_target, above_source = set(self.ancestors(target)), set(self.ancestors(source))
+        if above_target.isdisjoint(above_source):
             raise _unconnected(target, source)
-        between = above_target.keys() ^ above_source.keys()
-        stamps = [track.newest.stamp for one in between if not (track := self._tracks[one]).is_static]
-        return min(filter(None, stamps), default=0)
+        tracks = (self._tracks[one] for one in above_target ^ above_source)
+        return min((track.newest.stamp for track in tracks if track.newest.stamp and not track.is_static), default=0)
 
     def _between(self, target: str, source: str, time: int) -> Rigid:
         """Return the transform of points of *source* into *target*.
@@ -257,8 +244,11 @@ class TransformBuffer:
             raise ExtrapolationException(f"{problem}{where}")
         raise _unconnected(target, source)
 
-    def _walk(self, frame: str, time: int) -> tuple[_Walk, str]:
-        """Return *frame* and its ancestors at *time*, and why there are no more; that is empty for the root."""
+    def _walk(self, frame: str, time: int) -> tuple[dict[str, Rigid], str]:
+        """Return *frame* and its ancestors at *time*, each with the transform of points of the frame into it.
+
+        With them is the reason for which there are no more; it is empty for the root.
+        """
         walked = {frame: IDENTITY}
         while (track := self._tracks.get(frame)) is not None:
             try:
@@ -295,11 +285,6 @@ def _nanoseconds(time: Time) -> int:
 
 def _text(nanoseconds: int) -> str:
     return f"{nanoseconds / 1e9:.6f}"
-
-
-def _rigid(transform: Transform) -> Rigid:
-    moved, turned = transform.translation, transform.rotation
-    return Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
 
 
 def _stamped(target: str, source: str, stamp: int, rigid: Rigid) -> TransformStamped:

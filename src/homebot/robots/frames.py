@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from math import isfinite
 from typing import Final, final
 
@@ -83,7 +83,7 @@ class RobotFrames:
         plain = _BASES if robot == self._owners.sole else ()
         own = (one for one in frames if one.endswith(_BASES))
         for base in (*(f"{robot}/{one}" for one in _BASES), *own, *plain):
-            chain = self._chain(base)
+            chain = self._buffer.ancestors(base)
             received = [self._received[frame] for frame in chain[:-1] if frame in self._received]
             if chain[-1] != MAP or not received:
                 continue
@@ -104,7 +104,7 @@ class RobotFrames:
         if not all(map(isfinite, rigid.translation)):
             return None
         if frame not in {"", MAP}:
-            if any(one in self._received for one in self._chain(frame)):
+            if any(one in self._received for one in self._buffer.ancestors(frame)):
                 return None
             try:
                 found = self._buffer.lookup_transform(MAP, frame).transform
@@ -115,12 +115,3 @@ class RobotFrames:
             rigid = outer.then(rigid)
         x, y, _ = rigid.translation
         return MapPose(x, y, yaw_of(rigid.rotation))
-
-    def _chain(self, frame: str) -> list[str]:
-        """Return *frame* and its ancestors by the newest transforms."""
-        return list(self._ancestors(frame))
-
-    def _ancestors(self, frame: str) -> Iterator[str]:
-        while frame:
-            yield frame
-            frame = self._buffer.parent_of(frame)
