@@ -65,23 +65,25 @@ def door(homebot_with: Any) -> str:
     ("arguments", "printed"),
     [
         ("param list", "/robot:\n  arm.joints\n  arm.reach\n  speed\n  steps\n"),
-        ("param get robot speed", "Double value is: 0.5\n"),
-        ("param get /robot arm.joints", "String values are: ['shoulder', 'elbow']\n"),
-        ("param set /robot speed 1", "Set parameter successful\n"),
+        ("param get robot speed", "0.5\n"),
+        ("param get /robot arm.joints", "- shoulder\n- elbow\n"),
+        ("param set /robot speed 1", "speed is 1\n"),
         (
             "param describe /robot speed",
-            "Parameter name: speed\n  Type: double\n  Description: Metres per second.\n  Constraints:\n"
-            "    Min value: 0.0\n    Max value: 2.0\n    Read only: false\n",
+            "type: double\ndescription: Metres per second.\nminimum: 0.0\nmaximum: 2.0\nread_only: false\n",
         ),
         (
             "param describe /robot arm.reach",
-            "Parameter name: arm.reach\n  Type: double\n  Constraints:\n    Additional constraints: at least 0.1\n"
-            "    Read only: false\n",
+            "type: double\nminimum: 0.1\nread_only: false\n",
         ),
         ("param dump /robot", DUMP),
         ("action list", "/fibonacci\n"),
         ("action list -t", "/fibonacci [example_interfaces/action/Fibonacci]\n"),
-        ("action info fibonacci", "Action: /fibonacci\nAction clients: 0\nAction servers: 1\n    /robot\n"),
+        (
+            "action info fibonacci",
+            "Action: /fibonacci [example_interfaces/action/Fibonacci]\n"
+            "Action clients: 0\nAction servers: 1\n    /robot\n",
+        ),
         (
             "action send_goal /fibonacci {order: 3}",
             "Sending goal:\n    order: 3\n\nResult:\n    sequence: [0, 1, 1, 2]\n\n"
@@ -92,6 +94,8 @@ def door(homebot_with: Any) -> str:
             "Sending goal:\n    order: 2\n\nFeedback:\n    sequence: [0, 1, 1]\n\nResult:\n    sequence: [0, 1, 1]\n\n"
             "Goal finished with status: SUCCEEDED\n",
         ),
+        ("action type fibonacci", "example_interfaces/action/Fibonacci\n"),
+        ("action find example_interfaces/Fibonacci", "/fibonacci\n"),
         ("topic type /hello", "std_msgs/msg/String\n"),
         ("topic find std_msgs/String", "/chatter\n/hello\n"),
         ("service type /rosapi/get_time", "rosapi_msgs/srv/GetTime\n"),
@@ -106,17 +110,22 @@ def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        ("param get /robot sped", "/robot has no parameter sped; did you mean speed?"),
-        ("param get /robto speed", "/robto has no parameters; `homebot param list` lists all that have"),
-        ("param set /robot speed 3", "/robot refused it: /robot: parameter 'speed' must be from 0 to 2, got 3.0"),
-        ("param set /robot steps 4", "/robot refused it: /robot: parameter 'steps' is read-only"),
+        (
+            "param get /robot sped",
+            "/robot: no parameter 'sped' is declared (declared: arm.joints, arm.reach, speed, steps); "
+            "`homebot param list` lists all",
+        ),
+        ("param get /robto speed", "there is no node '/robto'; `homebot param list` lists all"),
+        ("param dump /robto", "/robto has no parameters; `homebot param list` lists all that have"),
+        ("param set /robot speed 3", "/robot: parameter 'speed' must be from 0 to 2, got 3.0"),
+        ("param set /robot steps 4", "/robot: parameter 'steps' is read-only"),
         (
             "param set /robot speed fast",
-            "/robot refused it: /robot: parameter 'speed' is of type double, got the string 'fast'",
+            "/robot: parameter 'speed' is of type double, got the string 'fast'",
         ),
         (
             "param set /robot speed {a: 1}",
-            "speed: a parameter is a bool, number, text, or a list of one of these, got {'a': 1}",
+            "{'a': 1} cannot be a parameter's value",
         ),
         ("action info /fibonaci", "there is no action /fibonaci; did you mean /fibonacci?"),
         (
@@ -140,27 +149,53 @@ def test_a_goal_that_is_aborted_is_a_failure(door: str, capsys: Text) -> None:
     assert err == "Goal finished with status: ABORTED\n"
 
 
-def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_path: Path) -> None:
-    """A dump, with a changed value: only the read-only one is refused. Those for all nodes come first."""
-    file = tmp_path / "robot.yaml"
-    file.write_text(DUMP.replace("0.5", "1.5").replace("arm.reach: 0.8", "arm: {reach: 0.9}") + everywhere)
-    assert main(["--door", door, "param", "load", "/robot", str(file)]) == 1
-    assert capsys.readouterr().out == (
-        "Set parameter arm.joints successful\n"
-        "Set parameter arm.reach successful\n"
-        "Set parameter speed successful\n"
-        "Set parameter steps failed: /robot: parameter 'steps' is read-only\n"
-    )
-    assert main(["--door", door, *split("param dump /robot")]) == 0
-    assert capsys.readouterr().out == DUMP.replace("0.5", "1.5").replace("0.8", "0.9")
-
-
-everywhere = """\
+PARAMS = """\
 # for all
 /**:
+  ros__parameters: {speed: 0.1, steps: 3}
+---
+robot:
   ros__parameters:
-    speed: 1.5
+    arm:
+      joints:  # of the left one
+      - shoulder
+      - "elbow # 2"
+      reach: 0.9
+    speed: 1.5   # metres per second; it's slow
+    steps: 4
 """
+
+
+def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_path: Path) -> None:
+    """Only the read-only one is refused. Those for all nodes count before its own."""
+    file = tmp_path / "robot.yaml"
+    file.write_text(PARAMS)
+    assert main(["--door", door, "param", "load", "/robot", str(file)]) == 1
+    out, err = capsys.readouterr()
+    assert out == 'speed is 1.5\narm.joints is ["shoulder", "elbow # 2"]\narm.reach is 0.9\n'
+    assert err == "homebot: /robot: parameter 'steps' is read-only\n"
+    assert main(["--door", door, *split("param dump /robot")]) == 0
+    dumped = capsys.readouterr().out
+    assert dumped == DUMP.replace("0.5", "1.5").replace("0.8", "0.9").replace("- elbow", '- "elbow # 2"')
+    file.write_text(dumped.replace("    steps: 3\n", ""))
+    assert main(["--door", door, "param", "load", "/robot", str(file)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("/arm:\n  ros__parameters:\n    a: 1\n", "it has no parameters for /robot, but for /arm"),
+        ("/robot:\n  speed: 1\n", "parameters are below NODE and ros__parameters, got /robot: speed"),
+        ("/robot:\n  ros__parameters:\n    speed 1\n", "line 3: a name and a colon were expected, got 'speed 1'"),
+        ("/robot:\n  ros__parameters:\n    speed: [1\n", "line 3: cannot read '[1': ']' is missing at its end"),
+    ],
+)
+def test_a_file_that_cannot_be_loaded_says_why(
+    door: str, capsys: Text, tmp_path: Path, text: str, problem: str
+) -> None:
+    (tmp_path / "robot.yaml").write_text(text)
+    assert main(["--door", door, "param", "load", "/robot", str(tmp_path / "robot.yaml")]) == 1
+    assert capsys.readouterr().err == f"homebot: cannot read {tmp_path}/robot.yaml: {problem}\n"
 
 
 def split(arguments: str) -> list[str]:

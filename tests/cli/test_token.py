@@ -55,7 +55,7 @@ def test_without_a_configuration_the_table_is_printed(capsys: Text) -> None:
         ("../rosie", "read", "a token cannot be called '../rosie'"),
         ("owner", "read", "a token cannot be called 'owner'"),
         ("taken", "read", "choose another name"),
-        ("old", "read", "old.token exists"),
+        ("old", "read", "old.token cannot be written: File exists; choose another name"),
     ],
 )
 def test_a_refused_token_leaves_nothing(name: str, scope: str, problem: str, capsys: Text) -> None:

@@ -31,7 +31,7 @@ class Settings(BaseModel):
     limits: Limits = Limits()
     token: SecretStr = SecretStr("hunter2")
     key: str = Field("hunter2", repr=False)
-    numbers: tuple[float, ...] = (1, 2.5)
+    numbers: tuple[float, ...] = (1.0, 2.5)
     tables: tuple[Limits, ...] = (Limits(),)
     unset: str | None = None
 

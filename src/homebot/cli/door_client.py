@@ -26,7 +26,7 @@ from homebot.cli.door_address import door_of
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["DoorClient", "ReceivedMessage", "open_door", "with_client"]
+__all__ = ["DoorClient", "ReceivedMessage", "door_command", "open_door", "with_client"]
 
 _MAX_WAITING: Final = 10_000  # messages of topics that come while something else is awaited
 _MAX_FRAME: Final = 64 * 1024 * 1024
@@ -42,7 +42,7 @@ class ReceivedMessage(NamedTuple):
     """A message of a topic.
 
     Attributes:
-        topic: The topic, as it was subscribed to.
+        topic: The topic, as it was subscribed to; of a frame about a goal its ``op``.
         message: Its fields.
         lost: Messages that were dropped before this one because the reader was too slow.
     """
@@ -64,6 +64,11 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
             return command(door)
         except KeyError as exc:  # answers are read as they come, without a model that would check them
             raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
+
+
+def door_command(function: Callable[[DoorClient, argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
+    """Return *function* as a command that connects first; see :func:`with_client`."""
+    return lambda options: with_client(options, lambda door: function(door, options))
 
 
 @contextmanager
@@ -113,7 +118,6 @@ class DoorClient:
         self._frames: deque[Frame] = deque()
         self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
         self._answers: dict[str, dict[str, object]] = {}
-        self._goal_frames: deque[dict[str, object]] = deque(maxlen=_MAX_WAITING)
         self._calls = 0
 
     def call(
@@ -161,13 +165,10 @@ class DoorClient:
         identifier = f"goal:{self._calls}"
         frame = {"op": "send_action_goal", "id": identifier, "action": action, "action_type": ros_type}
         self._send(frame | {"args": dict(goal), "feedback": True})
-        while True:
-            while not self._goal_frames:
-                self._read(None)
-            received = self._goal_frames.popleft()
+        op = ""
+        while op != "action_result":
+            op, received, _ = self.next()
             yield received
-            if received["op"] == "action_result":
-                return
 
     def subscribe(self, topic: str) -> None:
         """Ask for the messages of *topic*; one that does not exist yet is fine."""
@@ -280,8 +281,8 @@ class DoorClient:
                 self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
             case "service_response":
                 self._answers[str(frame.get("id"))] = frame
-            case "action_feedback" | "action_result":
-                self._goal_frames.append(frame)
+            case "action_feedback" | "action_result" as op:
+                self._waiting.append(ReceivedMessage(op, frame, 0))
 
     def _text(self, deadline: float | None) -> bytes:
         """Return the payload of the next message, fragmented or not."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import base64
 import binascii
-import sys
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Final, TypedDict, cast
+from typing import TYPE_CHECKING, TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.json_message import JsonMessage
@@ -28,12 +27,9 @@ __all__ = [
     "no_such_topic",
     "not_found",
     "not_yet",
-    "print_of_type",
     "response_schema",
     "topic_type",
 ]
-
-_ENDS: Final = {"topic": ("publisher", "subscription"), "service": ("service",)}
 
 
 def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EndpointDetails]:
@@ -58,27 +54,6 @@ def home_name(door: DoorClient) -> Callable[[], str]:
 def is_hidden(entity: EndpointDetails) -> bool:
     """Return whether *entity* is shown only on request."""
     return "/_" in entity.name
-
-
-def print_of_type(door: DoorClient, kind: str, ros_type: str, *, show_hidden: bool) -> int:
-    """Print the name of each *kind*, ``topic`` or ``service``, of the type *ros_type*, and return the exit code.
-
-    Args:
-        ros_type: With the part ``/msg/`` or ``/srv/``, or without.
-    """
-    ends = [one for one in entities(door) if one.kind in _ENDS[kind] and (show_hidden or not is_hidden(one))]
-    found = dict.fromkeys(one.name for one in ends if _short(one.type) == _short(ros_type))
-    for name in found:
-        print(name)
-    if not found:
-        hint = did_you_mean(ros_type, {one.type for one in ends}, f"`homebot {kind} list -t` shows the types of all")
-        print(f"homebot: there is no {kind} of type {ros_type}; {hint}", file=sys.stderr)
-    return 0 if found else 1
-
-
-def _short(ros_type: str) -> str:
-    package, _, name = ros_type.partition("/")
-    return f"{package}/{name.rpartition('/')[2]}"
 
 
 def topic_type(door: DoorClient, topic: str) -> str:

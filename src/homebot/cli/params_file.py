@@ -1,94 +1,75 @@
 """Parameters of nodes in the file format of ROS: ``{NODE: {ros__parameters: {NAME: VALUE}}}`` as YAML.
 
-Read are blocks of keys by indentation, lists with dashes, and values as :mod:`homebot.cli.flow` reads them.
+Read are blocks of keys by indentation, lists with dashes, comments, and values as :mod:`homebot.cli.flow` reads them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+import re
+from collections.abc import Iterator
+from typing import Final
 
 from homebot.cli.flow import FlowValue, parse_flow
 from homebot.errors import WireError
 
-__all__ = ["params_for", "read_params_file"]
+__all__ = ["read_params"]
 
-_PARAMETERS = "ros__parameters"
-
-
-class _Line(NamedTuple):
-    number: int
-    indent: int
-    text: str
+_PARAMETERS: Final = "ros__parameters"
+_COMMENT: Final = re.compile(r"""("[^"]*"|'[^']*')|(?:^|\s+)(?:#.*|---)?$""")
+_LINE: Final = re.compile(r"""( *)(?:(-) |["']?([^"':]+)["']?:(?: +|$))(.*)""")
 
 
-def read_params_file(text: str) -> dict[str, dict[str, FlowValue]]:
-    """Return the parameters in *text* by the name of their node; nested ones have names with dots.
+def read_params(text: str, node: str) -> dict[str, FlowValue]:
+    """Return the parameters for *node*, a full name, in *text*: those for all nodes (``/**``), then its own.
+
+    Nested ones have names with dots.
 
     Raises:
-        WireError: It is no such file; the message names the line.
+        WireError: It is no such file, or has none for the node; the message names the line, or the nodes that it has.
     """
-    lines = [
-        _Line(number, len(line) - len(line.lstrip()), line.strip())
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith(("#", "---"))
-    ]
-    nodes: dict[str, dict[str, FlowValue]] = {}
-    for node, given in _mapping(lines).items():
-        parameters = given.get(_PARAMETERS) if isinstance(given, dict) else None
-        if not isinstance(parameters, dict):
-            raise WireError(f"the file has no {_PARAMETERS} below {node!r}")
-        nodes[node] = dict(_flat(parameters))
-    return nodes
+    found: dict[str, dict[str, FlowValue]] = {}
+    for keys, value in _leaves(text):
+        if len(keys) < 3 or keys[1] != _PARAMETERS:
+            raise WireError(f"parameters are below NODE and {_PARAMETERS}, got {': '.join(keys)}")
+        found.setdefault(f"/{keys[0].lstrip('/')}", {})[".".join(keys[2:])] = value
+    wanted = found.get("/**", {}) | found.get(node, {})
+    if not wanted:
+        raise WireError(f"it has no parameters for {node}, but for {', '.join(found) or 'no node'}")
+    return wanted
 
 
-def params_for(node: str, nodes: Mapping[str, Mapping[str, FlowValue]]) -> dict[str, FlowValue]:
-    """Return the parameters for *node*, a full name: those for all nodes (``/**``), then its own."""
-    found: dict[str, FlowValue] = {}
-    for name, parameters in nodes.items():
-        if name == "/**" or f"/{name.lstrip('/')}" == node:
-            found.update(parameters)
-    return found
-
-
-def _flat(values: Mapping[str, FlowValue], prefix: str = "") -> Iterator[tuple[str, FlowValue]]:
-    for name, value in values.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value
-
-
-def _mapping(lines: list[_Line]) -> dict[str, FlowValue]:
-    """Return the keys of a block, whose lines begin with the indentation of the first."""
-    found: dict[str, FlowValue] = {}
-    for line, below in _blocks(lines):
-        key, colon, rest = (
-            line.text.partition(": ") if ": " in line.text else (line.text.removesuffix(":"), line.text[-1:], "")
-        )
-        if not colon.startswith(":"):
-            raise WireError(f"line {line.number}: a name and a colon were expected, got {line.text[:60]!r}")
-        found[key.strip("\"'")] = _value(line, rest, below)
-    return found
-
-
-def _value(line: _Line, rest: str, below: list[_Line]) -> FlowValue:
-    if rest:
+def _leaves(text: str) -> Iterator[tuple[tuple[str, ...], FlowValue]]:
+    """Yield each value with the keys that lead to it; a list with dashes after each of its items."""
+    opened: list[tuple[int, str, list[FlowValue]]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        content = _COMMENT.sub(r"\1", line)
+        if not content:
+            continue
+        parts = _LINE.fullmatch(content)
+        if parts is None:
+            raise WireError(f"line {number}: a name and a colon were expected, got {content.strip()[:60]!r}")
+        indent, dash, key, given = len(parts[1]), parts[2], parts[3], parts[4]
+        while opened and (opened[-1][0] > indent or (opened[-1][0] == indent and not dash)):
+            opened.pop()
+        if not dash:
+            opened.append((indent, key, []))
+        if not given or not opened:
+            continue
         try:
-            return parse_flow(rest)
+            value = parse_flow(given)
         except WireError as exc:
-            raise WireError(f"line {line.number}: {exc}") from exc
-    if below and below[0].text.startswith("- "):
-        return [_value(one, one.text.removeprefix("- "), []) for one, _ in _blocks(below)]
-    return _mapping(below)
+            raise WireError(f"line {number}: {exc}") from exc
+        keys = tuple(key for _, key, _ in opened)
+        if dash:
+            opened[-1][2].append(value)
+            yield keys, opened[-1][2]
+        else:
+            yield from _flat(keys, value)
 
 
-def _blocks(lines: list[_Line]) -> Iterator[tuple[_Line, list[_Line]]]:
-    """Yield each line of the first one's indentation, with the lines below it; a list may be indented as its key is."""
-    starts = [
-        at
-        for at, line in enumerate(lines)
-        if line.indent <= lines[0].indent and line.text.startswith("- ") == lines[0].text.startswith("- ")
-    ]
-    for at, end in zip(starts, [*starts[1:], len(lines)], strict=True):
-        yield lines[at], lines[at + 1 : end]
+def _flat(keys: tuple[str, ...], value: FlowValue) -> Iterator[tuple[tuple[str, ...], FlowValue]]:
+    if not isinstance(value, dict):
+        yield keys, value
+        return
+    for key, item in value.items():
+        yield from _flat((*keys, key), item)

@@ -5,8 +5,8 @@ Source: ROS 2, rclpy ``parameter_service.py``, rcl_interfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+import math
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from homebot.errors import ParameterError
@@ -18,8 +18,11 @@ from homebot.messages.message import Message
 
 __all__ = ["offer_parameter_services", "set_parameters"]
 
-_INTEGER: Final = 2
-_DOUBLE: Final = 3
+_RANGES: Final = {
+    2: ("integer_range", "IntegerRange", -(2**63), 2**63 - 1),
+    3: ("floating_point_range", "FloatingPointRange", -math.inf, math.inf),
+}
+"""The field, message and limits of the range of a number, by its type."""
 
 # The messages are of types made of text, so they are any; pydantic checks them where they are made.
 
@@ -28,94 +31,22 @@ def offer_parameter_services(node: Node) -> None:
     """Offer the parameters of *node* by ROS's services, unless it does so already. They end with the node."""
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=f"{node.full_name}/list_parameters"):
         return
-    for name, (ros_name, answer) in _SERVICES.items():
+    known = node.parameters
+    answers: dict[str, Callable[[Any], object]] = {
+        "DescribeParameters": lambda request: _each(known, request, lambda name: _descriptor(known, name)),
+        "GetParameterTypes": lambda request: bytes(_each(known, request, lambda name: known.describe(name)[0])),
+        "GetParameters": lambda request: _each(known, request, lambda name: known.get(name).to_message().value),
+        "ListParameters": lambda request: _list(known, request),
+        "SetParameters": lambda request: tuple(set_parameters(known, (one,)) for one in request.parameters),
+        "SetParametersAtomically": lambda request: set_parameters(known, request.parameters),
+    }
+    for ros_name, answer in answers.items():
         service = find_service(f"rcl_interfaces/srv/{ros_name}")
-        node.create_service(service, f"~/{name}", partial(_respond, service.Response, answer, node.parameters))
+        name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in ros_name)
+        node.create_service(service, f"~/{name[1:]}", _handler(service.Response, answer))
 
 
-def _respond(
-    response: type[Message],
-    answer: Callable[[ParameterSet, Any], Mapping[str, object]],
-    parameters: ParameterSet,
-    request: Any,
-) -> Message:
-    return response(**answer(parameters, request))
-
-
-def _get(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    """Return the values; with an unknown name none, as in ROS."""
-    known = all(map(parameters.has, request.names))
-    return {"values": tuple(parameters.get(name).to_message().value for name in request.names) if known else ()}
-
-
-def _get_types(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    known = all(map(parameters.has, request.names))
-    return {"types": bytes(parameters.describe(name)[0] for name in request.names) if known else b""}
-
-
-def _list(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    """Return the names below any of the prefixes, at most *depth* parts below it; 0 is any depth."""
-    found = [
-        name
-        for name in parameters.names()
-        if any(_is_below(name, prefix, request.depth) for prefix in request.prefixes or ("",))
-    ]
-    prefixes = sorted({name.rpartition(".")[0] for name in found if "." in name})
-    kind: Any = find_message("rcl_interfaces/msg/ListParametersResult")
-    return {"result": kind(names=tuple(found), prefixes=tuple(prefixes))}
-
-
-def _is_below(name: str, prefix: str, depth: int) -> bool:
-    rest = name.removeprefix(f"{prefix}.") if prefix else name
-    return (not prefix or name == prefix or rest != name) and (not depth or rest.count(".") < depth)
-
-
-def _describe(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    """Return the descriptors; with an unknown name none, as in ROS."""
-    known = all(map(parameters.has, request.names))
-    return {"descriptors": tuple(_descriptor(parameters, name) for name in request.names) if known else ()}
-
-
-def _descriptor(parameters: ParameterSet, name: str) -> Message:
-    number, given = parameters.describe(name)
-    low, high = given.minimum, given.maximum
-    ranges: dict[str, tuple[Message, ...]] = {"floating_point_range": (), "integer_range": ()}
-    if low is not None and high is not None and number in {_INTEGER, _DOUBLE}:
-        field, ros_name, kind = (
-            ("integer_range", "IntegerRange", int)
-            if number == _INTEGER
-            else ("floating_point_range", "FloatingPointRange", float)
-        )
-        span: Any = find_message(f"rcl_interfaces/msg/{ros_name}")
-        ranges[field] = (span(from_value=kind(low), to_value=kind(high), step=kind(0)),)
-    descriptor: Any = find_message("rcl_interfaces/msg/ParameterDescriptor")
-    return descriptor(  # type: ignore[no-any-return]
-        name=name,
-        type=number,
-        description=given.description,
-        additional_constraints=_one_limit(low, high),
-        read_only=given.read_only,
-        dynamic_typing=False,
-        **ranges,
-    )
-
-
-def _one_limit(low: float | None, high: float | None) -> str:
-    """Return in words a limit that stands alone, for which ROS's ranges have no form."""
-    if (low is None) == (high is None):
-        return ""
-    return f"at most {high:g}" if low is None else f"at least {low:g}"
-
-
-def _set(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    return {"results": tuple(set_parameters(parameters, (one,)) for one in request.parameters)}
-
-
-def _set_atomically(parameters: ParameterSet, request: Any) -> Mapping[str, object]:
-    return {"result": set_parameters(parameters, request.parameters)}
-
-
-def set_parameters(parameters: ParameterSet, given: tuple[Any, ...]) -> Message:
+def set_parameters(parameters: ParameterSet, given: Iterable[Any]) -> Message:
     """Set all parameters in the messages *given*, or none; return the ``SetParametersResult``."""
     result: Any = find_message("rcl_interfaces/msg/SetParametersResult")
     try:
@@ -125,11 +56,43 @@ def set_parameters(parameters: ParameterSet, given: tuple[Any, ...]) -> Message:
     return result(successful=True, reason="")  # type: ignore[no-any-return]
 
 
-_SERVICES: Final = {
-    "describe_parameters": ("DescribeParameters", _describe),
-    "get_parameter_types": ("GetParameterTypes", _get_types),
-    "get_parameters": ("GetParameters", _get),
-    "list_parameters": ("ListParameters", _list),
-    "set_parameters": ("SetParameters", _set),
-    "set_parameters_atomically": ("SetParametersAtomically", _set_atomically),
-}
+def _handler(response: type[Message], answer: Callable[[Any], object]) -> Callable[[Any], Message]:
+    (field,) = response.model_fields
+    return lambda request: response.model_validate({field: answer(request)})
+
+
+def _each(parameters: ParameterSet, request: Any, read: Callable[[str], Any]) -> tuple[Any, ...]:
+    """Return what *read* returns for each name; with an unknown one nothing, as in ROS."""
+    return tuple(map(read, request.names)) if all(map(parameters.has, request.names)) else ()
+
+
+def _list(parameters: ParameterSet, request: Any) -> Message:
+    """Return the names below any of the prefixes, at most *depth* parts below it; 0 is any depth."""
+    found = [
+        name
+        for name in parameters.names()
+        if any(_is_below(name, prefix, request.depth) for prefix in request.prefixes or ("",))
+    ]
+    prefixes = sorted({name.rpartition(".")[0] for name in found if "." in name})
+    kind: Any = find_message("rcl_interfaces/msg/ListParametersResult")
+    return kind(names=tuple(found), prefixes=tuple(prefixes))  # type: ignore[no-any-return]
+
+
+def _is_below(name: str, prefix: str, depth: int) -> bool:
+    rest = name.removeprefix(f"{prefix}.") if prefix else name
+    return (not prefix or name == prefix or rest != name) and (not depth or rest.count(".") < depth)
+
+
+def _descriptor(parameters: ParameterSet, name: str) -> Message:
+    number, given = parameters.describe(name)
+    ranges: dict[str, tuple[Message, ...]] = {"floating_point_range": (), "integer_range": ()}
+    if number in _RANGES and (given.minimum, given.maximum) != (None, None):
+        field, ros_name, *limits = _RANGES[number]
+        bounds = [
+            limit if bound is None else type(limit)(bound) for bound, limit in zip(given[2:], limits, strict=True)
+        ]
+        span: Any = find_message(f"rcl_interfaces/msg/{ros_name}")
+        ranges[field] = (span(from_value=bounds[0], to_value=bounds[1], step=type(bounds[0])(0)),)
+    fields = {"name": name, "type": number, "description": given.description, "read_only": given.read_only}
+    descriptor = find_message("rcl_interfaces/msg/ParameterDescriptor")
+    return descriptor.model_validate({**fields, **ranges, "additional_constraints": "", "dynamic_typing": False})

@@ -74,7 +74,7 @@ class ParameterSet:
         self._overrides = dict(overrides)
         self._on_event = on_event
         self._on_failure = on_failure
-        self._declared: dict[str, _Declared] = {}
+        self._known: dict[str, _Declared] = {}
         self._checks: list[Callable[[Parameter], str | None]] = []
         self._sources: list[Callable[[], None]] = []
 
@@ -100,7 +100,6 @@ class ParameterSet:
 
     def has(self, name: str) -> bool:
         """Return whether *name* is declared."""
-        self._declare_waiting()
         return name in self._declared
 
     def get(self, name: str) -> Parameter:
@@ -118,7 +117,7 @@ class ParameterSet:
             ParameterError: It is not declared.
         """
         declared = self._find(name)
-        return _NUMBERS[declared.kind], declared.descriptor
+        return _TYPES.index(declared.kind), declared.descriptor
 
     def set(self, name: str, value: Value) -> Parameter:
         """Set *name* to a new value and return it; an equal value is not announced.
@@ -141,7 +140,6 @@ class ParameterSet:
 
     def names(self) -> tuple[str, ...]:
         """Return the declared names, sorted."""
-        self._declare_waiting()
         return tuple(sorted(self._declared))
 
     def add_on_set_callback(self, check: Callable[[Parameter], str | None]) -> None:
@@ -151,10 +149,11 @@ class ParameterSet:
         """
         self._checks.append(check)
 
-    def _declare_waiting(self) -> None:
-        sources, self._sources = self._sources, []
-        for declare in sources:
-            declare()
+    @property
+    def _declared(self) -> dict[str, _Declared]:
+        while self._sources:
+            self._sources.pop(0)()
+        return self._known
 
     def _settable(self, name: str, value: Value) -> Parameter:
         declared = self._find(name)
@@ -165,7 +164,6 @@ class ParameterSet:
         return parameter
 
     def _find(self, name: str) -> _Declared:
-        self._declare_waiting()
         try:
             return self._declared[name]
         except KeyError:
@@ -203,8 +201,8 @@ class ParameterSet:
 
 
 _KINDS: dict[type, str] = {bool: "bool", int: "integer", float: "double", str: "string", bytes: "byte[]"}
-_NUMBERS = {"bool": 1, "integer": 2, "double": 3, "string": 4, "byte[]": 5}
-_NUMBERS |= {"bool[]": 6, "integer[]": 7, "double[]": 8, "string[]": 9}
+_TYPES = ("not set", "bool", "integer", "double", "string", "byte[]", "bool[]", "integer[]", "double[]", "string[]")
+"""The kinds by their number in ``rcl_interfaces/msg/ParameterType``."""
 
 
 def _converted(value: Value, kind: str) -> Value:
@@ -241,21 +239,19 @@ def value_of(message: ParameterValue) -> Value:
     Raises:
         ParameterError: It is not set, or of no known type.
     """
-    for kind, number in _NUMBERS.items():
-        if number == message.type:
-            value = getattr(message, _field_name(kind))
-            plain: Value = bytes(value) if kind == "byte[]" else tuple(value) if kind.endswith("[]") else value
-            return plain
-    raise ParameterError(f"a value has a type from 1 to 9, got {message.type}; a parameter cannot be unset")
+    if not 0 < message.type < len(_TYPES):
+        raise ParameterError(f"a value has a type from 1 to 9, got {message.type}; a parameter cannot be unset")
+    kind = _TYPES[message.type]
+    value = getattr(message, _field_name(kind))
+    plain: Value = bytes(value) if kind == "byte[]" else tuple(value) if kind.endswith("[]") else value
+    return plain
 
 
 def _to_message_value(value: Value) -> ParameterValue:
     kind = _kind_of(value)
     plain = tuple(value) if isinstance(value, list) else value
-    return ParameterValue.model_validate({"type": _NUMBERS[kind], _field_name(kind): plain})
+    return ParameterValue.model_validate({"type": _TYPES.index(kind), _field_name(kind): plain})
 
 
 def _field_name(kind: str) -> str:
-    if kind == "byte[]":
-        return "byte_array_value"
-    return f"{kind.removesuffix('[]')}{'_array' if kind.endswith('[]') else ''}_value"
+    return f"{kind.replace('[]', '_array')}_value"

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import Final
 
 from homebot.bridges.rosbridge.types import OWN_MODULES
-from homebot.cli.arguments import DEFAULT_CONFIG, Command, add_verb, add_verbs, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.config import load_config
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.definition import fields_of
@@ -25,37 +24,25 @@ _EXAMPLES = """\
   homebot interface find requester_id
   homebot interface import ~/ros2_ws/src
 """
-_KINDS: Final = ("msg", "srv", "action")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the commands below ``homebot interface``."""
     verbs = add_verbs(parser, _EXAMPLES)
-    command = add_verb(verbs, "list", "list messages, services and actions")
-    command.add_argument("package", metavar="PACKAGE", nargs="?", default="", help="only those of this package")
-    _add(command, _list)
-    command = add_verb(verbs, "show", "print the definition of a type, and its hash in ROS 2")
-    command.add_argument("type", metavar="TYPE", help="PACKAGE/msg/NAME, with srv or action for those")
-    _add(command, _show)
-    command = add_verb(verbs, "find", "list the types with a word in their name, or with a field of that name or type")
-    command.add_argument("word", metavar="WORD", help="part of the type's name, or a whole field")
-    _add(command, _find)
-    command = add_verb(verbs, "import", "check and copy the definitions of a workspace, for the table [ros]")
-    command.add_argument("folder", metavar="DIR", type=Path, help="folder with packages in it, at any depth")
-    command.add_argument(
+    listed = add_verb(verbs, "list", "list messages, services and actions")
+    listed.add_argument("package", metavar="PACKAGE", nargs="?", default="", help="only those of this package")
+    show = add_verb(verbs, "show", "print the definition of a type, and its hash in ROS 2")
+    show.add_argument("type", metavar="TYPE", help="PACKAGE/msg/NAME, with srv or action for those")
+    find = add_verb(verbs, "find", "list the types with a word in their name, or with a field of that name or type")
+    find.add_argument("word", metavar="WORD", help="part of the type's name, or a whole field")
+    imported = add_verb(verbs, "import", "check and copy the definitions of a workspace, for the table [ros]")
+    imported.add_argument("folder", metavar="DIR", type=Path, help="folder with packages in it, at any depth")
+    imported.add_argument(
         "--into", metavar="DIR", type=Path, default=Path("interfaces"), help="where they go (default: interfaces)"
     )
-    _add(command, _import)
-
-
-def _add(parser: argparse.ArgumentParser, command: Command) -> None:
-    set_command(parser, command, _EXAMPLES)
-    parser.add_argument(
-        "--config",
-        metavar="FILE",
-        type=Path,
-        help="whose table [ros] counts too (default: homebot.toml, if it is there)",
-    )
+    for verb, command in ((listed, _list), (show, _show), (find, _find), (imported, _import)):
+        set_command(verb, command, _EXAMPLES)
+        verb.add_argument("--config", metavar="FILE", type=Path, help="the file with [ros] (default: homebot.toml)")
 
 
 def _interfaces(options: argparse.Namespace) -> Interfaces:
@@ -77,22 +64,23 @@ def _list(options: argparse.Namespace) -> int:
 def _show(options: argparse.Namespace) -> int:
     """Print the text of a type, and its hash as a comment."""
     known = _interfaces(options)
-    kind, interface = _resolve(known, options.type)
-    print(f"# {interface.ros_type}\n# {type_hash(interface)}\n{known.text(interface.ros_type, kind)}", end="")
+    found = _resolve(known, options.type)
+    text = known.text(found.ros_type, found.ros_type.split("/")[1])
+    print(f"# {found.ros_type}\n# {type_hash(found)}\n{text}", end="")
     return 0
 
 
-def _resolve(known: Interfaces, ros_type: str) -> tuple[str, Interface]:
-    """Return the interface called *ros_type*, of the first kind that has the name, and the kind.
+def _resolve(known: Interfaces, ros_type: str) -> Interface:
+    """Return the interface called *ros_type*, of the first kind that has the name.
 
     Raises:
         UnknownTypeError: No kind has it; the error is that of the kind with similar names, if there is one.
     """
-    finders: tuple[Callable[[str], Interface], ...] = (known.find_message, known.find_service, known.find_action)
     unknown: list[UnknownTypeError] = []
-    for kind, find in zip(_KINDS, finders, strict=True):
+    finders: tuple[Callable[[str], Interface], ...] = (known.find_message, known.find_service, known.find_action)
+    for find in finders:
         try:
-            return kind, find(ros_type)
+            return find(ros_type)
         except UnknownTypeError as exc:
             unknown.append(exc)
     raise max(unknown, key=lambda error: len(str(error)))
@@ -102,18 +90,15 @@ def _find(options: argparse.Namespace) -> int:
     """Print the names of types by a word; return 1 if there are none."""
     known, word = _interfaces(options), options.word.lower()
 
-    def words(name: str) -> Iterator[str]:
-        for message in messages_in(_resolve(known, name)[1]):
-            for field in fields_of(message):
-                yield from (field.name, *field.declaration.lower().split(" "))
+    def has_field(name: str) -> bool:
+        fields = (field for message in messages_in(_resolve(known, name)) for field in fields_of(message))
+        return any(word in (field.name, *field.declaration.lower().split(" ")) for field in fields)
 
-    names = [name for name in known.names() if word in name.lower() or word in words(name)]
-    print(
-        "\n".join(names)
-        if names
-        else f"no type has {options.word!r} in its name, and none a field of that name or type"
-    )
-    return 0 if names else 1
+    names = [name for name in known.names() if word in name.lower() or has_field(name)]
+    if not names:
+        raise UsageError(f"no type has {options.word!r} in its name, and none a field of that name or type")
+    print("\n".join(names))
+    return 0
 
 
 def _import(options: argparse.Namespace) -> int:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import secrets
 from pathlib import Path
 
 from homebot.bridges.rosbridge.settings import check_token_name
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.cli.commands.run import with_tokens
-from homebot.config import load_tables, parse_config
+from homebot.config import parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.runtime.plan import make_plan
 from homebot.support.toml_file import parse_toml
@@ -56,44 +55,24 @@ def _new(options: argparse.Namespace) -> int:
     token_file = config.parent / f"{options.name}.token"
     rights = ", ".join(map(json.dumps, options.scope))
     table = f"[door.tokens.{options.name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{rights}]\n"
-    has_config = config.exists()
-    tables = load_tables(config) if has_config else {}
-    if options.name in _tokens(tables):
+    before = config.read_text(encoding="utf-8-sig") if config.exists() else ""
+    if table.partition("\n")[0] in before:
         raise UsageError(f"{config} has a table [door.tokens.{options.name}]; choose another name, or remove it first")
-    _write_token(token_file)
     try:
-        _add_table(config, table, has_config=has_config)
+        token_file.touch(0o600, exist_ok=False)
+    except OSError as exc:
+        raise UsageError(f"{token_file} cannot be written: {exc.strerror}; choose another name") from exc
+    try:
+        token_file.write_text(f"{secrets.token_urlsafe(32)}\n", encoding="ascii")
+        tables = parse_toml(f"{before}\n{table}", str(config))
+        make_plan(with_tokens(parse_config(tables, str(config), config.parent)))
+        if config.exists():
+            with config.open("a", encoding="utf-8") as file:
+                file.write(f"\n{table}")
     except (ConfigError, OSError) as exc:
         token_file.unlink()
         raise UsageError(f"{exc}; no token was made") from exc
     print(f"the token is in {token_file}, which only you can read")
-    print(f"{config} has its table now; restart homebot" if has_config else f"add to homebot.toml:\n\n{table}")
+    print(f"{config} has its table now; restart homebot" if config.exists() else f"add to homebot.toml:\n\n{table}")
     print(_SENDING)
     return 0
-
-
-def _add_table(config: Path, table: str, *, has_config: bool) -> None:
-    """Append *table* to *config*, if there is one, once both together are valid."""
-    text = f"{config.read_text(encoding='utf-8-sig')}\n{table}" if has_config else table
-    make_plan(with_tokens(parse_config(parse_toml(text, str(config)), str(config), config.parent)))
-    if has_config:
-        with config.open("a", encoding="utf-8") as file:
-            file.write(f"\n{table}")
-
-
-def _tokens(tables: dict[str, object]) -> dict[str, object]:
-    door = tables.get("door")
-    tokens = door.get("tokens") if isinstance(door, dict) else None
-    return tokens if isinstance(tokens, dict) else {}
-
-
-def _write_token(path: Path) -> None:
-    """Write a token of 256 random bits into a new file for its owner alone."""
-    try:
-        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    except FileExistsError as exc:
-        raise UsageError(f"{path} exists; choose another name, or remove it first") from exc
-    except (OSError, ValueError) as exc:
-        raise UsageError(f"{path} cannot be written: {getattr(exc, 'strerror', None) or exc}") from exc
-    with os.fdopen(descriptor, "w", encoding="ascii") as file:
-        file.write(f"{secrets.token_urlsafe(32)}\n")

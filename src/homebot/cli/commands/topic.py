@@ -15,15 +15,14 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_client_command, whole
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.entity_verbs import add_entity_verbs
 from homebot.cli.flow import message
 from homebot.cli.graph_queries import (
     Schema,
     entities,
-    is_hidden,
     message_schema,
     no_such_topic,
     not_yet,
-    print_of_type,
     topic_type,
 )
 from homebot.cli.publishing import GatewayPublisher
@@ -62,17 +61,7 @@ _INTERVAL = 1.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the commands below ``homebot topic``."""
     verbs = add_verbs(parser, _EXAMPLES)
-    command = add_verb(verbs, "list", "list every topic")
-    command.add_argument("-t", "--show-types", action="store_true", help="show each topic's type")
-    command.add_argument("-a", "--all", action="store_true", help="show hidden topics too")
-    set_client_command(command, _list, "  homebot topic list\n  homebot topic list -t\n")
-    command = add_verb(verbs, "type", "print the type of a topic")
-    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
-    set_client_command(command, _type, "  homebot topic type /rosout\n")
-    command = add_verb(verbs, "find", "list the topics of a type")
-    command.add_argument("type", metavar="TYPE", help="type of the topics")
-    command.add_argument("-a", "--all", action="store_true", help="show hidden topics too")
-    set_client_command(command, _find, "  homebot topic find rcl_interfaces/msg/Log\n")
+    add_entity_verbs(verbs, "topic", "/rosout", "rcl_interfaces/msg/Log")
     _add_echo(verbs)
     _add_pub(verbs)
     command = add_verb(verbs, "info", "show the publishers and subscriptions of a topic")
@@ -107,38 +96,6 @@ def _add_pub(verbs: Commands) -> None:
         "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
     )
     set_client_command(command, _pub, _PUB_EXAMPLES)
-
-
-def _list(options: argparse.Namespace) -> int:
-    """Print every topic, one a line."""
-
-    def run(door: DoorClient) -> int:
-        topics = {
-            one.name: one.type for one in entities(door) if one.kind in _ENDS and (options.all or not is_hidden(one))
-        }
-        for name, ros_type in topics.items():
-            print(f"{name} [{ros_type}]" if options.show_types else name)
-        return 0
-
-    return with_client(options, run)
-
-
-def _type(options: argparse.Namespace) -> int:
-    """Print the type of a topic."""
-
-    def run(door: DoorClient) -> int:
-        ros_type = topic_type(door, options.topic)
-        if not ros_type:
-            raise no_such_topic(door, options.topic)
-        print(ros_type)
-        return 0
-
-    return with_client(options, run)
-
-
-def _find(options: argparse.Namespace) -> int:
-    """Print the topics of a type, one a line; return 1 if there are none."""
-    return with_client(options, lambda door: print_of_type(door, "topic", options.type, show_hidden=options.all))
 
 
 def _info(options: argparse.Namespace) -> int:
