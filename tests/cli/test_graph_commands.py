@@ -153,7 +153,6 @@ PARAMS = """\
 # for all
 /**:
   ros__parameters: {speed: 0.1, steps: 3}
----
 robot:
   ros__parameters:
     arm:
@@ -184,10 +183,9 @@ def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_pa
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("/arm:\n  ros__parameters:\n    a: 1\n", "it has no parameters for /robot, but for /arm"),
-        ("/robot:\n  speed: 1\n", "parameters are below NODE and ros__parameters, got /robot: speed"),
-        ("/robot:\n  ros__parameters:\n    speed 1\n", "line 3: a name and a colon were expected, got 'speed 1'"),
-        ("/robot:\n  ros__parameters:\n    speed: [1\n", "line 3: cannot read '[1': ']' is missing at its end"),
+        ("/arm:\n  ros__parameters:\n    a: 1\n", "{} has no ros__parameters for /robot, but for /arm"),
+        ("/robot:\n  speed: 1\n", "{} has no ros__parameters for /robot, but for no node"),
+        ("/robot: [1\n", "cannot read {}: while parsing a flow sequence"),
     ],
 )
 def test_a_file_that_cannot_be_loaded_says_why(
@@ -195,7 +193,7 @@ def test_a_file_that_cannot_be_loaded_says_why(
 ) -> None:
     (tmp_path / "robot.yaml").write_text(text)
     assert main(["--door", door, "param", "load", "/robot", str(tmp_path / "robot.yaml")]) == 1
-    assert capsys.readouterr().err == f"homebot: cannot read {tmp_path}/robot.yaml: {problem}\n"
+    assert capsys.readouterr().err.startswith(f"homebot: {problem.format(tmp_path / 'robot.yaml')}\n")
 
 
 def split(arguments: str) -> list[str]:

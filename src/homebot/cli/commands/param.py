@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.flow import FlowValue, parse_flow
-from homebot.cli.params_file import read_params
+from homebot.cli.flow import parse_flow
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError, UsageError, WireError
+from homebot.plugins import check_extra
 
 __all__ = ["add_arguments"]
 
@@ -111,12 +113,38 @@ def _dump(door: DoorClient, options: argparse.Namespace) -> int:
 def _load(door: DoorClient, options: argparse.Namespace) -> int:
     """Set the parameters of a node that a file names; return 1 where the node refuses one."""
     node = _node(options.node, _names(door))
+    return max([_set_value(door, node, name, value) for name, value in _read_params(options.file, node).items()])
+
+
+def _read_params(file: str, node: str) -> dict[str, object]:
+    """Return the parameters for *node*, a full name, in *file*: those for all nodes (``/**``), then its own.
+
+    Raises:
+        UsageError: It cannot be read, or has none for the node.
+    """
+    check_extra("`homebot param load`", "maps", "yaml")
+    yaml: Any = import_module("yaml")  # few commands read a file
     try:
-        text = sys.stdin.read() if options.file == "-" else Path(options.file).read_text(encoding="utf-8")
-        wanted = read_params(text, node)
-    except (OSError, UnicodeDecodeError, WireError) as exc:
-        raise UsageError(f"cannot read {options.file}: {exc}") from exc
-    return max([_set_value(door, node, name, value) for name, value in wanted.items()])
+        table = yaml.safe_load(sys.stdin.read() if file == "-" else Path(file).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
+        raise UsageError(f"cannot read {file}: {exc}") from exc
+    found: dict[str, dict[str, object]] = {}
+    for keys, value in _leaves(table):
+        node_name, marker, name = ".".join(keys).partition(".ros__parameters.")
+        if marker:
+            found.setdefault(f"/{node_name.lstrip('/').replace('.', '/')}", {})[name] = value
+    if not (wanted := found.get("/**", {}) | found.get(node, {})):
+        raise UsageError(f"{file} has no ros__parameters for {node}, but for {', '.join(found) or 'no node'}")
+    return wanted
+
+
+def _leaves(value: object, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
+    """Yield each value in nested tables, with the keys that lead to it."""
+    if not isinstance(value, dict):
+        yield keys, value
+        return
+    for key, item in value.items():
+        yield from _leaves(item, (*keys, str(key)))
 
 
 def _names(door: DoorClient) -> dict[str, list[str]]:
@@ -142,12 +170,12 @@ def _value(door: DoorClient, node: str, name: str) -> Any:
     return json.loads(str(answer["value"]))
 
 
-def _set_value(door: DoorClient, node: str, name: str, value: FlowValue) -> int:
+def _set_value(door: DoorClient, node: str, name: str, value: object) -> int:
     """Set a parameter, print the outcome and return the exit code."""
     full_name = f"/{node.lstrip('/')}:{name}"
-    answer = door.call("/rosapi/set_param", {"name": full_name, "value": json.dumps(value)})
+    answer = door.call("/rosapi/set_param", {"name": full_name, "value": json.dumps(value, default=str)})
     if answer["successful"]:
-        print(f"{name} is {json.dumps(value)}")
+        print(f"{name} is {json.dumps(value, default=str)}")
         return 0
     print(f"homebot: {printable(str(answer['reason'])).removeprefix(f'{full_name}: ')}", file=sys.stderr)
     return 1
