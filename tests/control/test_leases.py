@@ -13,7 +13,6 @@ from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 from tests.sizes import examples
 
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
-from homebot.devices.access_messages import ClientLeft
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
@@ -30,7 +29,6 @@ from homebot.devices.lease_messages import (
     RenewLease,
 )
 from homebot.devices.names import (
-    CLIENTS_LEFT,
     END_LEASES,
     GET_LEASES,
     HOLD_PART,
@@ -482,22 +480,6 @@ def test_one_issuer_has_fifty_leases_at_most_and_the_others_have_room() -> None:
     assert not isinstance(begin(leases, "client:honest", 0), str)
     leases.release(("client:greedy", "r", "7"))
     assert not isinstance(begin(leases, "client:greedy", 50), str)
-
-
-async def test_the_leases_of_a_client_end_ten_seconds_after_it_left_unless_it_is_back(open_home: OpenHome) -> None:
-    async with a_door(open_home) as (home, door):
-        for name in ("1", "2"):
-            assert (await hold(home, request(door, ttl=3600, lease=name))).held
-        await home.app.create_publisher(ClientLeft, CLIENTS_LEFT).send(ClientLeft(issuer="client:robot"))
-        await anyio.sleep(9)
-        back = HolderRequest(lease="2", by="robot", issuer="client:robot")
-        assert (await home.app.create_client(RenewLease, RENEW_LEASE).call(back)).held
-        await anyio.sleep(2)
-        (part,) = await leases(home)
-        assert len(part.holders) == 1
-        await home.app.create_publisher(ClientLeft, CLIENTS_LEFT).send(ClientLeft(issuer="client:robot"))
-        await anyio.sleep(11)
-        assert await leases(home) == ()
 
 
 async def test_a_person_ends_a_lease_and_its_block_does_not_get_it_again(open_home: OpenHome) -> None:

@@ -18,7 +18,7 @@ from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.devices import lease_messages as leases
 from homebot.devices import names
-from homebot.devices.access_messages import AccessRefused, ClientLeft
+from homebot.devices.access_messages import AccessRefused
 from homebot.devices.approval_messages import GetUnapproved, TrustDevice
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
@@ -147,7 +147,6 @@ class Control:
         offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands())
         offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
         self._node.create_subscription(AccessRefused, names.ACCESS_REFUSALS, self._on_refusal, qos)
-        self._node.create_subscription(ClientLeft, names.CLIENTS_LEFT, self._on_client_left, qos)
 
     def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
         """Carry out a command to one part, and return its result."""
@@ -174,10 +173,6 @@ class Control:
 
     async def _on_refusal(self, refused: AccessRefused) -> None:
         await self._layer.denied.record(refused)
-
-    def _on_client_left(self, left: ClientLeft) -> None:
-        if self._begun.is_set():
-            self._layer.leases.on_client_left(left.issuer)
 
     def _cause_of_change(self, change: ChangedSetting) -> Attribution | None:
         """Return the cause of a change; None if no command was ever given to the part."""

@@ -43,8 +43,6 @@ __all__ = ["LeaseService"]
 _AGAIN: Final = 30.0
 """Seconds after a command without success in which the value is commanded again."""
 
-_AFTER_LEAVING: Final = 10.0
-"""Seconds for which the leases of a client last after its last connection ended: a robot in a doorway may reconnect."""
 
 _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
@@ -147,11 +145,6 @@ class LeaseService:
             self._log("control.lease_ended", lease, f"is no longer held by {by} ({issuer}): {request.issuer} ended it")
             self._record("ended", lease, request.issuer, by)
         return response
-
-    def on_client_left(self, issuer: str) -> None:
-        """End the leases of a client without a connection soon, unless it is back and renews them."""
-        self._leases.end_by(issuer, self._clock.monotonic() + _AFTER_LEAVING)
-        self._changed.set()
 
     def _begin(self, request: HoldRequest) -> Lease | str:
         """Return the lease of a new holder, or the reason of its refusal."""

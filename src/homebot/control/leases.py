@@ -205,13 +205,6 @@ class Leases:
                 del self.parts[lease.part]
         return lease
 
-    def end_by(self, issuer: str, latest: float) -> None:
-        """End the leases of *issuer* at *latest*, on the monotonic clock, unless they are renewed."""
-        for key, lease in self._of.items():
-            if key[0] == issuer:
-                holder = lease.holders[key]
-                holder.deadline = min(holder.deadline, latest)
-
     def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release all holders of *device* for *by*; return them with their leases.
 

@@ -3,7 +3,7 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = ["AccessRefused", "ClientLeft", "DefineType", "DefineTypeRequest", "DefineTypeResponse"]
+__all__ = ["AccessRefused", "DefineType", "DefineTypeRequest", "DefineTypeResponse"]
 
 
 class AccessRefused(Message):
@@ -33,16 +33,6 @@ class AccessRefused(Message):
     held_back: UInt32 = 0
     subject: str = ""
     wanted: str = ""
-
-
-class ClientLeft(Message):
-    """The last connection of a client ended.
-
-    Attributes:
-        issuer: The client, as ``client:NAME``.
-    """
-
-    issuer: str
 
 
 class DefineTypeRequest(Message):

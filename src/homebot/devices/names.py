@@ -48,7 +48,6 @@ DEFINE_TYPE = "/homebot/define_type"
 START_RECORDER = "/homebot/start_recorder"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
-CLIENTS_LEFT = "/rosbridge_websocket/clients_left"
 POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"})
 """Last parts of the names of those topics on which robots state where they are."""
 

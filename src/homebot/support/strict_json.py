@@ -16,19 +16,18 @@ class DuplicateKeyError(ValueError):
     """A JSON object has a key twice."""
 
 
-def parse_strict(text: str | bytes, build: Callable[[dict[str, Any]], object] | None = None) -> object:
+def parse_strict(text: str | bytes, constant: Callable[[str], object] = float) -> object:
     """Parse *text*.
 
     Args:
-        build: Returns the value of each object; by default that is the dictionary itself.
+        constant: Returns the value of ``NaN``, ``Infinity`` and ``-Infinity``, which are no JSON.
 
     Raises:
         DuplicateKeyError: A key is there twice.
         ValueError: It is no JSON.
         RecursionError: It is nested too deep.
     """
-    hook = _reject_duplicates if build is None else lambda pairs: build(_reject_duplicates(pairs))
-    value: object = json.loads(text, object_pairs_hook=hook)
+    value: object = json.loads(text, object_pairs_hook=_reject_duplicates, parse_constant=constant)
     return value
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import anyio
 import pytest
 
-from homebot.bridges.rosbridge.heartbeat import Heartbeat, OwnedLeases
+from homebot.bridges.rosbridge.heartbeat import Heartbeat
+from homebot.bridges.rosbridge.owned_leases import OwnedLeases
 from homebot.devices.command_messages import Setting
-from homebot.devices.lease_messages import HolderRequest, HoldRequest
+from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse, ReleaseLease
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import Value
-from homebot.graph import Graph
+from homebot.errors import RefusedError
+from homebot.graph import Graph, Node
 
 pytestmark = pytest.mark.virtual_time
 
@@ -69,19 +71,50 @@ async def test_a_client_that_streams_is_there() -> None:
     assert limit.cancelled_caught
 
 
-async def test_a_lease_counts_until_it_is_released_or_over() -> None:
-    leases = OwnedLeases(Graph().clock)
+def hold(ttl: float = 10.0) -> HoldRequest:
     setting = Setting(capability="on", value=Value.of(True))
-    hold = HoldRequest(device="lamp", setting=setting, lease="l", by="robot", ttl=10.0, issuer="client:robot")
-    mine, other = (HolderRequest(lease=name, by="robot", issuer="client:robot") for name in ("l", "another"))
-    leases.record(HOLD_PART, hold)
+    return HoldRequest(device="lamp", setting=setting, lease="l", by="robot", ttl=ttl, issuer="client:robot")
+
+
+MINE, OTHER = (HolderRequest(lease=name, by="robot", issuer="client:robot") for name in ("l", "another"))
+
+
+async def test_a_lease_counts_until_it_is_released_or_over() -> None:
+    leases = OwnedLeases(Node(Graph(), "door"))
+    leases.record("me", HOLD_PART, hold())
     await anyio.sleep(6)
-    leases.record(RENEW_LEASE, mine)
-    leases.record(RENEW_LEASE, other)
+    leases.record("me", RENEW_LEASE, MINE)
+    leases.record("me", RENEW_LEASE, OTHER)
     await anyio.sleep(6)
-    assert leases
+    assert leases.has("me")
+    assert not leases.has("somebody else")
     await anyio.sleep(6)
-    assert not leases
-    leases.record(HOLD_PART, hold)
-    leases.record(RELEASE_LEASE, mine)
-    assert not leases
+    assert not leases.has("me")
+    leases.record("me", HOLD_PART, hold())
+    leases.record("me", RELEASE_LEASE, MINE)
+    assert not leases.has("me")
+
+
+async def test_the_leases_of_a_connection_end_ten_seconds_after_it_unless_another_one_renews_them() -> None:
+    graph, released = Graph(), list[HolderRequest]()
+
+    def release(request: HolderRequest) -> LeaseResponse:
+        released.append(request)
+        raise RefusedError("the release", "this is a test")
+
+    async with Node(graph, "door") as door, Node(graph, "control") as control:
+        control.create_service(ReleaseLease, RELEASE_LEASE, release)
+        leases = OwnedLeases(door)
+        leases.record("first", HOLD_PART, hold(3600))
+        leases.record("other", HOLD_PART, hold(3600).model_copy(update={"lease": "another"}))
+        leases.release("first")
+        await anyio.sleep(9)
+        leases.record("second", RENEW_LEASE, MINE)
+        await anyio.sleep(20)
+        assert (released, leases.has("second"), leases.has("other")) == ([], True, True)
+        leases.release("second")
+        await anyio.sleep(9.9)
+        assert released == []
+        await anyio.sleep(0.2)
+        assert released == [MINE]
+        assert leases.has("other")

@@ -12,7 +12,6 @@ import pytest
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.turns import ServerTurns
-from homebot.messages.json import JsonObject
 
 pytestmark = pytest.mark.virtual_time
 
@@ -45,12 +44,12 @@ class Topic:
     def packing(self) -> Packing:
         return PLAIN
 
-    def next_frame(self) -> JsonObject | None:
+    def next_frame(self) -> str | None:
         if not self.left:
             return None
         self.left -= 1
         self._outbox.ready(self)
-        return {"op": "publish", "topic": self.name}
+        return json.dumps({"op": "publish", "topic": self.name})
 
 
 @asynccontextmanager
@@ -63,8 +62,8 @@ async def sending(client: Client, limit: int = 1000) -> AsyncIterator[Outbox]:
         tasks.cancel_scope.cancel()
 
 
-def answer(identifier: str, size: int = 0) -> JsonObject:
-    return {"op": "service_response", "id": identifier, "values": "x" * size}
+def answer(identifier: str, size: int = 0) -> str:
+    return json.dumps({"op": "service_response", "id": identifier, "values": "x" * size})
 
 
 async def test_topics_and_answers_come_by_turns() -> None:

@@ -8,7 +8,7 @@ import anyio
 import pytest
 
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.bridges.rosbridge.protocol import CallService, Frame
+from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import ALL_RIGHTS
@@ -28,14 +28,14 @@ async def answer_of(service: str, timeout: float = 0.0) -> object:
         await anyio.sleep(21)
         return SuccessResponse(success=True, message="it is closed")
 
-    frames: list[Frame] = []
+    frames: list[str] = []
     graph = Graph()
     async with Node(graph, "blind") as blind, Node(graph, "door") as door:
         blind.create_service(Trigger, service, slow)
         op = CallService(op="call_service", service=service, timeout=timeout)
         await call_service(door, op, ServerTurns(), ClientAccess("local", ALL_RIGHTS, RobotOwners()), frames.append)
     (frame,) = frames
-    return (json.loads(frame) if isinstance(frame, str) else frame)["values"]
+    return json.loads(frame)["values"]
 
 
 @pytest.mark.parametrize("service", [COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND])

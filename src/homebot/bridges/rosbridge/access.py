@@ -276,7 +276,7 @@ def right_to_call(name: str) -> Right:
     if name in _ACTING or not _is_own(name):
         return Right.ACT
     if path[-1:] == ["_action"] and last == "send_goal":
-        return Right.RAW  # the goal inside would keep the issuer that the client gave it
+        return Right.RAW  # such a goal would keep the issuer that the client gave it, and outlive its connection
     if path and path[0] == "gateway":
         if last == "send_command":
             return Right.RAW

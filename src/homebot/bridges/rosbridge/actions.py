@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from anyio.abc import TaskGroup
 
+from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import (
-    ActionFeedback,
-    ActionOperation,
-    ActionResult,
-    AdvertiseAction,
-    CancelActionGoal,
-    SendActionGoal,
-    UnadvertiseAction,
-)
 from homebot.bridges.rosbridge.provided_actions import ProvidedActions
+from homebot.bridges.rosbridge.provisions import Provisions
 from homebot.bridges.rosbridge.sent_goals import SentGoals
 from homebot.bridges.rosbridge.shared_state import SharedState
 
@@ -32,50 +26,32 @@ class ClientActions:
         access: The client's identity.
         outbox: Takes frames to the client.
         tasks: Where goals are waited for.
-        on_taken: Called with the name of an action that a newer connection took over.
+        provisions: The servers of the client.
+
+    Attributes:
+        sent: The goals that the client sent.
     """
 
     def __init__(
-        self,
-        shared: SharedState,
-        access: ClientAccess,
-        outbox: Outbox,
-        tasks: TaskGroup,
-        on_taken: Callable[[str], None],
+        self, shared: SharedState, access: ClientAccess, outbox: Outbox, tasks: TaskGroup, provisions: Provisions
     ) -> None:
-        node, limit = shared.node, shared.settings.max_calls
-        self._sent = SentGoals(node, access, limit, outbox, tasks, shared.counters)
-        self._provided = ProvidedActions(node, access.name, limit, outbox, shared.providers, on_taken)
+        self.sent = SentGoals(shared, access, outbox, tasks)
+        provided = ProvidedActions(shared.node, shared.settings.max_calls, outbox, provisions)
+        self._handlers: dict[type[protocol.Operation], Callable[[Any], None]] = {
+            protocol.SendActionGoal: self.sent.send,
+            protocol.CancelActionGoal: self.sent.cancel,
+            protocol.ActionFeedback: provided.publish_feedback,
+            protocol.ActionResult: provided.end,
+            protocol.AdvertiseAction: provided.advertise,
+            protocol.UnadvertiseAction: provided.unadvertise,
+        }
 
-    def __len__(self) -> int:
-        """Return the number of actions that the client serves."""
-        return len(self._provided)
-
-    @property
-    def goals(self) -> int:
-        """The number of goals that the client sent and that have not ended."""
-        return len(self._sent)
-
-    def handle(self, op: ActionOperation) -> None:
-        """Carry out *op*.
+    def handle(self, op: protocol.ActionOperation) -> None:
+        """Carry out *op*; ``action_status``, which the server of the action knows, is ignored.
 
         Raises:
             HomebotError: It is refused.
         """
-        match op:
-            case SendActionGoal():
-                self._sent.send(op)
-            case CancelActionGoal():
-                self._sent.cancel(op)
-            case ActionFeedback():
-                self._provided.publish_feedback(op)
-            case ActionResult():
-                self._provided.end(op)
-            case AdvertiseAction():
-                self._provided.advertise(op)
-            case UnadvertiseAction():
-                self._provided.unadvertise(op)
-
-    def close_one(self) -> bool:
-        """Cancel the goals of an action, or withdraw one; return whether there was one."""
-        return self._sent.close_one() or self._provided.close_one()
+        handler = self._handlers.get(type(op))
+        if handler is not None:
+            handler(op)

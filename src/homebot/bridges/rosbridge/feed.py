@@ -12,7 +12,7 @@ from homebot.bridges.rosbridge import binary_frames
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
-from homebot.bridges.rosbridge.protocol import Compression, Frame, Identifier, SubscribeOperation, publish_frame
+from homebot.bridges.rosbridge.protocol import Compression, Identifier, SubscribeOperation, publish_frame
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
 from homebot.messages.builtin_interfaces import Time
@@ -76,7 +76,7 @@ class Feed:
             while (kept := late.take()) is not None:
                 self._queue.append(kept)
 
-    def next_frame(self) -> Frame | bytes | None:
+    def next_frame(self) -> str | bytes | None:
         """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
         message = self._subscription.take()
         if message is None or not self.requests:
@@ -96,7 +96,7 @@ class Feed:
         if self._rest is not None:
             self._rest.cancel()
 
-    def _frame(self, message: Message, lost: int) -> Frame | bytes:
+    def _frame(self, message: Message, lost: int) -> str | bytes:
         """Return the frame of *message* in the most compact form that a request of the client asks for."""
         asked = {op.compression for op in self.requests.values()}
         if asked.isdisjoint(_BINARY):

@@ -8,39 +8,7 @@ from typing import final
 import anyio
 import anyio.lowlevel
 
-from homebot.clock import Clock
-from homebot.devices.lease_messages import HolderRequest, HoldRequest
-from homebot.devices.names import RENEW_LEASE
-from homebot.messages.message import Message
-
-__all__ = ["Heartbeat", "OwnedLeases"]
-
-
-@final
-class OwnedLeases:
-    """The leases that a connection asked for, for as long as they may last.
-
-    Args:
-        clock: Tells when one is over.
-    """
-
-    def __init__(self, clock: Clock) -> None:
-        self._now = clock.monotonic
-        self._leases: dict[str, tuple[float, float]] = {}
-
-    def __bool__(self) -> bool:
-        now = self._now()
-        self._leases = {lease: one for lease, one in self._leases.items() if one[1] > now}
-        return bool(self._leases)
-
-    def record(self, service: str, request: Message) -> None:
-        """Record a *request* to hold, to renew or to release; others are ignored."""
-        if isinstance(request, HoldRequest):
-            self._leases[request.lease] = (request.ttl, self._now() + request.ttl)
-        elif isinstance(request, HolderRequest) and request.lease in self._leases:
-            ttl, _ = self._leases.pop(request.lease)
-            if service == RENEW_LEASE:
-                self._leases[request.lease] = (ttl, self._now() + ttl)
+__all__ = ["Heartbeat"]
 
 
 @final

@@ -26,6 +26,9 @@ _SHORT: Final = 65_536
 _STRING: Final = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _LONG_ARRAY: Final = re.compile(_STRING.pattern + r"|\[(\s*[-0-9][-+0-9.eE,\s]{4096,}+)\]", re.DOTALL)
 
+_MARK: Final = "-Infinity"
+"""It stands for a long array until that is read; it is no JSON, so a text that has it is read at once."""
+
 
 class RefusedJsonError(ValueError):
     """A text is JSON that is not read; the message goes on after "it"."""
@@ -41,40 +44,38 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
     """
     arrays: list[tuple[int, int]] = []
     rest = text
-    if len(text) > _SHORT:
-        mark = _unused_key(text)
-        rest = _LONG_ARRAY.sub(lambda found: _put_aside(found, arrays, mark), text)
+    if len(text) > _SHORT and _MARK not in text:
+        rest = _LONG_ARRAY.sub(lambda found: _put_aside(found, arrays), text)
         yield
     _check_size(rest, sum(text.count(",", *span) for span in arrays))
-    value = parse_strict(rest)
+    lists: list[list[object]] = []
+    value = parse_strict(rest, lambda name: _new_list(lists) if arrays and name == _MARK else float(name))
     if rest.count("[") + rest.count("{") > MAX_NESTING:
         _check_nesting(value)
     if "\\ud" in rest or "\\uD" in rest:
         _check_unicode(value)
-    if not arrays:
-        return value
-    numbers: dict[object, list[object]] = {}
-    for place, (begin, end) in enumerate(arrays):
-        found, start = numbers.setdefault(place, []), begin
+    for found, (begin, end) in zip(lists, arrays, strict=True):
+        start = begin
         while start < end:
             cut = end if end - start <= _SHORT else text.rfind(",", start, start + _SHORT)
-            found += _numbers(text[start : max(cut, start)])
+            found.extend(_numbers(text[start : max(cut, start)]))
             start = cut + 1
             yield
         if text[end - 1] == ",":
             raise ValueError("a list ends in a comma")
-    # Each once: a key with escapes may spell the mark too.
-    try:
-        return parse_strict(rest, lambda item: numbers.pop(item[mark]) if item.keys() == {mark} else item)
-    except (KeyError, TypeError):
-        raise ValueError("it names a list of numbers that is not there") from None
+    return value
 
 
-def _put_aside(found: re.Match[str], arrays: list[tuple[int, int]], mark: str) -> str:
+def _put_aside(found: re.Match[str], arrays: list[tuple[int, int]]) -> str:
     if found[1] is None:
         return found[0]
     arrays.append(found.span(1))
-    return f'{{"{mark}":{len(arrays) - 1}}}'
+    return _MARK
+
+
+def _new_list(lists: list[list[object]]) -> list[object]:
+    lists.append([])
+    return lists[-1]
 
 
 def _numbers(text: str) -> list[object]:
@@ -82,13 +83,6 @@ def _numbers(text: str) -> list[object]:
     if not numbers:
         raise ValueError("a list has a comma without a number")
     return list(numbers)
-
-
-def _unused_key(text: str) -> str:
-    mark = "numbers"
-    while f'"{mark}"' in text:
-        mark += "_"
-    return mark
 
 
 def _check_size(text: str, numbers: int) -> None:

@@ -13,7 +13,6 @@ from collections.abc import Awaitable, Callable
 from typing import Protocol, final
 
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
-from homebot.bridges.rosbridge.protocol import Frame, encode_frame
 from homebot.bridges.turns import ServerTurns
 
 __all__ = ["MessageSource", "Outbox"]
@@ -29,7 +28,7 @@ class MessageSource(Protocol):
         """The form in which the client wants those that are text."""
         ...
 
-    def next_frame(self) -> Frame | bytes | None:
+    def next_frame(self) -> str | bytes | None:
         """Return the next frame, in CBOR where it is bytes; None where there is none (any more)."""
         ...
 
@@ -65,14 +64,13 @@ class Outbox:
         """True if the client may be given another request to answer."""
         return self._waiting < self._limit
 
-    def answer(self, frame: Frame, packing: Packing = PLAIN) -> None:
+    def answer(self, frame: str, packing: Packing = PLAIN) -> None:
         """Send *frame* as soon as possible, as *packing* says."""
-        text = encode_frame(frame)
-        if self._answers and self._waiting + len(text) > _ANSWER_FACTOR * self._limit:
+        if self._answers and self._waiting + len(frame) > _ANSWER_FACTOR * self._limit:
             self._cut()
             return
-        self._answers.append((text, packing))
-        self._waiting += len(text)
+        self._answers.append((frame, packing))
+        self._waiting += len(frame)
         self._wake()
 
     def ready(self, source: MessageSource) -> None:
@@ -110,7 +108,7 @@ class Outbox:
         if isinstance(frame, bytes):
             await self._send(frame)
         elif frame is not None:
-            await self._send_text(encode_frame(frame), source.packing)
+            await self._send_text(frame, source.packing)
 
     async def _send_answer(self) -> None:
         text, packing = self._answers.popleft()

@@ -32,7 +32,6 @@ __all__ = [
     "CancelActionGoal",
     "Compression",
     "Fragment",
-    "Frame",
     "FrameError",
     "Identifier",
     "Level",
@@ -47,26 +46,15 @@ __all__ = [
     "UnadvertiseAction",
     "UnadvertiseService",
     "UnsubscribeOperation",
-    "action_cancellation",
-    "action_failure",
-    "action_feedback",
-    "action_goal",
-    "action_result",
-    "encode_frame",
+    "failure_frame",
+    "frame_text",
     "parse_frame",
     "publish_frame",
-    "service_failure",
-    "service_request",
-    "service_success",
-    "status_frame",
 ]
 
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
 Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]
-Frame: TypeAlias = "JsonObject | str"
-"""A frame on its way to a client: a JSON object, or its text where it was written at once."""
-
 _NAMES = ("service", "action", "topic")
 
 _LONGEST_ID = 1000
@@ -82,15 +70,15 @@ class FrameError(PeerError):
     Attributes:
         op: The operation it asks for, as far as it can be told; else empty.
         id: The identifier to answer with, if it has one.
-        target: The service, action or topic it names, as far as it can be told; else empty.
+        name: The service, action or topic it names, as far as it can be told; else empty.
         problem: The problem with the operation; without an operation, the text after "a frame that".
     """
 
-    def __init__(self, problem: str, op: str = "", identifier: Identifier = None, target: str = "") -> None:
+    def __init__(self, problem: str, op: str = "", identifier: Identifier = None, name: str = "") -> None:
         super().__init__(f"{op}: {problem}" if op else f"the frame {problem}")
         self.op = op
         self.id = identifier
-        self.target = target
+        self.name = name
         self.problem = problem
 
 
@@ -314,17 +302,17 @@ def parse_frame(text: str) -> Generator[None, None, Operation]:
     try:
         return cls.model_validate(fields)
     except ValidationError as exc:
-        target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
-        raise FrameError(validation_problem(exc), op, known_id, target) from exc
+        name = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
+        raise FrameError(validation_problem(exc), op, known_id, name) from exc
 
 
 def _op_in(fields: Mapping[str, object]) -> str:
     op = fields.get("op")
-    if not isinstance(op, str):
-        raise FrameError(
-            "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
-        )
-    return op
+    if isinstance(op, str):
+        return op
+    raise FrameError(
+        "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
+    )
 
 
 def _id_in(fields: Mapping[str, object]) -> Identifier:
@@ -333,66 +321,32 @@ def _id_in(fields: Mapping[str, object]) -> Identifier:
     return found if isinstance(found, int) or (isinstance(found, str) and len(found) <= _LONGEST_ID) else None
 
 
-def encode_frame(frame: Frame) -> str:
-    """Return the text of *frame* in ASCII, which no client can misread as broken Unicode."""
-    return frame if isinstance(frame, str) else json.dumps(frame, separators=(",", ":"), allow_nan=False)
+def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: str) -> str:
+    """Return the frame of the operation *op* for a client, in ASCII, which no client can misread as broken Unicode.
+
+    Args:
+        op: The protocol's name of the operation.
+        identifier: Its ``id``; None for none.
+        fields: Its fields.
+        texts: Further fields, which are JSON text already.
+    """
+    known = {"op": op, **fields} | ({} if identifier is None else {"id": identifier})
+    begin = json.dumps(known, separators=(",", ":"), allow_nan=False)[:-1]
+    return "".join((begin, *(f',"{name}":{text}' for name, text in texts.items()), "}"))
 
 
-def publish_frame(topic: str, message: Message, lost: int = 0) -> Frame:
+def publish_frame(topic: str, message: Message, lost: int = 0) -> str:
     """Return the frame that carries *message*; ``lost`` (ours alone) is the number dropped before it."""
     losses = f',"lost":{lost}' if lost else ""
     return f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{message_to_text(message)}{losses}}}'
 
 
-def service_success(service: str, identifier: Identifier, values: str) -> Frame:
-    """Return the frame that carries the response of a service, which is the JSON text *values*."""
-    named = "" if identifier is None else f',"id":{json.dumps(identifier)}'
-    return f'{{"op":"service_response","service":{json.dumps(service)},"values":{values},"result":true{named}}}'
-
-
-def service_failure(service: str, identifier: Identifier, problem: str) -> JsonObject:
-    """Return the frame with the reason why a call failed."""
-    frame: JsonObject = {"op": "service_response", "service": service, "values": problem, "result": False}
-    return frame if identifier is None else frame | {"id": identifier}
-
-
-def service_request(service: str, identifier: str, args: JsonObject) -> JsonObject:
-    """Return the frame that asks a client for a service it provides."""
-    return {"op": "call_service", "id": identifier, "service": service, "args": args}
-
-
-def action_goal(action: str, ros_type: str, identifier: str, args: str) -> Frame:
-    """Return the frame that asks a client to execute a goal, which is the JSON text *args*."""
-    fields: JsonObject = {"id": identifier, "action": action, "action_type": ros_type, "feedback": True}
-    return f'{{"op":"send_action_goal",{encode_frame(fields)[1:-1]},"args":{args}}}'
-
-
-def action_cancellation(action: str, identifier: str) -> JsonObject:
-    """Return the frame that asks a client to cancel a goal that it executes."""
-    return {"op": "cancel_action_goal", "id": identifier, "action": action}
-
-
-def action_feedback(action: str, identifier: Identifier, values: str) -> Frame:
-    """Return the frame of the feedback of a goal, which is the JSON text *values*."""
-    return f'{{"op":"action_feedback",{encode_frame({"action": action, "id": identifier})[1:-1]},"values":{values}}}'
-
-
-def action_result(action: str, identifier: Identifier, status: int, values: str) -> Frame:
-    """Return the frame of the end of a goal, with the result as the JSON text *values*."""
-    fields: JsonObject = {"action": action, "id": identifier, "status": status, "result": True}
-    return f'{{"op":"action_result",{encode_frame(fields)[1:-1]},"values":{values}}}'
-
-
-def action_failure(action: str, identifier: Identifier, problem: str, status: int = 0) -> JsonObject:
-    """Return the frame with the reason why a goal has no result; *status* 0 is one that was not accepted."""
-    frame: JsonObject = {"op": "action_result", "action": action, "id": identifier, "values": problem}
-    return frame | {"status": status, "result": False}
-
-
-def status_frame(level: Level, text: str, identifier: Identifier = None) -> JsonObject:
-    """Return the frame of a remark to the client."""
-    frame: JsonObject = {"op": "status", "level": level, "msg": text}
-    return frame if identifier is None else frame | {"id": identifier}
+def failure_frame(op: Operation | FrameError, problem: str, status: int = 0) -> str:
+    """Return the frame with the reason why a call or a goal has no result; a goal of *status* 0 was not accepted."""
+    failure: JsonObject = {"values": problem, "result": False}
+    if op.op == "call_service":
+        return frame_text("service_response", op.id, {"service": op.name, **failure})
+    return frame_text("action_result", op.id, {"action": op.name, "status": status, **failure})
 
 
 def _as_whole(item: Any) -> Any:

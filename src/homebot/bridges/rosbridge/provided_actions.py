@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
@@ -12,16 +12,14 @@ from homebot.bridges.rosbridge.protocol import (
     ActionResult,
     AdvertiseAction,
     UnadvertiseAction,
-    action_cancellation,
-    action_goal,
+    frame_text,
 )
-from homebot.bridges.rosbridge.provided_services import Provider
+from homebot.bridges.rosbridge.provisions import Provisions
 from homebot.bridges.rosbridge.types import action_type_of, partial_message_from_client
 from homebot.errors import PeerError
 from homebot.graph import Node
 from homebot.graph.actions import ActionServer, GoalState, ServerGoal
-from homebot.messages.action import ActionType
-from homebot.messages.json import message_to_text
+from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
 
 __all__ = ["ProvidedActions"]
@@ -29,54 +27,28 @@ __all__ = ["ProvidedActions"]
 _GOAL = "action_goal:"
 
 
-class _Running:
-    """A goal that the client executes."""
-
-    def __init__(self, action_type: ActionType[Any, Any, Any], goal: ServerGoal[Any, Any, Any]) -> None:
-        self.action_type = action_type
-        self.goal = goal
-        self.end: asyncio.Future[tuple[int, Message | None]] = asyncio.get_running_loop().create_future()
+class _Running(NamedTuple):
+    goal: ServerGoal[Any, Any, Any]
+    end: asyncio.Future[tuple[int, Message | None]]
 
 
 class ProvidedActions:
-    """The actions that one connection of a client serves, under the names that the client uses.
-
-    One that an older connection of the same client serves passes to the newer one, as a service does. The goals of a
-    connection that ends are aborted.
+    """The actions that one connection of a client serves; the goals of a connection that ends are aborted.
 
     Args:
         node: The node that serves in the client's stead.
-        client: The name of the client.
         limit: Goals that the client may execute at a time; one more is rejected.
         outbox: Takes frames to the client.
-        providers: The connection that provides each service and action, by its full name.
-        on_taken: Called with the name of an action that a newer connection took over.
-
-    Attributes:
-        client: The name of the client.
+        provisions: The servers of the client.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        client: str,
-        limit: int,
-        outbox: Outbox,
-        providers: dict[str, Provider],
-        on_taken: Callable[[str], None],
-    ) -> None:
+    def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:
         self._node = node
-        self.client = client
         self._limit = limit
         self._outbox = outbox
-        self._providers = providers
-        self._on_taken = on_taken
-        self._servers: dict[str, ActionServer[Any, Any, Any]] = {}
+        self._provisions = provisions
         self._running: dict[str, _Running] = {}
         self._goals = 0
-
-    def __len__(self) -> int:
-        return len(self._servers)
 
     def advertise(self, op: AdvertiseAction) -> None:
         """Offer an action of the client; the same once more is fine.
@@ -89,19 +61,9 @@ class ProvidedActions:
         """
         name = self._node.resolve_name(op.action, "action name")
         action_type = action_type_of(self._node.graph, name, op.type)
-        if op.action in self._servers:
-            return
-        older = self._providers.get(_key(name))
-        if older is not None and older.client == self.client:
-            older.hand_over(name)
-
-        async def execute(goal: ServerGoal[Any, Any, Any]) -> Message | None:
-            return await self._execute(op.action, action_type, goal)
-
-        self._servers[op.action] = ActionServer(
-            self._node, action_type, op.action, execute, on_goal=lambda _: self._has_room(), on_cancel=self._cancel
-        )
-        self._providers[_key(name)] = self
+        create = partial(ActionServer[Any, Any, Any], on_goal=lambda _: self._has_room(), on_cancel=self._cancel)
+        execute = partial(self._execute, op.action)
+        self._provisions.add(_key(name), lambda: create(self._node, action_type, name, execute))
 
     def unadvertise(self, op: UnadvertiseAction) -> None:
         """Withdraw an action; its goals are aborted.
@@ -109,9 +71,8 @@ class ProvidedActions:
         Raises:
             PeerError: The client does not serve it.
         """
-        if op.action not in self._servers:
+        if not self._provisions.remove(_key(self._node.resolve_name(op.action, "action name"))):
             raise PeerError(f"action {op.action} is not served by this client")
-        self._withdraw(op.action)
 
     def publish_feedback(self, op: ActionFeedback) -> None:
         """Publish feedback of a goal; that of an ended one is ignored.
@@ -122,7 +83,8 @@ class ProvidedActions:
         """
         running = self._find(op)
         if running is not None:
-            running.goal.publish_feedback(partial_message_from_client(running.action_type.Feedback, op.values)[0])
+            feedback_type = running.goal.action_type.Feedback
+            running.goal.publish_feedback(partial_message_from_client(feedback_type, op.values)[0])
 
     def end(self, op: ActionResult) -> None:
         """End a goal; a second result is ignored, which roslib sends after it has advertised twice.
@@ -134,32 +96,13 @@ class ProvidedActions:
         running = self._find(op)
         if running is None or running.end.done():
             return
-        status: int = GoalState.ABORTED
-        result: Message | None = None
+        end: tuple[int, Message | None] = (GoalState.ABORTED, None)
         try:
             if isinstance(op.values, dict):
-                result, _ = partial_message_from_client(running.action_type.Result, op.values)
-                status = op.status
+                result_type = running.goal.action_type.Result
+                end = op.status, partial_message_from_client(result_type, op.values)[0]
         finally:
-            running.end.set_result((status, result))
-
-    def hand_over(self, full_name: str) -> None:
-        """Withdraw the action of this name, which a newer connection takes over; its goals are aborted."""
-        name = next(name for name, server in self._servers.items() if server.action_name == full_name)
-        self._withdraw(name)
-        self._on_taken(name)
-
-    def close_one(self) -> bool:
-        """Withdraw one action and abort its goals; return whether there was one."""
-        if not self._servers:
-            return False
-        self._withdraw(next(reversed(self._servers)))
-        return True
-
-    def _withdraw(self, name: str) -> None:
-        server = self._servers.pop(name)
-        del self._providers[_key(server.action_name)]
-        server.close()
+            running.end.set_result(end)
 
     def _has_room(self) -> bool:
         return len(self._running) < self._limit and self._outbox.has_room
@@ -172,24 +115,23 @@ class ProvidedActions:
 
     def _ask_to_cancel(self, identifier: str) -> None:
         action = identifier.rpartition(":")[0].removeprefix(_GOAL)
-        self._outbox.answer(action_cancellation(action, identifier))
+        self._outbox.answer(frame_text("cancel_action_goal", identifier, {"action": action}))
 
     def _find(self, op: ActionFeedback | ActionResult) -> _Running | None:
-        identifier = str(op.id)
-        prefix, _, number = identifier.rpartition(":")
-        is_ours = prefix == f"{_GOAL}{op.action}" and number.isdecimal() and int(number) <= self._goals
-        if not is_ours:
+        """Return the goal of this client that *op* is about; None if it has ended."""
+        prefix, _, number = str(op.id).rpartition(":")
+        if prefix != f"{_GOAL}{op.action}" or not number.isdecimal() or int(number) > self._goals:
             raise PeerError(f"this client executes no goal of {op.action} with the id {op.id!r}")
-        return self._running.get(identifier)
+        return self._running.get(str(op.id))
 
-    async def _execute(
-        self, name: str, action_type: ActionType[Any, Any, Any], goal: ServerGoal[Any, Any, Any]
-    ) -> Message | None:
+    async def _execute(self, name: str, goal: ServerGoal[Any, Any, Any]) -> Message | None:
         self._goals += 1
         identifier = f"{_GOAL}{name}:{self._goals}"
-        running = self._running[identifier] = _Running(action_type, goal)
+        running = self._running[identifier] = _Running(goal, asyncio.get_running_loop().create_future())
         try:
-            self._outbox.answer(action_goal(name, action_type.ros_type, identifier, message_to_text(goal.request)))
+            fields: JsonObject = {"action": name, "action_type": goal.action_type.ros_type, "feedback": True}
+            args = message_to_text(goal.request)
+            self._outbox.answer(frame_text("send_action_goal", identifier, fields, args=args))
             if goal.is_cancel_requested:
                 self._ask_to_cancel(identifier)
             status, result = await running.end
@@ -205,5 +147,5 @@ class ProvidedActions:
 
 
 def _key(action: str) -> str:
-    """Return the key of an action among the providers, where it is no service's."""
+    """Return the name of an action among the servers, where it is no service's."""
     return f"{action}/_action"

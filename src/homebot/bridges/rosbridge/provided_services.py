@@ -3,73 +3,38 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from typing import Any, Protocol
+from functools import partial
+from typing import Any
 
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, service_request
+from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, frame_text
+from homebot.bridges.rosbridge.provisions import Provisions
 from homebot.bridges.rosbridge.types import message_from_client, service_type_of
 from homebot.errors import PeerError, RefusedError
-from homebot.graph import Node, Service
-from homebot.messages.json import message_to_json
+from homebot.graph import Node
+from homebot.messages.json import message_to_text
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["ProvidedServices", "Provider"]
-
-
-class Provider(Protocol):
-    """A connection that provides services or actions.
-
-    Attributes:
-        client: The name of the client.
-    """
-
-    client: str
-
-    def hand_over(self, full_name: str) -> None:
-        """Withdraw the service or action of this name, which a newer connection takes over."""
-        ...
+__all__ = ["ProvidedServices"]
 
 
 class ProvidedServices:
-    """The services that one connection of a client provides, under the names that the client uses.
-
-    A service that an older connection of the same client provides passes to the newer one: a client that
-    reconnects after a network failure offers its services before its old connection is known to be dead.
+    """The services that one connection of a client provides.
 
     Args:
         node: The node that serves in the client's stead.
-        client: The name of the client.
         limit: Calls that the client may owe an answer to; one more fails at once.
         outbox: Takes frames to the client.
-        providers: The connection that provides each service and action, by its full name.
-        on_taken: Called with the name of a service that a newer connection took over.
-
-    Attributes:
-        client: The name of the client.
+        provisions: The servers of the client.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        client: str,
-        limit: int,
-        outbox: Outbox,
-        providers: dict[str, Provider],
-        on_taken: Callable[[str], None],
-    ) -> None:
+    def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:
         self._node = node
-        self.client = client
         self._limit = limit
         self._outbox = outbox
-        self._providers = providers
-        self._on_taken = on_taken
-        self._services: dict[str, Service[Any, Any]] = {}
+        self._provisions = provisions
         self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
         self._calls = 0
-
-    def __len__(self) -> int:
-        return len(self._services)
 
     def advertise(self, op: AdvertiseService) -> None:
         """Offer a service of the client; the same once more is fine, and one of its older connection is taken over.
@@ -82,19 +47,9 @@ class ProvidedServices:
         """
         name = self._node.resolve_name(op.service, "service name")
         service_type = service_type_of(self._node.graph, name, op.type)
-        if op.service in self._services:
-            return
-        older = self._providers.get(name)
-        if older is not None and older.client == self.client:
-            older.hand_over(name)
-
-        async def ask(request: Message) -> Message:
-            return await self._ask(op.service, service_type, request)
-
-        self._services[op.service] = self._node.create_service(
-            service_type, op.service, ask, concurrent=True, cancel_with_caller=True
-        )
-        self._providers[name] = self
+        ask = partial(self._ask, op.service, service_type)
+        create = partial(self._node.create_service, concurrent=True, cancel_with_caller=True)
+        self._provisions.add(name, lambda: create(service_type, name, ask))
 
     def unadvertise(self, op: UnadvertiseService) -> None:
         """Withdraw a service; calls under way fail.
@@ -102,9 +57,8 @@ class ProvidedServices:
         Raises:
             PeerError: The client does not provide it.
         """
-        if op.service not in self._services:
+        if not self._provisions.remove(self._node.resolve_name(op.service, "service name")):
             raise PeerError(f"service {op.service} is not provided by this client")
-        self._withdraw(op.service)
 
     def answer(self, op: ServiceResponse) -> None:
         """Take the client's answer to a call.
@@ -117,24 +71,6 @@ class ProvidedServices:
             raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")
         pending.set_result(op)
 
-    def hand_over(self, full_name: str) -> None:
-        """Withdraw the service of this name, which a newer connection takes over; calls under way fail."""
-        name = next(name for name, service in self._services.items() if service.service_name == full_name)
-        self._withdraw(name)
-        self._on_taken(name)
-
-    def close_one(self) -> bool:
-        """Withdraw one service and fail its pending calls; return whether there was one."""
-        if not self._services:
-            return False
-        self._withdraw(next(reversed(self._services)))
-        return True
-
-    def _withdraw(self, name: str) -> None:
-        service = self._services.pop(name)
-        del self._providers[service.service_name]
-        service.close()
-
     async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
         if len(self._pending) >= self._limit:
             raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
@@ -144,7 +80,8 @@ class ProvidedServices:
         identifier = f"service_request:{name}:{self._calls}"
         pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
         try:
-            self._outbox.answer(service_request(name, identifier, message_to_json(request)))
+            args = message_to_text(request)
+            self._outbox.answer(frame_text("call_service", identifier, {"service": name}, args=args))
             response = await pending
         finally:
             del self._pending[identifier]

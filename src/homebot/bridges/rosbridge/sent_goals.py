@@ -11,21 +11,14 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import (
-    CancelActionGoal,
-    SendActionGoal,
-    action_failure,
-    action_feedback,
-    action_result,
-)
+from homebot.bridges.rosbridge.protocol import CancelActionGoal, SendActionGoal, failure_frame, frame_text
 from homebot.bridges.rosbridge.services import parse_queries
-from homebot.bridges.rosbridge.shared_state import DoorCounters
-from homebot.bridges.rosbridge.types import message_from_client, partial_message_from_client, same_type
+from homebot.bridges.rosbridge.shared_state import SharedState
+from homebot.bridges.rosbridge.types import action_type_of, message_from_client, partial_message_from_client
 from homebot.devices.client_rights import Right
-from homebot.errors import HomebotError, PeerError, TypeMismatchError
-from homebot.graph import Node
+from homebot.errors import HomebotError, PeerError
 from homebot.graph.actions import ActionClient, ClientGoal, GoalState
-from homebot.messages.json import message_to_text
+from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
 
 __all__ = ["SentGoals"]
@@ -37,8 +30,9 @@ _MOST_TURNS = 100
 class _SentGoal:
     """A goal on its way: to be accepted, or accepted."""
 
-    def __init__(self, op: SendActionGoal) -> None:
+    def __init__(self, op: SendActionGoal, client: ActionClient[Any, Any, Any]) -> None:
         self.op = op
+        self.client = client
         self.goal: ClientGoal[Any, Any] | None = None
         self.is_unwanted = False
 
@@ -49,29 +43,19 @@ class SentGoals:
     Each goal is answered with one result, in any case. Feedback is dropped where the client does not read.
 
     Args:
-        node: The node that sends in the client's stead.
+        shared: State shared with other clients.
         access: The client's identity, used as the issuer of goals.
-        limit: Goals that the client may have at a time.
         outbox: Takes frames to the client.
         tasks: Where goals are waited for.
-        counters: Counts dropped feedback.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        access: ClientAccess,
-        limit: int,
-        outbox: Outbox,
-        tasks: TaskGroup,
-        counters: DoorCounters,
-    ) -> None:
-        self._node = node
+    def __init__(self, shared: SharedState, access: ClientAccess, outbox: Outbox, tasks: TaskGroup) -> None:
+        self._node = shared.node
         self._access = access
-        self._limit = limit
+        self._limit = shared.settings.max_calls
         self._outbox = outbox
         self._tasks = tasks
-        self._counters = counters
+        self._counters = shared.counters
         self._goals: dict[object, _SentGoal] = {}
         self._clients: dict[str, ActionClient[Any, Any, Any]] = {}
 
@@ -91,18 +75,15 @@ class SentGoals:
         if len(self._goals) >= self._limit:
             raise PeerError(f"{len(self._goals)} goals of this client are under way already")
         name = self._node.resolve_name(op.action, "action name")
-        action_type = self._node.graph.get_action_type(name)
-        if action_type is None:
+        if self._node.graph.get_action_type(name) is None:
             raise PeerError(f"action {name} has no server now; /rosapi/action_servers lists all")
-        if op.action_type and not same_type(action_type.ros_type, op.action_type):
-            raise TypeMismatchError(f"action {name} is a {action_type.ros_type}, not a {op.action_type}")
+        action_type = action_type_of(self._node.graph, name, op.action_type)
         request = self._goal_message(name, action_type.Goal, op.args)
-        client = self._clients.get(name)
-        if client is None:
-            client = self._clients[name] = ActionClient(self._node, action_type, name)
-        sent = _SentGoal(op)
+        if name not in self._clients:
+            self._clients[name] = ActionClient(self._node, action_type, name)
+        sent = _SentGoal(op, self._clients[name])
         self._goals[sent if op.id is None else op.id] = sent
-        self._tasks.start_soon(self._run, client, sent, request)
+        self._tasks.start_soon(self._run, sent, request)
 
     def cancel(self, op: CancelActionGoal) -> None:
         """Cancel a goal, at once or when it is accepted; its result says how it ended.
@@ -134,9 +115,9 @@ class SentGoals:
             return message_from_client(goal_type, values)
         return partial_message_from_client(goal_type, values)[0]
 
-    async def _run(self, client: ActionClient[Any, Any, Any], sent: _SentGoal, request: Message) -> None:
+    async def _run(self, sent: _SentGoal, request: Message) -> None:
         """Wait for the end of a goal and answer it."""
-        op, status = sent.op, GoalState.UNKNOWN
+        op, client, status = sent.op, sent.client, GoalState.UNKNOWN
         try:
             sent.goal = await client.send_goal(request, partial(self._forward, sent) if op.feedback else None)
             status = GoalState.ABORTED
@@ -147,23 +128,23 @@ class SentGoals:
                 if not client.has_feedback:
                     break
                 await anyio.lowlevel.checkpoint()  # feedback goes out before the end
-            frame = action_result(op.action, op.id, int(state), message_to_text(result))
+            fields: JsonObject = {"action": op.action, "status": int(state), "result": True}
+            frame = frame_text("action_result", op.id, fields, values=message_to_text(result))
         except HomebotError as exc:
-            frame = action_failure(op.action, op.id, str(exc), int(status))
+            frame = failure_frame(op, str(exc), int(status))
         finally:
             self._goals.pop(sent if op.id is None else op.id, None)
-            if client.action_name in self._clients and not any(self._uses(client, one) for one in self._goals.values()):
-                self._clients.pop(client.action_name).close()
+            if not any(one.client is client for one in self._goals.values()):
+                self._clients.pop(client.action_name, None)
+                client.close()
         self._outbox.answer(frame)
-
-    def _uses(self, client: ActionClient[Any, Any, Any], sent: _SentGoal) -> bool:
-        return self._node.resolve_name(sent.op.action, "action name") == client.action_name
 
     def _forward(self, sent: _SentGoal, feedback: Message) -> None:
         op = sent.op
         if self._goals.get(sent if op.id is None else op.id) is not sent:
             return
         if self._outbox.has_room:
-            self._outbox.answer(action_feedback(op.action, op.id, message_to_text(feedback)))
+            values = message_to_text(feedback)
+            self._outbox.answer(frame_text("action_feedback", op.id, {"action": op.action}, values=values))
         else:
             self._counters.feedback_lost += 1

@@ -30,7 +30,7 @@ from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights, issuer_of_client
+from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
@@ -276,8 +276,6 @@ class Door:
             await session.run(_texts(connection))
         finally:
             del self._sessions[connection]
-            if not any(self._names[other] == name for other in self._sessions):
-                self._shared.publish_left(issuer_of_client(name))
 
 
 class _LibraryLog(logging.Handler):

@@ -9,9 +9,8 @@ from typing import Any
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import (
     CallService,
-    Frame,
-    service_failure,
-    service_success,
+    failure_frame,
+    frame_text,
 )
 from homebot.bridges.rosbridge.types import message_from_client, partial_message_from_client
 from homebot.bridges.turns import ServerTurns
@@ -79,7 +78,7 @@ async def call_service(
     op: CallService,
     turns: ServerTurns,
     access: ClientAccess,
-    answer: Callable[[Frame], None],
+    answer: Callable[[str], None],
     on_request: Callable[[str, Message], None] = lambda *_: None,
 ) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
@@ -116,20 +115,19 @@ def missing_service(node: Node, op: CallService) -> str:
     return "" if is_known else _unavailable(node, ServiceUnavailableError(name))
 
 
-async def _success(op: CallService, response: Message, turns: ServerTurns) -> Frame:
+async def _success(op: CallService, response: Message, turns: ServerTurns) -> str:
     pieces = message_to_pieces(response)
     written = [next(pieces)]
     for piece in pieces:
         written.append(piece)
         await turns.turn()
-    return service_success(op.service, op.id, "".join(written))
+    return frame_text("service_response", op.id, {"service": op.service, "result": True}, values="".join(written))
 
 
-def _failure(node: Node, op: CallService, error: HomebotError) -> Frame:
+def _failure(node: Node, op: CallService, error: HomebotError) -> str:
     if isinstance(error, ServiceFailedError):
-        return service_failure(op.service, op.id, error.reason)
-    problem = _unavailable(node, error) if isinstance(error, ServiceUnavailableError) else str(error)
-    return service_failure(op.service, op.id, problem)
+        return failure_frame(op, error.reason)
+    return failure_frame(op, _unavailable(node, error) if isinstance(error, ServiceUnavailableError) else str(error))
 
 
 def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[Any, Any], Message, UsageError | None]:

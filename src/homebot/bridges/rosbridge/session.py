@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple
 
 import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
-from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
-from homebot.bridges.rosbridge.heartbeat import Heartbeat, OwnedLeases
+from homebot.bridges.rosbridge.heartbeat import Heartbeat
+from homebot.bridges.rosbridge.holdings import Holdings
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
-    ActionOperation,
     Advertise,
     AdvertiseAction,
     AdvertiseService,
@@ -31,35 +29,24 @@ from homebot.bridges.rosbridge.protocol import (
     Level,
     Operation,
     PublishOperation,
-    ServiceResponse,
     SetLevel,
     SubscribeOperation,
-    Unadvertise,
-    UnadvertiseService,
-    UnsubscribeOperation,
-    action_failure,
-    service_failure,
-    status_frame,
+    failure_frame,
+    frame_text,
 )
-from homebot.bridges.rosbridge.provided_services import ProvidedServices
-from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.refusals import operation_text
 from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.bridges.rosbridge.subscriptions import Subscriptions
-from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import ClientRights, Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.support.rate_limit import RateLimit
 
-if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.actions import ClientActions
-
 __all__ = ["ClientSession", "DoorLink"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+_OPENING = (Advertise, AdvertiseAction, AdvertiseService, SubscribeOperation)
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
@@ -119,7 +106,6 @@ class ClientSession:
         self._client = client
         self._link = link
         self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
-        self._leases = OwnedLeases(shared.node.graph.clock)
         settings = shared.settings
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
         self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
@@ -129,53 +115,31 @@ class ClientSession:
 
     async def run(self, frames: AsyncIterator[str]) -> None:
         """Carry out *frames* until they end; then release everything the client holds."""
-        backlog = Backlog(self._settings.max_waiting_bytes, self._shared.backlog)
-        node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
-            holdings = _Holdings(
-                Publications(node, self._access, self._report_unfit),
-                Subscriptions(
-                    node, settings.queue_depth, backlog, self._outbox, self._shared.expected, self._report_unfit
-                ),
-                ProvidedServices(
-                    node,
-                    self._access.name,
-                    settings.max_calls,
-                    self._outbox,
-                    self._shared.providers,
-                    self._report_taken,
-                ),
-                tasks,
-            )
+            holdings = Holdings(self._shared, self._access, self._outbox, tasks, self._report_unfit, self._report_taken)
             try:
                 tasks.start_soon(self._send, tasks)
-                tasks.start_soon(self._watch, holdings)
-                await self._read(frames, holdings)
+                tasks.start_soon(self._watch, holdings, tasks)
+                await self._read(frames, holdings, tasks)
             finally:
-                backlog.close()
                 tasks.cancel_scope.cancel()
                 with anyio.CancelScope(shield=True):
-                    await holdings.close(self._turns)
+                    await holdings.close()
 
     async def _send(self, tasks: TaskGroup) -> None:
         with suppress(LinkError):  # the client is gone, and so is the session
             await self._outbox.run()
         tasks.cancel_scope.cancel()
 
-    async def _watch(self, holdings: _Holdings) -> None:
+    async def _watch(self, holdings: Holdings, tasks: TaskGroup) -> None:
         """End the session when the client vanishes while something of it runs."""
-        await self._heartbeat.run(lambda: bool(holdings.goals or self._leases))
+        await self._heartbeat.run(lambda: holdings.must_end)
         self._shared.counters.clients_vanished += 1
-        self._shared.error_log.log(
-            f"vanished {self._client.rpartition(':')[0]}",
-            "door.client_vanished",
-            f"{self._client} answers no ping: its goals and leases end",
-            client=self._client,
-        )
+        self._log("vanished", "door.client_vanished", " answers no ping: its goals and leases end")
         self._link.cut()
-        holdings.tasks.cancel_scope.cancel()
+        tasks.cancel_scope.cancel()
 
-    async def _read(self, frames: AsyncIterator[str], holdings: _Holdings) -> None:
+    async def _read(self, frames: AsyncIterator[str], holdings: Holdings, tasks: TaskGroup) -> None:
         """Handle one frame after the other, no faster than the client may send and takes its answers."""
         now = self._node.graph.clock.monotonic
         most = self._settings.max_frames_per_second
@@ -186,20 +150,20 @@ class ClientSession:
                 await anyio.sleep(wait)
             await self._outbox.room()
             await self._turns.turn()
-            await self._handle(frame, holdings)
+            await self._handle(frame, holdings, tasks)
 
-    async def _handle(self, frame: str, holdings: _Holdings) -> None:
+    async def _handle(self, frame: str, holdings: Holdings, tasks: TaskGroup) -> None:
         self._shared.counters.frames += 1
         if holdings.publications.keep_unread(frame):
             return
         try:
             op = await self._turns.run(self._assembler.read(frame))
         except FrameError as exc:
-            error_text = (
-                f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
+            refusal = _refusal(exc.op, exc.name, exc.problem)
+            self._log_error(
+                f": {refusal}" if exc.op else f" sent a frame that {exc.problem}", exc.op or "frame", exc.problem
             )
-            self._log_error(error_text, exc.op or "frame", exc.problem)
-            self._answer(exc.op, exc.id, exc.target, str(exc))
+            self._answer(exc, str(exc))
             return
         if op is None:
             self._shared.counters.fragments_dropped += self._assembler.dropped
@@ -207,16 +171,16 @@ class ClientSession:
             return
         try:
             self._check(op)
-            self._do(op, holdings, len(frame))
+            self._do(op, holdings, tasks, len(frame))
         except MissingRightError as exc:
             self.refused += 1
             self._shared.counters.requests_refused += 1
             self._shared.counters.rights_missing += 1
             self._shared.refusals.record(self._access, self._client, op, exc)
-            self._answer(op.op, op.id, op.name, str(exc))
+            self._answer(op, str(exc))
         except HomebotError as exc:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
-            self._answer(op.op, op.id, op.name, str(exc))
+            self._answer(op, str(exc))
 
     def _check(self, op: Operation) -> None:
         """Refuse *op* where the client has no right to it.
@@ -233,84 +197,60 @@ class ClientSession:
                 raise PeerError(problem) from None
             raise
 
-    def _do(self, op: Operation, holdings: _Holdings, size: int) -> None:
+    def _do(self, op: Operation, holdings: Holdings, tasks: TaskGroup, size: int) -> None:
+        if isinstance(op, _OPENING):
+            self._check_room(holdings)
         match op:
             case PublishOperation():
-                if op.topic not in holdings.publications:
-                    self._check_room(holdings)
-                if missing := holdings.publications.publish(op, size):
-                    text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
-                    self._remark("warning", text, op.id)
+                self._publish(op, holdings, size)
+            case SubscribeOperation():
+                self._subscribe(op, holdings)
             case CallService():
-                self._start_call(op, holdings.tasks)
-            case ServiceResponse():
-                holdings.services.answer(op)
+                self._start_call(op, holdings, tasks)
             case SetLevel():
                 self._level = op.level
-            case ActionOperation():
-                self._act(op, holdings)
             case _:
-                self._register(op, holdings)
+                holdings.handle(op)
+                self._watch_over(holdings)
 
-    def _register(self, op: Operation, holdings: _Holdings) -> None:
-        match op:
-            case Advertise():
-                self._check_room(holdings)
-                holdings.publications.advertise(op)
-            case Unadvertise():
-                holdings.publications.unadvertise(op)
-            case SubscribeOperation():
-                self._check_room(holdings)
-                self._subscribe(op, holdings)
-            case UnsubscribeOperation():
-                holdings.subscriptions.unsubscribe(op)
-            case AdvertiseService():
-                self._check_room(holdings)
-                holdings.services.advertise(op)
-            case UnadvertiseService():
-                holdings.services.unadvertise(op)
-
-    def _act(self, op: ActionOperation, holdings: _Holdings) -> None:
-        if isinstance(op, AdvertiseAction):
+    def _publish(self, op: PublishOperation, holdings: Holdings, size: int) -> None:
+        if op.topic not in holdings.publications:
             self._check_room(holdings)
-        if holdings.actions is None:
-            from homebot.bridges.rosbridge.actions import ClientActions  # noqa: PLC0415 - loaded with the first one
+        if missing := holdings.publications.publish(op, size):
+            text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
+            self._remark("warning", text, op.id)
 
-            holdings.actions = ClientActions(
-                self._shared, self._access, self._outbox, holdings.tasks, self._report_taken
-            )
-        holdings.actions.handle(op)
-        if holdings.goals:
-            self._heartbeat.start()
-
-    def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
+    def _subscribe(self, op: SubscribeOperation, holdings: Holdings) -> None:
         if op.compression == "png" and not self._reads_png:
             op = op.model_copy(update={"compression": "none"})
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
 
-    def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
+    def _start_call(self, op: CallService, holdings: Holdings, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
             raise PeerError(f"{self._calls} calls of this client are waiting already")
         self._calls += 1
-        tasks.start_soon(partial(self._call, op))
+        tasks.start_soon(self._call, op, holdings)
 
-    async def _call(self, op: CallService) -> None:
+    async def _call(self, op: CallService, holdings: Holdings) -> None:
         try:
             await self._outbox.room()
             await self._turns.turn()
             packing = Packing(self._reads_png and op.compression == "png", op.fragment_size or 0)
             answer = partial(self._outbox.answer, packing=packing)
-            await call_service(self._node, op, self._turns, self._access, answer, self._on_request)
+            await call_service(self._node, op, self._turns, self._access, answer, partial(self._on_request, holdings))
         finally:
             self._calls -= 1
 
-    def _on_request(self, service: str, request: Message) -> None:
-        self._leases.record(service, request)
-        if self._leases:
+    def _on_request(self, holdings: Holdings, service: str, request: Message) -> None:
+        self._shared.leases.record(holdings, service, request)
+        self._watch_over(holdings)
+
+    def _watch_over(self, holdings: Holdings) -> None:
+        if holdings.must_end:
             self._heartbeat.start()
 
-    def _check_room(self, holdings: _Holdings) -> None:
+    def _check_room(self, holdings: Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
             raise PeerError(f"this client uses {len(holdings)} topics and services already, the limit")
         if (held := self._shared.held_by_all()) >= self._settings.max_entities_of_all:
@@ -321,22 +261,12 @@ class ClientSession:
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
             self._remark("warning", f"{limit} came from this client: it is being throttled to that rate", None)
-            self._shared.error_log.log(
-                f"slowed down {self._client.rpartition(':')[0]}",
-                "door.slowed_down",
-                f"{self._client} sends {limit}: it is being throttled to that rate",
-                client=self._client,
-            )
+            self._log("slowed down", "door.slowed_down", f" sends {limit}: it is being throttled to that rate")
 
-    def _report_taken(self, service: str) -> None:
-        problem = f"service {service} is provided by a newer connection of the client {self._access.name} now"
-        self._shared.error_log.log(
-            f"taken over {self._client.rpartition(':')[0]}",
-            "door.service_taken_over",
-            f"{self._client}: {problem}",
-            client=self._client,
-            service=service,
-        )
+    def _report_taken(self, name: str) -> None:
+        service = name.removesuffix("/_action")
+        problem = f"{service} is provided by a newer connection of the client {self._access.name} now"
+        self._log("taken over", "door.service_taken_over", f": {problem}", service=service)
         self._remark("error", problem, None)
 
     def _report_unfit(self, op: str, topic: str, problem: str, identifier: Identifier = None) -> None:
@@ -348,62 +278,24 @@ class ClientSession:
     def _log_error(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
         self._shared.counters.requests_refused += 1
-        self._shared.error_log.log(
-            f"refused {self._client.rpartition(':')[0]}",
-            event,
-            f"{self._client}{error_text}",
-            client=self._client,
-            op=op,
-            problem=problem,
-            refused=self.refused,
-        )
+        self._log("refused", event, error_text, op=op, problem=problem, refused=self.refused)
 
-    def _answer(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
-        if op == "call_service":
-            self._outbox.answer(service_failure(target, identifier, problem))
-        elif op == "send_action_goal":
-            self._outbox.answer(action_failure(target, identifier, problem))
+    def _log(self, kind: str, event: str, text: str, **facts: str | int) -> None:
+        """Log *text*, which follows the name of the client; lines of one *kind* and address are limited."""
+        host = self._client.rpartition(":")[0]
+        log, client = self._shared.error_log.log, self._client
+        log(f"{kind} {host}", event, f"{client}{text}", level="warning", error=None, client=client, **facts)
+
+    def _answer(self, op: Operation | FrameError, problem: str) -> None:
+        if op.op in {"call_service", "send_action_goal"}:
+            self._outbox.answer(failure_frame(op, problem))
         else:
-            self._remark("error", problem, identifier)
+            self._remark("error", problem, op.id)
 
     def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
         """Send the client a remark, if it asked for those of this *level*."""
         if _SEVERITY[self._level] >= _SEVERITY[level]:
-            self._outbox.answer(status_frame(level, text, identifier))
-
-
-class _Kind(Protocol):
-    """Entities of one kind."""
-
-    def close_one(self) -> bool:
-        """Give one back; return whether there was one."""
-        ...
-
-
-@dataclass(slots=True)
-class _Holdings:
-    """Everything that goes when the client goes."""
-
-    publications: Publications
-    subscriptions: Subscriptions
-    services: ProvidedServices
-    tasks: TaskGroup
-    actions: ClientActions | None = None
-
-    def __len__(self) -> int:
-        return len(self.publications) + len(self.subscriptions) + len(self.services) + len(self.actions or ())
-
-    @property
-    def goals(self) -> int:
-        """The number of goals that the client sent and that have not ended."""
-        return self.actions.goals if self.actions is not None else 0
-
-    async def close(self, turns: ServerTurns) -> None:
-        """Give everything back, a little each time the event loop goes round."""
-        kinds: tuple[_Kind | None, ...] = (self.actions, self.services, self.publications, self.subscriptions)
-        for kind in kinds:
-            while kind is not None and kind.close_one():
-                await turns.turn()
+            self._outbox.answer(frame_text("status", identifier, {"level": level, "msg": text}))
 
 
 def _refusal(op: str, name: str, problem: str) -> str:

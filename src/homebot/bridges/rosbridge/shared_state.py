@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, final
 
 import anyio
@@ -14,12 +15,11 @@ from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.access_messages import ClientLeft
-from homebot.devices.names import CLIENTS_LEFT
 from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.provided_services import Provider
+    from homebot.bridges.rosbridge.owned_leases import OwnedLeases
+    from homebot.bridges.rosbridge.provisions import Provisions
     from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
@@ -87,7 +87,7 @@ class ExpectedTopics:
                         callback(change.entity.name)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SharedState:
     """The state that all clients of a door share.
 
@@ -113,14 +113,14 @@ class SharedState:
     error_log: ClientErrorLog
     refusals: Refusals
     owners: Callable[[], RobotOwners]
-    providers: dict[str, Provider] = field(default_factory=dict)
+    providers: dict[str, Provisions] = field(default_factory=dict)
 
-    def publish_left(self, issuer: str) -> None:
-        """Report that the last connection of the client *issuer* ended."""
-        if self.node.graph.get_endpoints(kind=EntityKind.SUBSCRIPTION, name=CLIENTS_LEFT):
-            publisher = self.node.create_publisher(ClientLeft, CLIENTS_LEFT)
-            publisher.publish(ClientLeft(issuer=issuer))
-            publisher.close()
+    @cached_property
+    def leases(self) -> OwnedLeases:
+        """The leases that clients asked for."""
+        from homebot.bridges.rosbridge.owned_leases import OwnedLeases  # noqa: PLC0415 - with the first client
+
+        return OwnedLeases(self.node)
 
     def held_by_all(self) -> int:
         """Return how many entities all clients together hold on the graph."""

@@ -48,7 +48,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         self.state = GoalState.ACCEPTED
         self.scope = anyio.CancelScope()
         self.is_answered = False
-        self._type = action_type
+        self.action_type = action_type
         self._on_change = on_change
         self._on_feedback = on_feedback
         self._is_revoked = False
@@ -76,7 +76,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         Raises:
             TypeMismatchError: *feedback* is not of the action's feedback type.
         """
-        check_type(feedback, self._type.Feedback)
+        check_type(feedback, self.action_type.Feedback)
         if self.is_active:
             self._on_feedback(self.goal_id, feedback)
 
@@ -129,14 +129,14 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
     def finish(self, result: ResultT | None) -> None:
         """Fix the result of an ended goal: the one it ended with, else *result*, else an empty one."""
         if not self._outcome.done():
-            self._outcome.set_result(self._result or result or zero_message(self._type.Result))
+            self._outcome.set_result(self._result or result or zero_message(self.action_type.Result))
 
     async def wait_for_result(self) -> ResultT:
         """Return the result when the goal has ended."""
         return await asyncio.shield(self._outcome)
 
     def _end(self, state: GoalState, result: ResultT | None) -> None:
-        check_type(result, self._type.Result)
+        check_type(result, self.action_type.Result)
         if self._is_revoked:
             return
         self._result = result

@@ -1,0 +1,125 @@
+"""All that one client of the door holds: topics, services, actions, goals and leases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+from anyio.abc import TaskGroup
+
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.backlog import Backlog
+from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.protocol import (
+    ActionOperation,
+    Advertise,
+    AdvertiseService,
+    Identifier,
+    Operation,
+    ServiceResponse,
+    Unadvertise,
+    UnadvertiseService,
+    UnsubscribeOperation,
+)
+from homebot.bridges.rosbridge.provided_services import ProvidedServices
+from homebot.bridges.rosbridge.provisions import Provisions
+from homebot.bridges.rosbridge.publications import Publications
+from homebot.bridges.rosbridge.shared_state import SharedState
+from homebot.bridges.rosbridge.subscriptions import Subscriptions
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.actions import ClientActions
+
+__all__ = ["Holdings"]
+
+
+class _Kind(Protocol):
+    """Entities of one kind."""
+
+    def close_one(self) -> bool:
+        """Give one back; return whether there was one."""
+        ...
+
+
+class Holdings:
+    """Everything that goes when the client goes.
+
+    Args:
+        shared: State shared with other clients.
+        access: The client's identity.
+        outbox: Takes frames to the client.
+        tasks: Where goals are waited for.
+        on_unfit: Called with operation, topic, problem and id where a message or a request turns out wrong later.
+        on_taken: Called with the name of a service or action that a newer connection took over.
+
+    Attributes:
+        publications: The topics that it publishes.
+        subscriptions: The topics that it reads.
+    """
+
+    def __init__(
+        self,
+        shared: SharedState,
+        access: ClientAccess,
+        outbox: Outbox,
+        tasks: TaskGroup,
+        on_unfit: Callable[[str, str, str, Identifier], None],
+        on_taken: Callable[[str], None],
+    ) -> None:
+        node, settings = shared.node, shared.settings
+        self._shared = shared
+        self._access = access
+        self._outbox = outbox
+        self._tasks = tasks
+        self._backlog = backlog = Backlog(settings.max_waiting_bytes, shared.backlog)
+        self.publications = Publications(node, access, on_unfit)
+        self.subscriptions = Subscriptions(node, settings.queue_depth, backlog, outbox, shared.expected, on_unfit)
+        self._provisions = Provisions(access.name, shared.providers, on_taken)
+        self._services = ProvidedServices(node, settings.max_calls, outbox, self._provisions)
+        self._actions: ClientActions | None = None
+
+    def __len__(self) -> int:
+        return len(self.publications) + len(self.subscriptions) + len(self._provisions)
+
+    @property
+    def must_end(self) -> bool:
+        """True while the client has a goal or a lease, which ends soon after the client."""
+        return bool(self._actions and self._actions.sent) or self._shared.leases.has(self)
+
+    def handle(self, op: Operation) -> None:
+        """Carry out *op* if it is about what the client provides or publishes, or about actions.
+
+        Raises:
+            HomebotError: It is refused.
+        """
+        match op:
+            case Advertise():
+                self.publications.advertise(op)
+            case Unadvertise():
+                self.publications.unadvertise(op)
+            case UnsubscribeOperation():
+                self.subscriptions.unsubscribe(op)
+            case AdvertiseService():
+                self._services.advertise(op)
+            case UnadvertiseService():
+                self._services.unadvertise(op)
+            case ServiceResponse():
+                self._services.answer(op)
+            case ActionOperation():
+                self._act(op)
+
+    async def close(self) -> None:
+        """Give everything back, a little each time the event loop goes round."""
+        self._backlog.close()
+        kinds: tuple[_Kind, ...] = (self._provisions, self.publications, self.subscriptions)
+        for kind in kinds if self._actions is None else (self._actions.sent, *kinds):
+            while kind.close_one():
+                await self._shared.turns.turn()
+        self._shared.leases.release(self)
+
+    def _act(self, op: ActionOperation) -> None:
+        if self._actions is None:
+            from homebot.bridges.rosbridge.actions import ClientActions  # noqa: PLC0415 - loaded with the first one
+
+            self._actions = ClientActions(self._shared, self._access, self._outbox, self._tasks, self._provisions)
+        self._actions.handle(op)
