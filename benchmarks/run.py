@@ -33,6 +33,7 @@ BENCHMARKS = (
     "command_line",
     "walks",
     "places",
+    "near",
     "command_cost",
     "outcomes",
     "outcomes_networks",

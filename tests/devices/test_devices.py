@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Any
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.follow import Follow
 from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
@@ -341,44 +341,64 @@ def _device(gateway: str) -> Device:
     )
 
 
-def logged(entries: list[Any]) -> list[str]:
-    return [str(one["message"]) for one in entries if one["event"] == "devices.unknown_word"]
+REFUSED: dict[str, Callable[[Node], Awaitable[object]]] = {
+    "find('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights?": (
+        lambda node: Devices(node).find("lihgts")
+    ),
+    "follow('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights?": (
+        lambda node: anext(Devices(node).follow("lihgts"))
+    ),
+    "find(Light, area='Hal'): no device is in 'hal'; did you mean hall?": (
+        lambda node: Devices(node).find(Light, area="Hal")
+    ),
+    "follow(Light, area='Hal', on=True): no device is in 'hal'; did you mean hall?": (
+        lambda node: anext(Devices(node).follow(Light, area="Hal", on=True))
+    ),
+    "follow('lights not in hal'): no device is in 'hal'; did you mean hall?": (
+        lambda node: read_all(Follow(node, query="lights not in hal"))
+    ),
+}
 
 
-async def test_a_misspelt_query_is_logged_once(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
-    """A type; a room is refused; what is there, and what may yet be announced, is not."""
+async def read_all(query: Follow) -> None:
+    async for _ in query:
+        pass
+
+
+@pytest.mark.parametrize(("problem", "ask"), REFUSED.items(), ids=REFUSED)
+async def test_a_misspelt_query_is_refused(
+    gateway_on: RunGateway, directory_on: RunDirectory, problem: str, ask: Callable[[Node], Awaitable[object]]
+) -> None:
     graph = Graph()
     async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        await hall_lamp(gateway, node)
+        with pytest.raises(UsageError) as caught:
+            await ask(node)
+    assert str(caught.value) == problem
+
+
+async def test_what_may_yet_be_announced_is_not_refused(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        await hall_lamp(gateway, node)
         devices = Devices(node)
-        await gateway.says("lights/hall_lamp", "on")
-        await anyio.sleep(0.01)
-        await node.create_client(PlaceDevice, PLACE_DEVICE).call(
-            PlaceDevice.Request(device="lights/hall_lamp", room="Hall")
-        )
-        await anyio.sleep(0.01)
-        with capture_logs() as entries:
-            for _ in range(2):
-                assert await devices.find(Light, area="Hall") == ()
-                with pytest.raises(
-                    UsageError, match=r"find\(Light, area='Hal'\): no device is in 'hal'; did you mean hall?"
-                ):
-                    await devices.find(Light, area="Hal")
-                assert await devices.find("lihgts") == ()
-                assert await devices.find(Light, area="Cellar") == ()
-        assert logged(entries) == [
-            "find('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights or "
-            "light or lightings?",
-        ]
-        with capture_logs() as entries:
-            for wanted in ("lihgts", "robots", "lights", "xyzzy"):
-                devices.follow(wanted)
-            await anyio.sleep(20)
-            assert sorted(one.partition(":")[0] for one in logged(entries)) == [
-                "follow('lihgts')",
-            ]
-            await gateway.says("robots/robi", "x")
-            await anyio.sleep(300)
-        assert [one.partition(":")[0] for one in logged(entries)][1:] == ["follow('xyzzy')"]
+        assert await devices.find(Light, area="Hall") == ()
+        assert await devices.find(Light, area="Cellar") == ()
+        assert await devices.find("xyzzy") == ()
+        query = devices.follow("robots")
+        with anyio.move_on_after(400):
+            await anext(query)
+        await gateway.says("robots/robi", "x")
+        assert (await anext(query)).device.id == "robots/robi"
+
+
+async def hall_lamp(gateway: FakeGateway, node: Node) -> None:
+    await gateway.says("lights/hall_lamp", "on")
+    await anyio.sleep(0.01)
+    await node.create_client(PlaceDevice, PLACE_DEVICE).call(
+        PlaceDevice.Request(device="lights/hall_lamp", room="Hall")
+    )
+    await anyio.sleep(0.01)
 
 
 @pytest.mark.parametrize("ask", ["find", "follow"])

@@ -18,10 +18,10 @@ from homebot.devices.command_messages import CommandResult
 from homebot.devices.gateway_messages import Report
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
-from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, GatewayNames
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query, query_terms
-from homebot.devices.robot_messages import RobotPose
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import QueryDevicesResponse
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
@@ -42,13 +42,44 @@ DOOR = HouseDoor("Hall-Kitchen", ("Hall", "Kitchen"), ((4.0, 4.5),), contact="Ki
 POSITIONS = {"kitchen_lamp": "4.5,1 ±0", "hall_lamp": "1,1 ±0"}
 
 
+class RobotPoses:
+    """The one robot of the house, as the tracker of robots tells of it.
+
+    Args:
+        node: Its node.
+    """
+
+    def __init__(self, node: Node) -> None:
+        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._poses = node.create_publisher(RobotPose, ROBOT_POSES, kept)
+        self._clock = node.graph.clock
+        self._node = node
+        self._last: RobotPose | None = None
+
+    def publish(self, pose: RobotPose) -> None:
+        if self._last is None:
+            self._node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
+        self._last = pose
+        self._poses.publish(pose)
+
+    def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
+        pose = self._last
+        assert pose is not None
+        if request.robot not in {"robi", "robot"}:
+            message = f"there is no robot {request.robot!r}; did you mean robi?"
+            return WhereIsRobotResponse(success=False, message=message, is_mistake=True)
+        age = self._clock.now() - pose.received_at.to_seconds()
+        problem = "" if pose.counts else f"robi's pose is {age:.0f} s old (limit {pose.limit:g} s)"
+        return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
+
+
 @dataclass
 class House:
     """The golden house of two rooms, a robot, and an app."""
 
     sightings: Publisher[Sighting]
     readings: Publisher[Report]
-    poses: Publisher[RobotPose]
+    poses: RobotPoses
     outcomes: Publisher[JournalEntry]
     app: Node
 
@@ -107,7 +138,7 @@ async def _house(announce: Announce, part: MakePart, closed_door: float = 3.0) -
         house = House(
             sightings,
             gateway.create_publisher(Report, names.readings, kept),
-            robots.create_publisher(RobotPose, ROBOT_POSES, kept),
+            RobotPoses(robots),
             control.create_publisher(JournalEntry, JOURNAL_ENTRIES, 10),
             app,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
+from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
@@ -32,9 +32,6 @@ from homebot.graph import Client, Node, Subscription
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
-
-if TYPE_CHECKING:
-    from homebot.devices.misspelt_names import QueryCheck
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -84,7 +81,7 @@ class Devices:
         """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
 
         An app starts before its devices are known. :meth:`follow` gives those that are there and those to come. With
-        ``near="robot"``, those nearest to the robot come first. A type that is likely misspelt is logged, once.
+        ``near="robot"``, those nearest to the robot come first.
 
         Args:
             service_type: A kind of handle, for example :class:`Light`; or a service type, for example ``"lights"``,
@@ -96,8 +93,8 @@ class Devices:
         Raises:
             TypeError: The kind has no such condition; the message suggests the nearest.
             ValueError: A condition does not accept the value, or the service type is a sentence.
-            UsageError: Nothing in the house has the area, the tag or the name, and something has a similar one, or the
-                house states its rooms; or there is no such robot. It says what was probably meant.
+            UsageError: Nothing in the house has the type, the area, the tag or the name, and something has a similar
+                one, or the house states its rooms; or there is no such robot. It says what was probably meant.
             RefusedError: The place of the robot is not known now; the message says how old its last pose is.
             ServiceError: The directory did not answer.
         """
@@ -105,7 +102,7 @@ class Devices:
             _check_plain(service_type, none, query)
             devices = (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
             if service_type and not devices:
-                await self._checks.check(type_is(service_type), f"find({service_type!r})")
+                await self._view.check(type_is(service_type), f"find({service_type!r})")
             return devices
         wanted = service_type.where(*none, **query)
         find = self._view.find if wanted.near is None else self._view.find_near
@@ -115,7 +112,7 @@ class Devices:
             if parts := wanted.parts(device):
                 handles += self._handles_of(device, answer.sequence, wanted.kind, parts)
         if not handles and wanted.names:
-            await self._checks.refuse(And(wanted.names), _call_text("find", wanted, query))
+            await self._view.check(And(wanted.names), _call_text("find", wanted, query))
         return tuple(handles)
 
     @overload
@@ -138,14 +135,9 @@ class Devices:
         """
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
-            if service_type and not wanted_types(service_type):
-                self._checks.check_later(type_is(service_type), f"follow({service_type!r})")
             return Follow(self._node, service_type)
         wanted = service_type.where(*none, **query)
-        follow = FollowHandles(self._node, wanted)
-        if wanted.names:
-            self._checks.refuse_later(And(wanted.names), _call_text("follow", wanted, query), follow.refuse)
-        return follow
+        return FollowHandles(self._node, wanted, _call_text("follow", wanted, query))
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
@@ -228,12 +220,6 @@ class Devices:
     @cached_property
     def _view(self) -> HouseView:
         return HouseView.of(self._node)
-
-    @cached_property
-    def _checks(self) -> QueryCheck:
-        from homebot.devices.misspelt_names import QueryCheck  # noqa: PLC0415 - only if there is something to check
-
-        return QueryCheck(self._node)
 
     async def _listen_to(self, gateway: str, address: str) -> None:
         self._listened[gateway].add(address)

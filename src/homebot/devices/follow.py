@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
 
 import anyio
@@ -12,7 +13,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, IsNear, Not, Or, Query, StateIs, facets_of, fits, split_near, type_is
+from homebot.devices.query import And, IsNear, Not, Or, Query, StateIs, TypeIs, facets_of, fits, split_near, type_is
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -27,6 +28,10 @@ ItemT = TypeVar("ItemT")
 _TURN: Final = 100
 """Changes yielded before other tasks get their turn, should the reader never wait."""
 
+_CHECKED_AFTER: Final = (10.0, 290.0)
+"""Seconds from the start, and then from the first check, until the names in a query are checked."""
+
+_ANY: Final = And(())
 NO_LONGER: Final = "it no longer matches the query"
 
 
@@ -35,11 +40,15 @@ class LiveQuery(ABC, Generic[ItemT]):
 
     Args:
         node: The node that asks; the query ends with it.
+        names: The conditions with names that may be misspelt.
+        text: The query as it is written in the app.
         near: The condition to be near a robot, and the query by which the directory is asked for it; None for none.
     """
 
-    def __init__(self, node: Node, near: tuple[IsNear, Query] | None = None) -> None:
+    def __init__(self, node: Node, names: Query, text: str, near: tuple[IsNear, Query] | None = None) -> None:
         self._node = node
+        self._names = names
+        self._text = text
         self._asked_near = near
         self._near: NearWatch | None = None
         self._problem = ""
@@ -91,7 +100,16 @@ class LiveQuery(ABC, Generic[ItemT]):
         if self._near is not None:
             self._near.close()
 
-    def refuse(self, problem: str) -> None:
+    async def _check_names(self, view: HouseView) -> None:
+        """End the query if it has a misspelt name, soon and when devices had time to be announced."""
+        for wait in _CHECKED_AFTER:
+            await anyio.sleep(wait)
+            try:
+                await view.check(self._names, self._text)
+            except UsageError as exc:
+                self._refuse(str(exc))
+
+    def _refuse(self, problem: str) -> None:
         """End the query with an error: *problem* is its mistake."""
         self._problem = problem
         self._news.set()
@@ -120,8 +138,10 @@ class LiveQuery(ABC, Generic[ItemT]):
             if self._asked_near is not None:
                 from homebot.devices.near_watch import NearWatch  # noqa: PLC0415 - few queries ask for it
 
-                self._near = NearWatch(self._node, view, *self._asked_near, self._compare_near)
+                self._near = NearWatch(self._node, view, *self._asked_near, self._compare_near, self._refuse)
             view.add(self)
+            if self._names != _ANY:
+                self._node.create_task(partial(self._check_names, view))
         except ClosedError:
             self.close()
             raise StopAsyncIteration from None
@@ -174,7 +194,9 @@ class Follow(LiveQuery[DeviceChange]):
             terms.append(_parsed(query) if isinstance(query, str) else query)
         whole = terms[0] if len(terms) == 1 else And(tuple(terms))
         near, self._query = split_near(whole)
-        super().__init__(node, None if near is None else (near, near))
+        is_known = isinstance(self._query, TypeIs) and self._query.types
+        text = f"follow({query or service_type!r})"
+        super().__init__(node, _ANY if is_known else self._query, text, None if near is None else (near, near))
         self._asks_for_values = _has_states(self._query)
         self._matching: set[str] = set()
 
@@ -203,9 +225,6 @@ class Follow(LiveQuery[DeviceChange]):
 
     def _wants(self, device: Device) -> bool:
         return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
-
-
-_ANY: Final = And(())
 
 
 def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:

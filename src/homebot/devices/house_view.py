@@ -19,9 +19,10 @@ from homebot.devices.services import (
     FindDevicesResponse,
     QueryDevices,
     QueryDevicesRequest,
+    QueryDevicesResponse,
 )
 from homebot.errors import ClosedError, RefusedError, ServiceError, UsageError
-from homebot.graph import Node
+from homebot.graph import Client, Node
 from homebot.log import LogLimit
 
 if TYPE_CHECKING:
@@ -109,13 +110,27 @@ class HouseView:
             RefusedError: The place of the robot is not known now.
             ServiceError: The directory does not answer.
         """
-        client = self._node.create_client(QueryDevices, QUERY_DEVICES)
-        answer = await client.call(QueryDevicesRequest(query=query_terms(query)))
+        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query)))
         if answer.is_mistake:
             raise UsageError(answer.message)
         if not answer.success:
             raise RefusedError("the search", answer.message)
         return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
+
+    async def check(self, query: Query, text: str) -> None:
+        """Check the rooms, types and names in *query*, of the call *text* of an app; without an answer all is well.
+
+        Raises:
+            UsageError: Nothing in the house has one of them; says what was probably meant.
+        """
+        with suppress(ServiceError):
+            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+            if answer.is_mistake:
+                raise UsageError(f"{text}: {answer.message}")
+
+    @cached_property
+    def _query(self) -> Client[QueryDevicesRequest, QueryDevicesResponse]:
+        return self._node.create_client(QueryDevices, QUERY_DEVICES)
 
     def get(self, device_id: str) -> DeviceView | None:
         """Return a device of the watched house; None if there is no such device."""

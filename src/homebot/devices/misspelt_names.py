@@ -1,8 +1,8 @@
-"""Misspelt names: those of a configuration that nothing in the house has, and those in the queries of apps."""
+"""Misspelt names of a configuration, which nothing in the house has."""
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Sequence
 from typing import Final, final
 
 import anyio
@@ -11,15 +11,14 @@ from homebot.devices.device import Device
 from homebot.devices.health import HealthRequest, HealthResponse
 from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
 from homebot.devices.places_messages import GetPlaces
-from homebot.devices.query.terms import AreaIs, NameIs, Query, TypeIs, query_terms
-from homebot.devices.query.vocabulary import TYPE_WORDS
-from homebot.devices.services import FindDevices, QueryDevices, QueryDevicesRequest
-from homebot.errors import ServiceError, UsageError
+from homebot.devices.query.terms import AreaIs, NameIs, Query, query_terms
+from homebot.devices.services import FindDevices, QueryDevices
+from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.support.folding import fold, is_typo
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["ConfiguredNames", "QueryCheck"]
+__all__ = ["ConfiguredNames"]
 
 _ANNOUNCED_WITHIN: Final = 300.0
 """Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
@@ -32,12 +31,6 @@ _MOST: Final = 20
 _MOST_COMPARED: Final = 2000
 
 UNKNOWN_NAME: Final = "config.unknown_name"
-UNKNOWN_WORD: Final = "devices.unknown_word"
-
-_FIRST_CHECK: Final = 10.0
-"""Seconds until the query of an app is checked for the first time."""
-
-_MOST_LOGGED: Final = 100
 
 
 @final
@@ -134,64 +127,3 @@ def _names(device: Device) -> tuple[str, ...]:
 
 def _hint(name: str, known: Sequence[str], otherwise: str) -> str:
     return did_you_mean(name, known[:_MOST_COMPARED], otherwise)
-
-
-@final
-class QueryCheck:
-    """Log of the misspelt queries of a node, each once.
-
-    Args:
-        node: The node that asks the directory.
-    """
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
-        self._logged: set[str] = set()
-
-    async def refuse(self, query: Query, text: str) -> None:
-        """Check the names in *query*, in the call *text* of an app.
-
-        Raises:
-            UsageError: Nothing in the house has one of them; says what was probably meant.
-        """
-        if problem := await self._mistake(query):
-            raise UsageError(f"{text}: {problem}")
-
-    async def _mistake(self, query: Query) -> str:
-        try:
-            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
-        except ServiceError:
-            return ""
-        return answer.message if answer.is_mistake else ""
-
-    async def check(self, query: Query, text: str) -> None:
-        """Log the words of *query*, in the app *text*, that the directory does not know; a failed call logs nothing."""
-        if text in self._logged or len(self._logged) >= _MOST_LOGGED:
-            return
-        if (problem := await self._mistake(query)) and text not in self._logged:
-            self._logged.add(text)
-            self._node.log.warning(UNKNOWN_WORD, message=f"{text}: {problem}")
-
-    def check_later(self, query: Query, text: str) -> None:
-        """Do so soon, and when devices had time to be announced; of a type that may yet be announced only then."""
-
-        async def check() -> None:
-            await anyio.sleep(_FIRST_CHECK)
-            if not isinstance(query, TypeIs) or any(is_typo(query.word, one) for one in TYPE_WORDS):
-                await self.check(query, text)
-            await anyio.sleep(_ANNOUNCED_WITHIN - _FIRST_CHECK)
-            await self.check(query, text)
-
-        self._node.create_task(check)
-
-    def refuse_later(self, query: Query, text: str, refuse: Callable[[str], None]) -> None:
-        """Call *refuse* with a misspelt name in *query*, soon, or when devices had time to be announced."""
-
-        async def check() -> None:
-            for wait in (_FIRST_CHECK, _ANNOUNCED_WITHIN - _FIRST_CHECK):
-                await anyio.sleep(wait)
-                if problem := await self._mistake(query):
-                    refuse(f"{text}: {problem}")
-
-        self._node.create_task(check)

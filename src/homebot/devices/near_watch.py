@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from typing import Final, final
 
@@ -13,16 +12,14 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import ROBOT_POSES, ROBOTS_NODE
 from homebot.devices.query.terms import IsNear, Query
 from homebot.devices.robot_messages import RobotPose
-from homebot.errors import ServiceError
+from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.log import LogLimit
+from homebot.support.folding import fold
 
 __all__ = ["NearWatch"]
 
 NOT_KNOWN: Final = "devices.near_unknown"
-
-_MOVED: Final = 0.1
-"""Metres of a robot's way after which the directory is asked again."""
 
 _PAUSE: Final = 0.5
 """Seconds between two questions, but for a door."""
@@ -41,22 +38,29 @@ class NearWatch:
         near: The robot and the distance.
         query: The query for the directory, with *near*.
         changed: Called with the ids of the devices that came near or left.
+        refuse: Called with the mistake in the query, such as an unknown robot.
 
     Attributes:
         ids: Their ids.
     """
 
     def __init__(
-        self, node: Node, view: HouseView, near: IsNear, query: Query, changed: Callable[[Iterable[str]], None]
+        self,
+        node: Node,
+        view: HouseView,
+        near: IsNear,
+        query: Query,
+        changed: Callable[[Iterable[str]], None],
+        refuse: Callable[[str], None],
     ) -> None:
         self.ids: frozenset[str] = frozenset()
         self._node = node
         self._clock = node.graph.clock
         self._view = view
-        self._robot = near.robot.casefold()
+        self._robot = fold(near.robot)
         self._query = query
         self._changed = changed
-        self._last: dict[str, RobotPose] = {}
+        self._refuse = refuse
         self._due, self._urgent = anyio.Event(), anyio.Event()
         self._scope = anyio.CancelScope()
         self._limit = LogLimit(node.graph.clock)
@@ -80,37 +84,26 @@ class NearWatch:
             self._urgent.set()
 
     def _on_pose(self, pose: RobotPose) -> None:
-        last = self._last.get(pose.robot)
-        if last is not None and _is_same(pose, last):
-            return
-        self._last[pose.robot] = pose
-        if self._robot in {pose.robot.casefold(), "robot"}:
+        if self._robot in {fold(pose.robot), "robot"}:
             self._due.set()
 
     async def _run(self) -> None:
         with self._scope:
-            asked_at = -math.inf
             while True:
                 await self._due.wait()
-                with anyio.move_on_after(max(0.0, asked_at + _PAUSE - self._clock.monotonic())):
-                    await self._urgent.wait()
                 self._due, self._urgent = anyio.Event(), anyio.Event()
-                asked_at = self._clock.monotonic()
                 await self._ask()
+                with anyio.move_on_after(_PAUSE):
+                    await self._urgent.wait()
 
     async def _ask(self) -> None:
-        before = self.ids
+        before, self.ids = self.ids, frozenset()
         try:
-            self.ids = frozenset([device.id for device in (await self._view.find(self._query)).devices])
-        except ServiceError as exc:
-            self.ids = frozenset()
+            self.ids = frozenset([device.id for device in (await self._view.find_near(self._query)).devices])
+        except UsageError as exc:
+            self._refuse(str(exc))
+        except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_KNOWN) is not None:
                 self._node.log.warning(NOT_KNOWN, message=f"nothing counts as near: {exc}")
         if changed := before ^ self.ids:
             self._changed(sorted(changed))
-
-
-def _is_same(pose: RobotPose, last: RobotPose) -> bool:
-    """Return whether a robot is where it was, to within 0.1 m."""
-    facts = [(one.room, one.floor, one.has_position, one.counts, one.is_sure) for one in (pose, last)]
-    return facts[0] == facts[1] and math.dist((pose.x, pose.y), (last.x, last.y)) < _MOVED

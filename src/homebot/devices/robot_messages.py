@@ -62,7 +62,7 @@ class WhereIsRobotRequest(Message):
     """A question for the place of a robot.
 
     Attributes:
-        robot: Its name; empty where there is one robot.
+        robot: Its name; empty, or ``robot``, where there is one robot.
     """
 
     robot: str = ""
@@ -74,10 +74,12 @@ class WhereIsRobotResponse(ServiceAnswer):
     Attributes:
         pose: The last pose; none if there was none.
         age: Seconds since it was received.
+        is_mistake: Whether there is no such robot.
     """
 
     pose: tuple[RobotPose, ...] = ()
     age: float = 0.0
+    is_mistake: bool = False
 
 
 WhereIsRobot = ServiceType("homebot/srv/WhereIsRobot", WhereIsRobotRequest, WhereIsRobotResponse)

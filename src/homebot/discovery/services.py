@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from collections.abc import Set as AbstractSet
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
-from homebot.devices.query import And, IsNear, Query, asks_for_near, read_terms, split_near, type_is
+from homebot.devices.query import And, Query, asks_for_near, read_terms, split_near, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     ExportIndex,
@@ -53,7 +54,6 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import PlacesServices
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
-from homebot.messages.key_value import KeyValue
 
 if TYPE_CHECKING:
     from homebot.discovery.nearness import Nearness
@@ -116,94 +116,62 @@ class DirectoryServices:
         )
 
     def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
-        return self._find_later(request) if self._index.is_behind else self._found(request)
+        is_later = self._index.is_behind or asks_for_near(request.query)
+        return self._find_later(request) if is_later else self._found(request)
 
     async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
-        return self._found(request)
+        near, rest = split_near(read_terms(request.query))
+        if near is None:
+            return self._found(request)
+        return self._found(request, {one.device for one in (await self._nearness.find(near, rest)).devices})
 
-    def _found(self, request: FindDevicesRequest) -> FindDevicesResponse:
+    def _found(self, request: FindDevicesRequest, near: AbstractSet[str] | None = None) -> FindDevicesResponse:
         is_by_id = request.ids and not request.query and not request.service_type
         devices = []
-        for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request):
+        for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request, near):
             device = self._index.get(device_id)
             if device is not None:  # else it is named, but unknown
                 devices.append(device)
         return FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
-    def _matching(self, request: FindDevicesRequest) -> list[str]:
-        """Return the ids of the devices that match *request*, sorted."""
+    def _matching(self, request: FindDevicesRequest, near: AbstractSet[str] | None) -> list[str]:
+        """Return the ids of the devices that match *request*, sorted; only those *near* a robot where it asks so."""
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
             self._check_words(query)
-        found = self._near_devices(query) if asks_for_near(request.query) else self._index.find(query)
+        found = self._index.find(query) if near is None else self._index.find(query) & near
         return sorted(found.intersection(request.ids) if request.ids else found)
-
-    def _near_devices(self, query: Query) -> set[str]:
-        near, rest = split_near(query)
-        found = self._index.find(rest)
-        return {one.device for one in self._nearness.find(near, rest, found).found} if near is not None else set(found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
 
         await self._catch_up()
+        index, limit = self._index, request.offset + request.limit if request.limit else None
+        ranked: list[tuple[float, str, tuple[str, ...]]]
         try:
             query = read_terms(request.query)
             self._check_words(query)
             near, rest = split_near(query)
-            if near is not None:
-                return self._near(request, near, rest)
+            if near is None:
+                ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
+                answer = QueryDevicesResponse(success=True, total=len(ranked))
+            else:
+                found = await self._nearness.find(near, rest, limit or 0)
+                ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
+                answer = found.answer
         except (RefusedError, UsageError) as exc:
             is_mistake = isinstance(exc, UsageError)
             reason = exc.reason if isinstance(exc, RefusedError) else str(exc)
-            return QueryDevicesResponse(
-                success=False, message=reason, sequence=self._index.sequence, is_mistake=is_mistake
-            )
-        found = self._index.find(query)
-        ranked = rank(query, found, self._index.postings)
-        shown = ranked[request.offset :][: request.limit or None]
-        results = (
-            Found(device=device, score=score, reasons=reasons(query, one, self._index.postings))
-            for score, one in shown
-            if (device := self._index.get(one)) is not None
-        )
-        return QueryDevicesResponse(
-            success=True, results=tuple(results), total=len(ranked), sequence=self._index.sequence
-        )
-
-    def _near(self, request: QueryDevicesRequest, near: IsNear, rest: Query) -> QueryDevicesResponse:
-        """Return the devices near a robot, best first.
-
-        Raises:
-            RefusedError: The place of the robot is not known now.
-            UsageError: There is no such robot.
-        """
-        from homebot.discovery.search.rank import reasons  # noqa: PLC0415 - for searches alone
-
-        index, nearness = self._index, self._nearness
-        found = index.find(rest)
-        answer = nearness.find(near, rest, found, request.offset + request.limit if request.limit else 0)
-        results = (
-            Found(
-                device=device,
-                score=-one.cost,
-                reasons=(answer.why(one, nearness), *reasons(rest, one.device, index.postings)),
-            )
-            for one in answer.found[request.offset :]
-            if (device := index.get(one.device)) is not None
-        )
-        return QueryDevicesResponse(
-            success=True,
-            message=answer.text,
-            results=tuple(results),
-            total=answer.total,
-            sequence=index.sequence,
-            pose_age=answer.age,
-            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in answer.left_out),
-        )
+            return QueryDevicesResponse(success=False, message=reason, sequence=index.sequence, is_mistake=is_mistake)
+        results = [
+            Found(device=device, score=score, reasons=(*why, *reasons(rest, one, index.postings)))
+            for score, one, why in ranked[request.offset : limit]
+            if (device := index.get(one)) is not None
+        ]
+        return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
 
     @cached_property
     def _nearness(self) -> Nearness:
@@ -212,17 +180,11 @@ class DirectoryServices:
         return Nearness(self._node, self._index)
 
     def _check_words(self, query: Query) -> None:
-        """Check that *query* has no misspelt word.
-
-        Raises:
-            UsageError: It has; says what was probably meant.
-        """
-        from homebot.discovery.search.unknown_words import unknown_word  # noqa: PLC0415 - for searches alone
+        """Check the words of *query*, as :func:`check_words` does."""
+        from homebot.discovery.search.unknown_words import check_words  # noqa: PLC0415 - for searches alone
 
         index = self._index
-        names = (part.part.name for device in index.devices() for part in device.parts)
-        if problem := unknown_word(query, index.postings, index.owner.plan, names):
-            raise UsageError(problem)
+        check_words(query, index.postings, index.owner.plan, index.devices)
 
     def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
         self._publish_all()

@@ -109,7 +109,7 @@ class PathFinder:
         self._gates: dict[str, list[_Gate]] = {}
         self._targets: dict[str, Spot] = {}
         self._in_room: dict[str, set[str]] = {}
-        self._reachable: dict[tuple[str, frozenset[str]], AbstractSet[str]] = {}
+        self._reachable: tuple[AbstractSet[str], frozenset[str]] = frozenset(), frozenset()
         for doorway in doorways:
             for here, there in doorway.points or ((None, None),):
                 gate = _Gate(doorway.name, Spot(doorway.rooms[0], here))
@@ -143,8 +143,8 @@ class PathFinder:
 
     def reachable_rooms(self, room: str, locked: frozenset[str] = frozenset()) -> AbstractSet[str]:
         """Return the rooms to which a way leads from *room*, that itself included, but for the *locked* doors."""
-        known = self._reachable.get((room, locked))
-        if known is not None:
+        known, though_locked = self._reachable
+        if room in known and locked == though_locked:
             return known
         found, waiting = {room}, [room]
         while waiting:
@@ -153,7 +153,7 @@ class PathFinder:
                 if other is not None and other.spot.room not in found and gate.door not in locked:
                     found.add(other.spot.room)
                     waiting.append(other.spot.room)
-        self._reachable = {(room, locked): found}
+        self._reachable = found, locked
         return found
 
     def reachable(self, targets: AbstractSet[str], room: str, locked: frozenset[str] = frozenset()) -> set[str]:

@@ -148,13 +148,14 @@ class RobotTracker:
 
     def where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
         """Answer the service: where a robot is, or was, and how old that is."""
-        name = request.robot or self.owners.sole
+        by_name = {"robot": self.owners.sole, "": self.owners.sole} | {fold(one): one for one in self._robots}
+        name = by_name.get(fold(request.robot)) or request.robot
         robot = self._robots.get(name)
         known = ", ".join(self.owners.names)
         if robot is None:
             hint = did_you_mean(name, self.owners.names, f"robots are {known}")
             problem = f"there is no robot {name[:100]!r}; {hint}" if name else f"say which robot: {known}"
-            return WhereIsRobotResponse(success=False, message=problem)
+            return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         now = self._clock.monotonic()
         self._place_by_frames(name)
         evidence = robot.best(now)

@@ -10,7 +10,8 @@ from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-from homebot.discovery.search.unknown_words import unknown_word
+from homebot.discovery.search.unknown_words import check_words
+from homebot.errors import RefusedError, UsageError
 
 
 @pytest.fixture
@@ -21,6 +22,16 @@ def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> Devic
     index.observe(announce("b", lamp, ids=("id:den",), name="Den lamp", area="Deny"))
     index.sort()
     return index
+
+
+def refusal(house: DeviceIndex, text: str) -> str:
+    try:
+        check_words(parse_query(text), house.postings)
+    except UsageError as exc:
+        return str(exc)
+    except RefusedError as exc:
+        return exc.reason
+    return ""
 
 
 REFUSED = {
@@ -41,10 +52,10 @@ REFUSED = {
 @pytest.mark.parametrize(("text", "problem"), REFUSED.items(), ids=REFUSED)
 def test_a_misspelt_word_is_named_with_what_was_meant(house: DeviceIndex, text: str, problem: str) -> None:
     """Words of three letters and less have no typos, only other words."""
-    assert unknown_word(parse_query(text), house.postings).startswith(problem)
-    assert bool(problem) == bool(unknown_word(parse_query(text), house.postings))
+    assert refusal(house, text).startswith(problem)
+    assert bool(problem) == bool(refusal(house, text))
 
 
 @pytest.mark.parametrize("text", ["in bathroom", "robot", "hall", "desk", "dexk", "gateway=zigbee", "type=plug"])
 def test_what_may_be_there_tomorrow_is_no_mistake(house: DeviceIndex, text: str) -> None:
-    assert unknown_word(parse_query(text), house.postings) == ""
+    assert refusal(house, text) == ""

@@ -11,6 +11,7 @@ from homebot.devices.follow import LiveQuery
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.house_view import HouseView
+from homebot.devices.query import And
 from homebot.graph import Node
 
 __all__ = ["FollowHandles", "HandleChange"]
@@ -55,13 +56,15 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     Args:
         node: The node that asks; the query ends with it.
         query: The query.
+        text: The call of the app that asks.
 
     Attributes:
         events_lost: Number of events dropped because 1,000 were waiting for the reader.
     """
 
-    def __init__(self, node: Node, query: HandleQuery[HandleT]) -> None:
-        super().__init__(node, (query.near, query.near_search) if query.near is not None else None)
+    def __init__(self, node: Node, query: HandleQuery[HandleT], text: str = "the live query") -> None:
+        near = None if query.near is None else (query.near, query.near_search)
+        super().__init__(node, And(query.names), text, near)
         self._query = query
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, ready as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone, if no new value changes the matches

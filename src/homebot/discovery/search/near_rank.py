@@ -11,6 +11,7 @@ import math
 from bisect import insort
 from collections.abc import Callable, Sequence
 from collections.abc import Set as AbstractSet
+from functools import cache
 from itertools import takewhile
 from typing import NamedTuple, TypeAlias, final
 
@@ -75,6 +76,7 @@ def nearest(
     *,
     locked: frozenset[str] = frozenset(),
     within: float = math.inf,
+    least: float = 0.0,
     limit: int = 0,
 ) -> tuple[list[NearDevice], AbstractSet[str]]:
     """Return the best *limit* of the *wanted* devices, best first, and all of them that can be reached.
@@ -87,9 +89,11 @@ def nearest(
         terms: What speaks against each.
         locked: The doors that are walls.
         within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
+        least: The metres that speak against each at least.
         limit: How many; 0 for all.
     """
 
+    @cache
     def crossing(door: str) -> float:
         return doors(door).metres
 
@@ -104,7 +108,7 @@ def nearest(
     found: list[NearDevice] = []
     for route in finder.nearest(start, crossing, near):
         way = route.path + route.extra
-        if limit and len(found) >= limit and way >= found[limit - 1].cost:
+        if limit and len(found) >= limit and way + least >= found[limit - 1].cost:
             break
         own = tuple(terms(route.target))
         insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))

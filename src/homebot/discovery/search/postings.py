@@ -32,7 +32,7 @@ from homebot.devices.query import (
 from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.columns import Column, StoredValue
-from homebot.support.folding import fold, is_typo, may_be_typo
+from homebot.support.folding import fold, is_typo, may_be_typo, words_of
 
 __all__ = ["Found", "PostedValue", "Postings"]
 
@@ -180,8 +180,9 @@ class Postings:
             case AreaIs(""):
                 return {device_id for device_id, posted in self._posted.items() if not posted.facets.areas}
             case NameIs(name):
-                named = self._devices(("fact name", name))
-                return named | {device_id for device_id in self._posted if fold(device_id) == name}
+                with_words = [self._devices(("word", word)) for word in words_of(name)]
+                likely = min(with_words, key=len, default=self._posted.keys())  # an id is among the words of its device
+                return self._devices(("fact name", name)) | {one for one in likely if fold(one) == name}
             case InArea(area):
                 return self._begins("area", area)
             case FactIs(name, value):

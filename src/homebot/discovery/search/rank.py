@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Set as AbstractSet
 from functools import lru_cache
 from typing import TypeAlias
 
-from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
+from homebot.devices.query import (
+    And,
+    CanDo,
+    Facets,
+    FactIs,
+    FreshnessIs,
+    HasText,
+    InArea,
+    Not,
+    Or,
+    Query,
+    StateIs,
+    TypeIs,
+    fits,
+)
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of
 
-__all__ = ["Ranked", "best_score", "rank", "reasons", "scorer_of", "shortcomings"]
+__all__ = ["Ranked", "least_shortcoming", "rank", "reasons", "shortcomings"]
 
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
@@ -25,34 +39,41 @@ _GUESSED = (-1.0, "its type was guessed")
 
 def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
     """Return the devices *found* by *query*, best first, equally good ones by id."""
-    score = scorer_of(query, postings)
-    return [(-worse, one) for worse, one in sorted([(-score(one), one) for one in found])]
-
-
-def scorer_of(query: Query, postings: Postings) -> Callable[[str], float]:
-    """Return the function for the score of a device that was found by *query*."""
     scorers = [scorer for term in _terms(query) if (scorer := _scorer(term)) is not None]
-    facets_of = postings.facets
-
-    def score_of(device_id: str) -> float:
-        facets = facets_of(device_id)
+    scored = []
+    for one in found:
+        facets = postings.facets(one)
         score = _status_score(facets)
         for scorer in scorers:
             score += scorer(facets)
-        return score
+        scored.append((-score, one))
+    return [(-score, one) for score, one in sorted(scored)]
 
-    return score_of
+
+def shortcomings(query: Query, facets: Facets) -> list[tuple[float, str]]:
+    """Return by how many points a device that fits *query* is worse than one could be, for each reason."""
+    (freshness, why), *others = _status_scores(facets)
+    worse = [(_FRESHNESS["fresh"][0] - freshness, why), *((-score, why) for score, why in others)]
+    return [one for one in (*worse, *_unfitness(query, facets)) if one[0] > 0]
 
 
-def best_score(query: Query, found: Iterable[str], score_of: Callable[[str], float]) -> float:
-    """Return the best score of the devices *found*; most houses have one that nothing can surpass."""
-    highest = _FRESHNESS["fresh"][0] + sum(_HIGHEST.get(type(term), 0.0) for term in _terms(query))
-    best = -math.inf
-    for one in found:
-        best = max(best, score_of(one))
-        if best >= highest:
-            break
-    return best
+def least_shortcoming(found: AbstractSet[str], postings: Postings) -> float:
+    """Return the points by which each of the devices *found* is worse than one could be, by its freshness."""
+    known = [freshness for freshness in _FRESHNESS if not found.isdisjoint(postings.find(FreshnessIs(freshness)))]
+    best = max((_FRESHNESS[one][0] for one in known), default=_STALE[0])
+    return _FRESHNESS["fresh"][0] - best
+
+
+def _unfitness(query: Query, facets: Facets) -> list[tuple[float, str]]:
+    match query:
+        case And(terms):
+            return [one for term in terms for one in _unfitness(term, facets)]
+        case Or(terms):
+            each = [_unfitness(term, facets) for term in terms if fits(term, facets)]
+            return min(each, key=lambda one: sum(points for points, _ in one), default=[])
+        case _:
+            score, why = _weigh(query, facets)
+            return [(max(0.0, _FULL.get(type(query), 0.0) - score), why)]
 
 
 def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]:
@@ -98,7 +119,8 @@ def _scorer(term: Query) -> Callable[[Facets], float] | None:
 
 _BEST = 3.0
 _IN_AREA = 2.0
-_HIGHEST: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 6.0, FactIs: 1.0}
+_FULL: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 4.0, FactIs: 1.0}
+"""The scores of terms that fit in full; to be called by a word alone is no more."""
 
 
 def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
@@ -163,12 +185,6 @@ def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:
         yield _OFFLINE
     if facets.is_guessed:
         yield _GUESSED
-
-
-def shortcomings(facets: Facets) -> str:
-    """Return in words what is worse about a device than about the best, besides how it fits the terms of a query."""
-    found = [why for score, why in _status_scores(facets) if score <= 0]
-    return ", ".join(found) or "it fits less well"
 
 
 def _shown(value: PlainValue) -> str:

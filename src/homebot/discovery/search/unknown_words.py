@@ -5,54 +5,62 @@ A query is understood without knowing the house, so a misspelt room or type is o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
+from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Not, Or, Query, TypeIs
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
+from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["unknown_word"]
+__all__ = ["check_words"]
 
 _SHOWN = 12
+_NAMES = (TypeIs, InArea, AreaIs, NameIs, FactIs, GatewayIs, HasText)
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS})
 
 
-def unknown_word(
-    query: Query, postings: Postings, plan: HousePlan | None = None, part_names: Iterable[str] = ()
-) -> str:
-    """Return the misspelt word of *query*, and its probable meaning; empty if there is none.
-
-    That is a type that is none and that no device calls itself; a room that no device announced and the plan does not
-    have, where it has others; and a room, a name or a word that no device has, where another is one typo away.
+def check_words(
+    query: Query,
+    postings: Postings,
+    plan: HousePlan | None = None,
+    devices: Callable[[], Iterable[Device]] = tuple,
+) -> None:
+    """Check that *query* has no misspelt word.
 
     Args:
         query: The query.
         postings: The devices.
         plan: The rooms of the house.
-        part_names: The names of parts of devices, which count as names.
+        devices: Returns the devices, for the names of their parts.
+
+    Raises:
+        UsageError: It has a room that no device announced and the plan does not have, where it has others; or a type, a
+            room, a name or a word that no device has, where another is one typo away. It says what was probably meant.
+        RefusedError: It has a type that is none, and that no device calls itself as yet.
     """
     for term in _terms(query):
-        if not postings.find(term) and (problem := _problem(term, postings, plan, part_names)):
-            return problem
-    return ""
+        if (
+            isinstance(term, _NAMES)
+            and not postings.find(term)
+            and (problem := _problem(term, postings, plan, devices))
+        ):
+            raise UsageError(problem)
 
 
-def _problem(term: Query, postings: Postings, plan: HousePlan | None, part_names: Iterable[str]) -> str:
+def _problem(term: Query, postings: Postings, plan: HousePlan | None, devices: Callable[[], Iterable[Device]]) -> str:
     match term:
         case TypeIs(word, types, _, by_word=True) if not types:
-            known = {*TYPE_WORDS, *postings.values_of("advertised")}
-            some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
-            return (
-                f"{word!r} is not a device type, and no device was announced as one; {did_you_mean(word, known, some)}"
-            )
+            return _unknown_type(word, {*TYPE_WORDS, *postings.values_of("advertised")})
         case InArea(area) | AreaIs(area) if area:
             return _unknown_area(area, postings, plan)
         case NameIs(name) | FactIs("name", name):
-            known = {*postings.values_of("fact name"), *map(fold, part_names)}
+            parts = (part.part.name for device in devices() for part in device.parts)
+            known = {*postings.values_of("fact name"), *map(fold, parts)}
             meant = sorted(one for one in known if is_room_typo(name, one))
             is_known = any(f"{one} ".startswith(f"{name} ") for one in known)
             return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
@@ -66,6 +74,14 @@ def _problem(term: Query, postings: Postings, plan: HousePlan | None, part_names
             return _typo(f"no device has the word {word!r}", word, _WORDS)
         case _:
             return ""
+
+
+def _unknown_type(word: str, known: Collection[str]) -> str:
+    problem = f"{word!r} is not a device type, and no device was announced as one"
+    if misspelt := _typo(problem, word, known):
+        return misspelt
+    some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
+    raise RefusedError("the query", f"{problem}; {did_you_mean(word, known, some)}")
 
 
 def _unknown_area(area: str, postings: Postings, plan: HousePlan | None) -> str:
