@@ -10,9 +10,6 @@ pytestmark = pytest.mark.no_cover
 PARTS = {
     ("homebot.devices.handles.handle_query", "homebot.devices.handles.handle"),
     ("homebot.graph.graph", "homebot.graph.node"),
-    ("homebot.robots.pose_topics", "homebot.robots.tracker"),
-    ("homebot.robots.sensors", "homebot.robots.tracker"),
-    ("homebot.robots.vacuum", "homebot.robots.tracker"),
     ("homebot.testing.day", "homebot.testing.day_live"),
     ("homebot.testing.house", "homebot.testing.event_log"),
 }

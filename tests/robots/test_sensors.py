@@ -5,6 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import OpenHome
+from tests.robots.test_tracker import HOUSE
 
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
@@ -20,7 +21,7 @@ async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute(open_home: 
         home.put("low motion", "occupancy_sensor", readable=("occupancy",), area="hall")
         home.put("motion", "occupancy_sensor", readable=("occupancy",), area="kitchen")
         table = RobotSettings(motion_sensors=("Low Motion",))
-        home.tasks.start_soon(RobotTracker(node, RobotOwners({"rosie": ()}), {"rosie": table}).serve)
+        home.tasks.start_soon(RobotTracker(node, RobotOwners({"rosie": ()}), lambda: HOUSE, {"rosie": table}).serve)
         where = home.app.create_client(WhereIsRobot, WHERE_IS_ROBOT)
         await anyio.sleep(1)
         await home.report("motion", "occupancy", True)

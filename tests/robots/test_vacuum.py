@@ -9,11 +9,13 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.gateways.mqtt.conftest import House, _house
-from tests.robots.test_tracker import ALL
+from tests.robots.test_tracker import ALL, HOUSE
 
-from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.devices import Devices
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
+from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.graph import Node, Subscription
 from homebot.robots import RobotSettings, RobotTracker
 
@@ -50,7 +52,7 @@ async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
         Node(house.graph, "robots") as node,
         anyio.create_task_group() as tasks,
     ):
-        tracker = RobotTracker(node, RobotOwners({"dusty": ()}), {"dusty": table})
+        tracker = RobotTracker(node, RobotOwners({"dusty": ()}), lambda: HOUSE, {"dusty": table})
         await tasks.start(tracker.serve)
         yield Vacuum(house, house.watcher.create_subscription(RobotPose, ROBOT_POSES, None, ALL))
         tasks.cancel_scope.cancel()
@@ -131,3 +133,20 @@ async def test_a_pose_by_mqtt_counts_as_long_as_it_says_also_after_the_link_was_
         await dusty.say("pose", '{"room": "Hall", "limit": 60}', "dusty")
         [pose] = (await dusty.ask()).pose
         assert (pose.room, pose.has_position, pose.limit) == ("Hall", False, 60.0)
+
+
+async def test_a_topic_that_no_device_says_is_for_nodes_alone_and_no_device() -> None:
+    async with _house() as house:
+        await house.say("valetudo/dusty/MapData/map-data", DREAME, retain=True)
+        heard: list[bytes] = []
+        devices = Devices(house.watcher)
+        subscribe = house.watcher.create_client(SubscribeToTopic, GatewayNames("mqtt").subscribe)
+        refused = await subscribe.call(SubscribeToTopicRequest(topic="valetudo/dusty/MapData/map-data"))
+        assert (refused.success, "no device publishes" in refused.message) == (False, True)
+        await devices.listen_to("valetudo/dusty/MapData/map-data", lambda message: heard.append(message.payload))
+        await anyio.sleep(1)
+        assert heard == [DREAME]
+        await house.say("valetudo/dusty/MapData/map-data", VIOMI, retain=True)
+        await anyio.sleep(1)
+        assert heard == [DREAME, VIOMI]
+        assert house.sighted() == []

@@ -19,14 +19,13 @@ from PIL import Image, ImageDraw
 from pydantic import BaseModel, Field
 
 from homebot.config import parse_settings
-from homebot.conventions.valetudo import VacuumMap, VacuumSegment
 from homebot.errors import ConfigError, UsageError
 from homebot.messages.json import message_from_json
 from homebot.messages.nav_msgs import OccupancyGrid
 from homebot.places import HouseRoom
-from homebot.places.outline import simplified
+from homebot.places.outline import simplified, traced
 from homebot.places.plan import Point
-from homebot.places.rigid import yaw_of
+from homebot.places.rigid import MapPose, yaw_of
 
 __all__ = ["MapSettings", "RobotMap", "cell_table", "read_map"]
 
@@ -142,12 +141,11 @@ class RobotMap(NamedTuple):
         """Return the corners around the cells of a *value*, in metres of the house."""
         rows = (cells.crop((0, row, cells.width, row + 1)).tobytes() for row in range(cells.height))
         same = re.compile(re.escape(bytes([value])) + b"+")
-        runs = {number: tuple(found.span() for found in same.finditer(row)) for number, row in enumerate(rows)}
-        segment = VacuumSegment("", "", {row: found for row, found in runs.items() if found})
-        drawn = VacuumMap("", self.resolution, cells.height * self.resolution, (segment,), None, None)
-        (left, bottom, yaw) = self.origin
-        c, s = math.cos(yaw), math.sin(yaw)
-        return [(left + x * c - y * s, bottom + x * s + y * c) for x, y in drawn.outline(segment)]
+        ends = {number: [end for run in same.finditer(row) for end in run.span()] for number, row in enumerate(rows)}
+        ring = traced({row: found for row, found in ends.items() if found})
+        origin, height = MapPose(*self.origin), cells.height
+        at = (origin.then(MapPose(x * self.resolution, (height - y) * self.resolution)) for x, y in ring)
+        return [(one.x, one.y) for one in at]
 
     def _pixel(self, point: Point) -> tuple[int, int]:
         x, y, c, s = (

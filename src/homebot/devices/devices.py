@@ -176,6 +176,16 @@ class Devices:
         if problem is not None:
             raise problem
 
+    async def listen_to(self, address: str, handler: MessageHandler, gateway: str = "mqtt") -> None:
+        """Call *handler* with every raw message on an *address*, for example an MQTT topic; see :meth:`listen`.
+
+        Raises:
+            RefusedError: The gateway does not deliver these.
+            ServiceError: It did not answer.
+        """
+        self._handlers[gateway, address] = address, handler
+        await self._listen_to(gateway, address)
+
     async def tell(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send the text *payload*, for example ``on``, through the first endpoint that accepts commands.
 
@@ -198,7 +208,7 @@ class Devices:
 
     async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
         check_gateway(endpoint)
-        if endpoint.address not in self._listened.setdefault(endpoint.gateway, set()):
+        if endpoint.address not in self._listened.get(endpoint.gateway, ()):
             await self._listen_to(endpoint.gateway, endpoint.address)
         self._handlers[endpoint.gateway, endpoint.key] = device_id, handler
 
@@ -222,7 +232,7 @@ class Devices:
         return HouseView.of(self._node)
 
     async def _listen_to(self, gateway: str, address: str) -> None:
-        self._listened[gateway].add(address)
+        self._listened.setdefault(gateway, set()).add(address)
         if not self._watches_services:
             self._watches_services = True
             self._node.create_task(self._renew_requests)
@@ -275,7 +285,8 @@ class Devices:
             self._subscriptions[topic].mailbox.put(message)
 
     def _dispatch(self, message: RawMessage) -> Awaitable[None] | None:
-        found = self._handlers.get((message.gateway, message.key))
+        handlers = self._handlers
+        found = handlers.get((message.gateway, message.key)) or handlers.get((message.gateway, message.address))
         if found is None:
             return None
         device_id, handler = found

@@ -105,8 +105,6 @@ class GatewayNames:
         describe_commands: Service that returns the messages that commands would send, as
             :data:`homebot.devices.approval_messages.DescribeCommands`.
         subscribe: Service that starts the mirroring of raw messages.
-        watch: Service of gateways with topics that starts the mirroring of one that is no device's, to ``watched``.
-        watched: Topic of the messages on those, as :class:`homebot.devices.gateway_messages.RawMessage`.
     """
 
     def __init__(self, gateway: str) -> None:
@@ -125,8 +123,6 @@ class GatewayNames:
         self.send_command = f"{base}/send_command"
         self.describe_commands = f"{base}/describe_commands"
         self.subscribe = f"{base}/subscribe_to_topic"
-        self.watch = f"{base}/watch_topic"
-        self.watched = f"{base}/watched_topics"
         self._received_data = f"{base}/received_data"
 
     def received_data(self, *device: str) -> str:

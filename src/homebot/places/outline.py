@@ -1,19 +1,59 @@
-"""Simplification of the outlines of rooms, which follow pixels. Pure."""
+"""The outlines of rooms on maps of pixels, and their simplification. Pure."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from homebot.errors import UsageError
-from homebot.places.polygon import Point, Polygon, foot
+from homebot.places.polygon import Point, Polygon, foot, signed_area
 
-__all__ = ["MOST_CORNERS", "simplified"]
+__all__ = ["MOST_CORNERS", "simplified", "traced"]
 
 _TOLERANCES: Final = (0.15, 0.3, 0.5)
 MOST_CORNERS: Final = 30
 """Corners above which distances through a room take over a millisecond."""
+
+
+def traced(rows: Mapping[int, Sequence[int]]) -> list[tuple[int, int]]:
+    """Return the corners of the largest ring around pixels; two that touch at a corner alone are joined by a third.
+
+    Between the corners in a row, or in a column, every other way is an edge.
+
+    Args:
+        rows: In each row the columns at which pixels begin and end, by turns, in order.
+    """
+    across: dict[tuple[int, int], tuple[int, int]] = {}
+    columns: dict[int, list[int]] = {}
+    above: set[int] = set()
+    for row in range(min(rows, default=0), max(rows, default=-1) + 2):
+        here = set(rows.get(row, ()))
+        for x in sorted(above & here):
+            is_above, is_here = (bisect_right(sorted(one), x) % 2 for one in (above, here))
+            if x in here and is_above != is_here:
+                here ^= {x - 1, x} if is_here else {x, x + 1}
+        corners = sorted(above ^ here)
+        for left, right in zip(corners[::2], corners[1::2], strict=True):
+            across[left, row], across[right, row] = (right, row), (left, row)
+            columns.setdefault(left, []).append(row)
+            columns.setdefault(right, []).append(row)
+        above = here
+    down = {}
+    for x, ys in columns.items():
+        for upper, lower in zip(ys[::2], ys[1::2], strict=True):
+            down[x, upper], down[x, lower] = (x, lower), (x, upper)
+    rings = []
+    while across:
+        ring, at = [], next(iter(across))
+        while at in across:
+            other = across.pop(at)
+            del across[other]
+            ring += [at, other]
+            at = down[other]
+        rings.append(ring)
+    return max(rings, key=lambda ring: abs(signed_area(ring)), default=[])
 
 
 def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias, final
 from homebot.errors import UsageError
 from homebot.places.plan import Point
 
-__all__ = ["Edge", "Point", "Polygon", "foot"]
+__all__ = ["Edge", "Point", "Polygon", "foot", "signed_area"]
 
 Edge: TypeAlias = tuple[Point, Point]
 
@@ -59,7 +59,7 @@ class Polygon:
             raise UsageError(f"has {sum(map(len, rings)):,} corners; {MOST_CORNERS:,} is the limit")
         self.rings = tuple(rings)
         self._check_edges()
-        self.area = sum(map(_signed_area, rings))
+        self.area = sum(map(signed_area, rings))
         if self.area < LEAST_AREA:
             raise UsageError(f"has an area of {self.area:g} m²; {LEAST_AREA:g} m² is the least")
         xs, ys = [x for x, _ in rings[0]], [y for _, y in rings[0]]
@@ -144,12 +144,12 @@ def _ring(corners: Sequence[Point], *, is_hole: bool) -> tuple[Point, ...]:
     ring = [corner for index, corner in enumerate(corners) if corner != corners[index - 1]]
     if len(ring) < 3:
         raise UsageError(f"has {len(ring)} different corners; 3 is the least")
-    if (_signed_area(ring) < 0) is not is_hole:
+    if (signed_area(ring) < 0) is not is_hole:
         ring.reverse()
     return tuple(ring)
 
 
-def _signed_area(ring: Sequence[Point]) -> float:
+def signed_area(ring: Sequence[Point]) -> float:
     """Return the area of *ring*, negative if its corners go clockwise."""
     return sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in zip(ring, (*ring[1:], ring[0]), strict=True)) / 2
 

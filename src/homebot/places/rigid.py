@@ -1,19 +1,61 @@
-"""Rotations and rigid transforms in space. Pure.
+"""Rotations and rigid transforms in space and in the plane. Pure.
 
 A quaternion is ``x, y, z, w`` and has the norm 1, as in ROS (REP 103).
 """
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
-__all__ = ["IDENTITY", "Rigid", "yaw_of"]
+__all__ = ["IDENTITY", "MapPose", "Rigid", "fitted_pose", "yaw_of"]
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
 _NEARLY_PARALLEL = 0.9995
+_LEAST_POINTS = 3
+_MISFIT = 1.0
+"""Metres by which a point may be away from its counterpart."""
+
+
+class MapPose(NamedTuple):
+    """A position on a map, or of one map in another.
+
+    Attributes:
+        x: Metres.
+        y: Metres.
+        yaw: Radians from the x axis, counter-clockwise.
+    """
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+    def then(self, inner: MapPose) -> MapPose:
+        """Return *inner*, which is stated relative to this pose, in the frame of this pose."""
+        at = complex(self.x, self.y) + cmath.rect(1.0, self.yaw) * complex(inner.x, inner.y)
+        return MapPose(at.real, at.imag, math.remainder(self.yaw + inner.yaw, math.tau))
+
+
+def fitted_pose(pairs: Sequence[tuple[complex, complex]]) -> MapPose | None:
+    """Return the pose of a map in another by points of it, x + iy, each with its counterpart there.
+
+    None for fewer than three, or if one of them is a metre away then.
+    """
+    if len(pairs) < _LEAST_POINTS:
+        return None
+    own, other = (sum(one[side] for one in pairs) / len(pairs) for side in (0, 1))
+    turn = sum((there - other) * (here - own).conjugate() for here, there in pairs)
+    if not turn:
+        return None
+    turn /= abs(turn)
+    shift = other - turn * own
+    if max(abs(shift + turn * here - there) for here, there in pairs) > _MISFIT:
+        return None
+    return MapPose(shift.real, shift.imag, cmath.phase(turn))
 
 
 class Rigid(NamedTuple):

@@ -132,11 +132,13 @@ class TransformBuffer:
             InvalidArgumentException: A frame name is empty, a frame is its own ancestor, a number is not finite, the
                 quaternion is not of length 1, or there are too many frames.
         """
-        return self._set(transform, authority, is_static=False)
+        header = transform.header
+        return self.put(transform, header.frame_id, transform.child_frame_id, header.stamp, authority)
 
     def set_transform_static(self, transform: TransformStamped, authority: str = "") -> bool:
         """Insert *transform*, which holds at any time; see :meth:`set_transform`."""
-        return self._set(transform, authority, is_static=True)
+        header = transform.header
+        return self.put(transform, header.frame_id, transform.child_frame_id, header.stamp, authority, is_static=True)
 
     def lookup_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> TransformStamped:
         """Return the transform that maps points of *source_frame* into *target_frame*.
@@ -165,7 +167,7 @@ class TransformBuffer:
             if frame not in self._frames:
                 raise LookupException(f'"{frame}" passed to lookupTransform argument {argument} does not exist. ')
         at = at or self._latest_common(target_frame, source_frame)
-        return _stamped(target_frame, source_frame, at, self._between(target_frame, source_frame, at))
+        return _stamped(target_frame, source_frame, at, self.rigid(target_frame, source_frame, at))
 
     def can_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> bool:
         """Return whether :meth:`lookup_transform` gives one."""
@@ -183,8 +185,11 @@ class TransformBuffer:
         """Forget all transforms but static ones."""
         self._tracks = {name: track for name, track in self._tracks.items() if track.is_static}
 
-    def _set(self, transform: TransformStamped, authority: str, *, is_static: bool) -> bool:
-        parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
+    def put(
+        self, transform: TransformStamped, parent: str, child: str, at: Time, authority: str, *, is_static: bool = False
+    ) -> bool:
+        """Insert *transform* under other names of its frames, or at another time; see :meth:`set_transform`."""
+        parent, child = parent.removeprefix("/"), child.removeprefix("/")
         moved, turned = transform.transform.translation, transform.transform.rotation
         rigid = Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
         if problem := self._problem(parent, child, rigid):
@@ -193,7 +198,7 @@ class TransformBuffer:
         track = self._tracks.get(child, _Track(is_static))
         if track.is_static is not is_static:
             track = _Track(is_static)
-        if not track.add(_Sample(_nanoseconds(transform.header.stamp), parent, rigid)):
+        if not track.add(_Sample(_nanoseconds(at), parent, rigid)):
             return False
         self._tracks[child] = track
         self._frames.update({parent: None, child: None})
@@ -227,8 +232,8 @@ class TransformBuffer:
         tracks = (self._tracks[one] for one in above_target ^ above_source)
         return min((track.newest.stamp for track in tracks if track.newest.stamp and not track.is_static), default=0)
 
-    def _between(self, target: str, source: str, time: int) -> Rigid:
-        """Return the transform of points of *source* into *target*.
+    def rigid(self, target: str, source: str, time: int = _LATEST) -> Rigid:
+        """Return the transform of points of *source* into *target*, by default by the newest transforms.
 
         Raises:
             ExtrapolationException: A transform on the way is not known at that time.

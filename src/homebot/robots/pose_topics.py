@@ -13,19 +13,26 @@ topic                 type                                           counts for
 ``initialpose``       ``geometry_msgs/PoseWithCovarianceStamped``    makes it unsure, as a pose that jumps does
 ``room``              ``homebot/RobotRoom``                          10 min; without a name: ``/robot/room``
 ====================  =============================================  =================================================
+
+Messages wait in their queues until :meth:`PoseTopics.read`: a robot that states its frames 50 times a second is looked
+at 10 times.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Final, TypeVar
+from itertools import product
+from typing import Any, Final, TypeAlias
+
+import anyio
 
 from homebot.devices.robot_messages import RobotRoom
-from homebot.devices.robot_owners import DEFAULT_ROBOT
-from homebot.errors import TypeMismatchError
-from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile
+from homebot.devices.robot_owners import DEFAULT_ROBOT, RobotOwners
+from homebot.errors import ClosedError, TypeMismatchError
+from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
 from homebot.messages.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from homebot.messages.message import Message
@@ -33,131 +40,174 @@ from homebot.messages.nav_msgs import Odometry
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.transforms import TransformException
-from homebot.robots.evidence import AMCL_LIMIT, ODOMETRY_MOVED, TAG_LIMIT, PoseEvidence
-from homebot.robots.frames import MOST_AHEAD
+from homebot.robots.frames import MOST_AHEAD, RobotFrames
+from homebot.robots.robot import TAG_LIMIT, PoseEvidence, TrackedRobot
 
-if TYPE_CHECKING:
-    from homebot.robots.tracker import RobotTracker
-
-__all__ = ["PoseTopics"]
+__all__ = ["PACE", "PoseTopics"]
 
 REFUSED = "robots.refused"
 
+PACE: Final = 0.1
+"""Least seconds from one look at the messages of a topic to the next."""
+
+TF_LIMIT: Final = 2.0
+AMCL_LIMIT: Final = 10.0
+"""Seconds for which evidence of each kind counts."""
+
+_ODOMETRY_MOVED: Final = 0.25
+"""Metres of odometry after which a pose of ``/amcl_pose`` no longer counts: AMCL publishes the next one by then."""
+
 _POSE_ERROR: Final = 0.3
+_TF_ERROR: Final = 0.2
 """Metres by which a position may be wrong if its source states no covariance."""
 
 _LEAST_ERROR: Final = 0.05
+_LEAST_TF_ERROR: Final = 0.04
+_MOST_ERROR: Final = 1000.0
+"""Metres by which one may be wrong if it does; frames are newer than the last pose of AMCL."""
+
 _LONGEST_ROOM: Final = 100
 _DEPTH: Final = 100
+_KEPT: Final = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
-MessageT = TypeVar("MessageT", bound=Message)
+_Handle: TypeAlias = Callable[[str, str, Sequence[Any]], None]
+"""Takes the robot that owns a topic (empty for that of all robots), the topic, and messages, oldest first."""
 
 
 class PoseTopics:
-    """Reads the pose topics of all robots into a tracker.
+    """Reads the pose topics of all robots.
 
     Args:
-        tracker: The tracker.
-        node: Its node.
+        node: The node that reads.
+        owners: The robots, with their topics and frames.
+        robots: The same, by name.
+        on_arrival: Called when there are messages to read.
     """
 
-    def __init__(self, tracker: RobotTracker, node: Node) -> None:
-        self._tracker = tracker
-        self._frames, self._owners = tracker.frames, tracker.owners
-        self._node = node
+    def __init__(
+        self, node: Node, owners: RobotOwners, robots: Mapping[str, TrackedRobot], on_arrival: Callable[[], None]
+    ) -> None:
+        self._node, self._owners, self._robots, self._on_arrival = node, owners, robots, on_arrival
         self._clock = node.graph.clock
+        self._frames = RobotFrames(owners)
         self._odometry: dict[str, tuple[float, float] | None] = {}
         self._log = LogLimit(self._clock)
+        self._reads: list[Callable[[], None]] = []
+        rows: dict[str, tuple[type[Message], _Handle]] = {
+            "tf_static": (TFMessage, self._on_tf),
+            "tf": (TFMessage, self._on_tf),
+            "initialpose": (PoseWithCovarianceStamped, self._on_initial_pose),
+            "amcl_pose": (PoseWithCovarianceStamped, self._on_amcl),
+            "pose": (PoseStamped, self._on_pose),
+            "room": (RobotRoom, self._on_room),
+        }
+        namespaces = dict.fromkeys(("", *(f"/{name}" for name in (DEFAULT_ROBOT, *owners.names))))
+        for namespace, (name, (kind, handle)) in product(namespaces, rows.items()):
+            owner = owners.of_topic(topic := f"{namespace}/{name}")
+            if owner in {"", *owners.names}:
+                self._subscribe(kind, topic, partial(handle, owner or "", topic))
 
-    def open(self) -> None:
-        """Begin to read."""
-        self._read(TFMessage, "/tf", partial(self._on_tf, "", is_static=False))
-        self._read(TFMessage, "/tf_static", partial(self._on_tf, "", is_static=True))
-        for name in self._owners.names:
-            self._read_robot(name, f"/{name}")
-        if self._owners.sole:
-            self._read_robot(self._owners.sole, "")
+    def read(self) -> None:
+        """Read all messages that wait."""
+        for read in tuple(self._reads):
+            read()
+        for robot in self._robots.values():
+            self._place_by_frames(robot)
 
-    def _read_robot(self, robot: str, namespace: str) -> None:
-        """Read the topics of *robot* in *namespace*; an empty one is for a sole robot."""
-        frames_of = robot if namespace else ""
-        if namespace:
-            self._read(TFMessage, f"{namespace}/tf", partial(self._on_tf, robot, is_static=False))
-            self._read(TFMessage, f"{namespace}/tf_static", partial(self._on_tf, robot, is_static=True))
-        self._read(
-            PoseWithCovarianceStamped, f"{namespace}/amcl_pose", partial(self._on_amcl, robot, frames_of, namespace)
-        )
-        self._read(PoseWithCovarianceStamped, f"{namespace}/initialpose", partial(self._on_initial_pose, robot))
-        if namespace or robot != DEFAULT_ROBOT:
-            own = namespace or f"/{DEFAULT_ROBOT}"
-            self._read(PoseStamped, f"{own}/pose", partial(self._on_pose, robot, frames_of, f"{own}/pose"))
-            self._read(RobotRoom, f"{own}/room", partial(self._on_room, robot, f"{own}/room"))
-
-    def _read(self, message_type: type[MessageT], topic: str, handle: Callable[[MessageT], None]) -> None:
-        """Call *handle* with each message on *topic*, first with those that publishers keep for late subscribers."""
+    def _subscribe(self, kind: type[Message], topic: str, handle: Callable[[Sequence[Any]], None]) -> None:
+        """Have *handle* read the messages on *topic*, first those that publishers keep for late subscribers."""
+        kept: list[Message] = []
         try:
-            self._node.create_subscription(message_type, topic, handle, _DEPTH)
-            if not self._is_kept(topic):
-                return
-            qos = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-            kept = self._node.create_subscription(message_type, topic, None, qos)
+            subscription = self._node.create_subscription(kind, topic, None, _DEPTH)
+            publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
+            if any(one.qos is not None and one.qos.durability is _KEPT.durability for one in publishers):
+                early = self._node.create_subscription(kind, topic, None, _KEPT)  # of others it would be a mistake
+                kept += iter(early.take, None)
+                early.close()
         except TypeMismatchError as exc:
             self._node.log.warning(REFUSED, message=f"{topic} is not read: {exc}", topic=topic)
             return
-        while (message := kept.take()) is not None:
-            handle(message)
-        kept.close()
 
-    def _is_kept(self, topic: str) -> bool:
-        """Return whether a publisher keeps its messages; to ask another one for them is logged as a mistake."""
-        publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
-        return any(one.qos is not None and one.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in publishers)
+        def read() -> None:
+            messages = [*kept, *iter(subscription.take, None)]
+            kept.clear()
+            if messages:
+                handle(messages)
 
-    def _on_tf(self, robot: str, message: TFMessage, *, is_static: bool) -> None:
-        topic = f"/{robot}/tf" if robot else "/tf"
-        if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
-            self._refuse(topic, f"{foreign} may not be stated there")
-            return
+        self._reads.append(read)
+        self._node.create_task(partial(self._watch, subscription))
+
+    async def _watch(self, subscription: Subscription[Message]) -> None:
+        with suppress(ClosedError):
+            while True:
+                await subscription.mailbox.wait()
+                self._on_arrival()
+                await anyio.sleep(PACE)
+
+    def _on_tf(self, robot: str, topic: str, messages: Sequence[TFMessage]) -> None:
+        """Insert the last transform of each frame; a message with one that is another's counts as none."""
         now, stamp = self._clock.monotonic(), self._clock.now()
-        for transform in message.transforms:
+        last = {}
+        for message in messages:
+            if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
+                self._refuse(topic, f"{foreign} may not be stated there")
+            else:
+                last.update({one.child_frame_id: one for one in message.transforms})
+        for transform in last.values():
             try:
-                self._tracker.add_life(self._frames.add(transform, robot, now, stamp, is_static=is_static))
+                owner = self._frames.add(transform, robot, now, stamp, is_static=topic.endswith("/tf_static"))
+                self._robots[owner].add_life(now)
             except TransformException as exc:
                 self._refuse(topic, str(exc))
 
-    def _on_amcl(self, robot: str, frames_of: str, namespace: str, message: PoseWithCovarianceStamped) -> None:
-        topic, odometry = f"{namespace}/amcl_pose", f"{namespace}/odom"
-        if odometry not in self._odometry:  # it comes often, and is of no use without these poses
-            self._read(Odometry, odometry, partial(self._on_odometry, robot, namespace))
-        self._odometry[odometry] = None
-        x, y = (max(0.0, message.pose.covariance[index]) for index in (0, 7))
-        sigma = math.sqrt(max(x, y))
-        evidence = PoseEvidence(topic, 0.0, AMCL_LIMIT, max(_LEAST_ERROR, math.sqrt(x + y)), by_life=True, sigma=sigma)
-        self._add_pose(robot, evidence, message.pose.pose, message.header, frames_of)
-
-    def _on_initial_pose(self, robot: str, _message: PoseWithCovarianceStamped) -> None:
-        self._tracker.make_unsure(robot, "it was told a new initial pose")
-
-    def _on_odometry(self, robot: str, namespace: str, message: Odometry) -> None:
-        self._tracker.add_life(robot)
-        point, begin = message.pose.pose.position, self._odometry[f"{namespace}/odom"]
-        if begin is None:
-            self._odometry[f"{namespace}/odom"] = point.x, point.y
-        elif not math.dist(begin, (point.x, point.y)) <= ODOMETRY_MOVED:  # also if one is NaN
-            self._tracker.drop(robot, f"{namespace}/amcl_pose")
-
-    def _on_pose(self, robot: str, frames_of: str, topic: str, message: PoseStamped) -> None:
-        evidence = PoseEvidence(topic, 0.0, self._tracker.settings[robot].limit, _POSE_ERROR)
-        self._add_pose(robot, evidence, message.pose, message.header, frames_of)
-
-    def _on_room(self, robot: str, topic: str, message: RobotRoom) -> None:
-        if message.robot != robot:
-            self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
+    def _place_by_frames(self, robot: TrackedRobot) -> None:
+        found, last = self._frames.pose_of(robot), robot.last_of("/tf")
+        if found is None or (last is not None and found == (last.position, last.received_at)):
             return
-        self._tracker.add_room(robot, topic, message.room[:_LONGEST_ROOM], TAG_LIMIT)
+        evidence = PoseEvidence("/tf", found[1], TF_LIMIT, _TF_ERROR, found[0], covariance=robot.covariance)
+        if robot.covariance:
+            evidence = evidence._replace(error=min(_MOST_ERROR, max(_LEAST_TF_ERROR, evidence.sigma)))
+        robot.add(evidence)
 
-    def _add_pose(self, robot: str, evidence: PoseEvidence, pose: Pose, header: Header, frames_of: str) -> None:
-        frame = self._frames.name_of(header.frame_id, frames_of)
+    def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
+        odometry = f"{topic.rpartition('/')[0]}/odom"
+        if odometry not in self._odometry:  # it comes often, and is of no use without these poses
+            self._subscribe(Odometry, odometry, partial(self._on_odometry, robot, odometry))
+        self._odometry[odometry] = None
+        for message in messages:
+            covariance = message.pose.covariance
+            error = min(_MOST_ERROR, max(_LEAST_ERROR, math.sqrt(max(0.0, covariance[0] + covariance[7]))))
+            evidence = PoseEvidence(topic, 0.0, AMCL_LIMIT, error, by_life=True, covariance=covariance)
+            if self._add_pose(robot, evidence, message.pose.pose, message.header):
+                self._robots[robot].covariance = covariance
+
+    def _on_initial_pose(self, robot: str, _topic: str, _messages: object) -> None:
+        self._robots[robot].make_unsure("it was told a new initial pose")
+
+    def _on_odometry(self, robot: str, topic: str, messages: Sequence[Odometry]) -> None:
+        self._robots[robot].add_life(self._clock.monotonic())
+        first, last = (messages[index].pose.pose.position for index in (0, -1))
+        begin = self._odometry[topic] = self._odometry[topic] or (first.x, first.y)
+        if not math.dist(begin, (last.x, last.y)) <= _ODOMETRY_MOVED:  # also if one is NaN
+            self._robots[robot].drop(f"{topic.rpartition('/')[0]}/amcl_pose")
+
+    def _on_pose(self, robot: str, topic: str, messages: Sequence[PoseStamped]) -> None:
+        evidence = PoseEvidence(topic, 0.0, self._robots[robot].settings.limit, _POSE_ERROR)
+        for message in messages:
+            self._add_pose(robot, evidence, message.pose, message.header)
+
+    def _on_room(self, robot: str, topic: str, messages: Sequence[RobotRoom]) -> None:
+        for message in messages:
+            if message.robot != robot:
+                self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
+            else:
+                now, room = self._clock.monotonic(), message.room[:_LONGEST_ROOM]
+                self._robots[robot].add(PoseEvidence(topic, now, TAG_LIMIT, room=room))
+
+    def _add_pose(self, robot: str, evidence: PoseEvidence, pose: Pose, header: Header) -> bool:
+        """Add *evidence* with a pose, unless that is refused; return whether it was added."""
+        is_own = evidence.source.startswith(f"/{robot}/")
+        frame = self._frames.name_of(header.frame_id, robot if is_own else "")
         position = self._frames.in_map(pose, frame)
         ahead = header.stamp.to_seconds() - self._clock.now()
         if ahead > MOST_AHEAD:
@@ -165,8 +215,9 @@ class PoseTopics:
         elif position is None:
             self._refuse(evidence.source, f"no static transform joins its frame {frame[:100]!r} to map")
         else:
-            now, floor = self._clock.monotonic(), self._tracker.floor_of(robot)
-            self._tracker.add(robot, evidence._replace(received_at=now, position=position, floor=floor))
+            self._robots[robot].add(evidence._replace(received_at=self._clock.monotonic(), position=position))
+            return True
+        return False
 
     def _refuse(self, topic: str, problem: str) -> None:
         if self._log.allows(topic) is not None:

@@ -2,75 +2,76 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable
 
-from homebot.conventions.payload import parse_object, text_of
-from homebot.devices.devices import Devices
+from pydantic import ValidationError
+
+from homebot.conventions.payload import clean_text
+from homebot.devices.devices import Devices, MessageHandler
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.sensors import OccupancySensor
 from homebot.devices.names import TagNames
 from homebot.devices.tags import TagTap
-from homebot.errors import WireError
+from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
-from homebot.robots.evidence import MOTION_LIMIT, TAG_LIMIT, MapPose, PoseEvidence
+from homebot.log import LogLimit
+from homebot.places.rigid import MapPose
+from homebot.robots.robot import MOTION_LIMIT, TAG_LIMIT, PoseEvidence, TrackedRobot
+from homebot.robots.settings import JsonPose
 from homebot.support.folding import fold
-from homebot.support.numbers import finite_number
 
-if TYPE_CHECKING:
-    from homebot.robots.tracker import RobotTracker
+__all__ = ["follow_motion", "listen", "read_poses", "read_tags"]
 
-__all__ = ["follow_motion", "read_pose", "read_tags"]
+NOT_READ = "robots.not_read"
 
-_ERROR: Final = 0.5
-_LONGEST_LIMIT: Final = 3600.0
-_LONGEST_POSE: Final = 4096
+_LONGEST_POSE = 4096
 
 
-def read_tags(tracker: RobotTracker, node: Node, robot: str, reader: str) -> None:
-    """Place *robot* in the room of each tag that its *reader* reads."""
+def read_tags(node: Node, robot: TrackedRobot) -> None:
+    """Place *robot* in the room of each tag that its reader reads."""
 
     def on_tap(tap: TagTap) -> None:
-        if tap.reader == reader and tap.area:
-            tracker.add_room(robot, f"tag {tap.tag}", tap.area, TAG_LIMIT)
+        if tap.reader == robot.settings.tag_reader and tap.area:
+            robot.add(PoseEvidence(f"tag {tap.tag}", node.graph.clock.monotonic(), TAG_LIMIT, room=tap.area))
 
     node.create_subscription(TagTap, TagNames("nfc").taps, on_tap)
 
 
-async def follow_motion(tracker: RobotTracker, node: Node, sensors: dict[str, str]) -> None:
-    """Place the robot of each of *sensors*, by name or id, in its room while it detects motion; until cancelled."""
-    async for change in Devices(node).follow(OccupancySensor):
+async def follow_motion(node: Node, devices: Devices, robots: Iterable[TrackedRobot]) -> None:
+    """Place each of *robots* in the room of its motion sensors while they detect motion; until cancelled."""
+    by_sensor = {key: robot for robot in robots for name in robot.settings.motion_sensors for key in (name, fold(name))}
+    async for change in devices.follow(OccupancySensor):
         handle = change.handle
-        robot = sensors.get(handle.id) or sensors.get(fold(handle.name))
-        if robot and handle.area and handle.occupied and change.kind != "removed":
-            tracker.add_room(robot, handle.id, handle.area, MOTION_LIMIT)
+        robot = by_sensor.get(handle.id) or by_sensor.get(fold(handle.name))
+        if robot is not None and handle.area and handle.occupied and change.kind != "removed":
+            robot.add(PoseEvidence(handle.id, node.graph.clock.monotonic(), MOTION_LIMIT, room=handle.area))
 
 
-def read_pose(tracker: RobotTracker, node: Node, robot: str, message: RawMessage) -> None:
-    """Place *robot* by a pose as JSON.
+async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
+    """Place *robot* by poses as JSON on its topic."""
+    log, clock, settings = LogLimit(node.graph.clock), node.graph.clock, robot.settings
 
-    Raises:
-        WireError: It has neither numbers ``x`` and ``y`` nor a room, or a number is out of its range.
-    """
-    values = parse_object(message.payload, _LONGEST_POSE)
-    number = partial(_number, values)
-    room, stated = text_of(values.get("room")), values.keys() & {"x", "y"}
-    if not stated and not room:
-        raise WireError("the pose has neither x and y nor a room")
-    limit = number("limit", 0.1, _LONGEST_LIMIT, tracker.settings[robot].limit)
-    if not stated:
-        tracker.add_room(robot, message.address, room, limit)
-        return
-    position = MapPose(number("x", -10_000, 10_000), number("y", -10_000, 10_000), number("yaw", -7, 7, 0.0))
-    floor = text_of(values.get("floor")) or tracker.floor_of(robot)
-    error = number("error", 0.0, 1000.0, _ERROR)
-    now = node.graph.clock.monotonic()
-    tracker.add(robot, PoseEvidence(message.address, now, limit, error, position, room, floor))
+    def on_pose(message: RawMessage) -> None:
+        try:
+            told = JsonPose.model_validate_json(message.payload[:_LONGEST_POSE])
+        except ValidationError as exc:
+            if log.allows(NOT_READ) is not None:
+                problem = exc.errors(include_url=False)[0]["msg"]
+                node.log.warning(NOT_READ, message=f"a pose on {message.address} is not read: {problem}")
+            return
+        limit = settings.limit if told.limit is None else told.limit
+        room, floor = clean_text(told.room), clean_text(told.floor)
+        evidence = PoseEvidence(settings.topic, clock.monotonic(), limit, room=room, floor=floor)
+        if told.x is not None and told.y is not None:
+            evidence = evidence._replace(error=told.error, position=MapPose(told.x, told.y, told.yaw))
+        robot.add(evidence)
+
+    await listen(node, devices, settings.gateway, settings.topic, on_pose)
 
 
-def _number(values: dict[str, object], key: str, least: float, most: float, default: float | None = None) -> float:
-    value = values.get(key, default)
-    number = finite_number(value)
-    if number is None or not least <= number <= most:
-        raise WireError(f"{key} is {value!r:.40}, not a number from {least:g} to {most:g}")
-    return number
+async def listen(node: Node, devices: Devices, gateway: str, topic: str, handler: MessageHandler) -> None:
+    """Call *handler* with the messages on *topic* of *gateway*."""
+    try:
+        await devices.listen_to(topic, handler, gateway)
+    except (RefusedError, ServiceError) as exc:
+        node.log.warning(NOT_READ, message=f"{topic} is not read: {exc}", topic=topic)

@@ -1,16 +1,17 @@
-"""Settings of one robot: a table ``[robots.NAME]``."""
+"""Settings of one robot: a table ``[robots.NAME]``; and its pose as JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, TypeAlias
+from typing import Annotated, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = ["RobotSettings"]
+__all__ = ["JsonPose", "RobotSettings"]
 
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
+_Limit: TypeAlias = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
 
 class RobotSettings(BaseModel):
@@ -25,7 +26,8 @@ class RobotSettings(BaseModel):
             ``limit``; or ``room`` alone.
         vacuum: The MQTT topic of a vacuum cleaner with Valetudo: ``valetudo/NAME``.
         segments: The rooms of the segments on its map, by their ids.
-        map_transform: x, y and yaw of the frame of its map, ``NAME/map``, in the house's frame ``map``.
+        map_transform: x, y and yaw of the frame of its map, ``NAME/map``, in the house's frame ``map``. Not needed
+            where three of its segments have the names of rooms with a polygon.
         gateway: The gateway that brings ``topic`` and ``vacuum``.
         motion_sensors: The names or ids of motion sensors that detect only this robot: it is in their room.
         tag_reader: The NFC reader on the robot: it is in the room that each tag it reads says.
@@ -35,7 +37,7 @@ class RobotSettings(BaseModel):
 
     frames: tuple[str, ...] = ()
     floor: str = ""
-    limit: Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)] = 5.0
+    limit: _Limit = 5.0
     topic: str = ""
     vacuum: str = ""
     segments: Mapping[str, str] = Field(default_factory=dict)
@@ -43,3 +45,33 @@ class RobotSettings(BaseModel):
     gateway: str = "mqtt"
     motion_sensors: tuple[str, ...] = ()
     tag_reader: str = ""
+
+
+class JsonPose(BaseModel):
+    """A pose as JSON; other keys are ignored.
+
+    Attributes:
+        x: Metres in the frame ``map``; None where only the room is stated.
+        y: Likewise.
+        yaw: Radians.
+        error: Metres by which it may be wrong.
+        floor: The floor; empty for that of the robot's table.
+        room: The room; empty for that of the position.
+        limit: Seconds for which it counts; None for that of the robot's table.
+    """
+
+    model_config = ConfigDict(strict=True, defer_build=True)
+
+    x: _Metres | None = None
+    y: _Metres | None = None
+    yaw: _Radians = 0.0
+    error: Annotated[float, Field(ge=0, le=1000)] = 0.5
+    floor: str = ""
+    room: str = ""
+    limit: _Limit | None = None
+
+    @model_validator(mode="after")
+    def _check_place(self) -> Self:
+        if (self.x is None or self.y is None) and not self.room:
+            raise ValueError("it has neither x and y nor a room")
+        return self

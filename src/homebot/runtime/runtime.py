@@ -31,7 +31,6 @@ from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_Q
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
-from homebot.places import HousePlan
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
@@ -138,6 +137,7 @@ class Runtime:
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
+        self._owner: OwnerFacts
         self._controller: Control | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
@@ -290,14 +290,14 @@ class Runtime:
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
-            owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
+            self._owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
             control = self._plan.control  # None stands for its defaults, which are not loaded for this
             needs_approval = not self._approves_all and (control is None or control.approvals)
             directory = Directory(
                 node,
                 self._plan.discovery,
                 self.index_file,
-                owner,
+                self._owner,
                 needs_approval=needs_approval,
                 known=self.known,
             )
@@ -349,8 +349,7 @@ class Runtime:
         from homebot.robots.tracker import RobotTracker  # noqa: PLC0415 - few houses have a robot
 
         async with Node(self.graph, "robots") as node:
-            house = HousePlan(plan.home, plan.places.rooms, doors=plan.places.doors)
-            tracker = RobotTracker(node, plan.robot_owners(), plan.robots, house)
+            tracker = RobotTracker(node, plan.robot_owners(), lambda: self._owner.plan, plan.robots)
             await run_as(node.full_name, partial(tracker.serve, task_status=task_status))
 
     async def _first_pose_topic(self) -> None:

@@ -14,7 +14,7 @@ from tests.patience import PATIENCE
 from websockets.exceptions import InvalidStatus
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
-from homebot.bridges.rosbridge.access import right_to_call, right_to_publish
+from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_to_publish
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
@@ -22,6 +22,8 @@ from homebot.devices.command_messages import CommandRequest, CommandResult, Perf
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import HealthRequest
 from homebot.devices.names import ACCESS_REFUSALS, PERFORM_COMMAND
+from homebot.devices.robot_owners import RobotOwners
+from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 
@@ -88,8 +90,14 @@ async def test_a_client_without_the_right_raw_publishes_on_no_topic_of_homebot(
         assert house.entities() - before == {("publisher", ACCESS_REFUSALS)}
     assert told == (
         "the right raw is missing; a client without a token has: read, act, manage. To give it, make a token: "
-        'a table [door.tokens.NAME] in homebot.toml with token_file and scope = ["read", "raw"]'
+        'homebot token new NAME --scope "read" --scope "raw"'
     )
+
+
+def test_a_client_is_no_node_that_listens_to_what_no_device_says() -> None:
+    client = ClientAccess("local", LOCAL_RIGHTS, RobotOwners())
+    wanted = {"topic": "zigbee2mqtt/bridge/info", "listener": "/robots"}
+    assert client.stamped(SubscribeToTopicRequest, wanted) == {"topic": "zigbee2mqtt/bridge/info", "listener": ""}
 
 
 @pytest.mark.parametrize("service", ["/control/perform", "/devices/command", "/gateway/mqtt/send_command", "/rosapi/x"])

@@ -167,9 +167,12 @@ class ClientAccess:
         return issuer_of_client(self.name)
 
     def stamped(self, message_type: type[Message], values: Mapping[str, object]) -> Mapping[str, object]:
-        """Return *values* of a message of the client; an issuer in it, and a scope beside that, become its own."""
+        """Return *values* of a message of the client; an issuer in it, and a scope beside that, become its own.
+
+        It is no node, so it is none that listens.
+        """
         names = _stamped_fields(message_type)
-        own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope)}
+        own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         return {**values, **{name: own[name] for name in names}} if names else values
 
     @staticmethod
@@ -245,8 +248,8 @@ class ClientAccess:
             advice = f'add "{self.page[:_LONGEST_ORIGIN]}" to allowed_origins, in the table [door] of homebot.toml'
         elif self.name == LOCAL_CLIENT:
             client = "a client without a token"
-            scope = json.dumps(list(dict.fromkeys(("read", wanted))))
-            advice = f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = {scope}"
+            scopes = "".join(f" --scope {json.dumps(one)}" for one in dict.fromkeys(("read", wanted)))
+            advice = f"make a token: homebot token new NAME{scopes}"
         else:
             client = f"the token {self.name}"
             advice = f'add "{wanted}" to its scope, in the table [door.tokens.{self.name}] of homebot.toml'
@@ -256,7 +259,7 @@ class ClientAccess:
 @lru_cache(maxsize=256)
 def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
     names = {field.name for field in fields_of(message_type)}
-    return tuple(sorted(names & {"issuer", "scope"})) if "issuer" in names else ()
+    return tuple(sorted(names & {"issuer", "scope", "listener"})) if names & {"issuer", "listener"} else ()
 
 
 @lru_cache(maxsize=1024)

@@ -53,8 +53,10 @@ class RawMessages(Protocol):
             LinkError: There is no link.
         """
 
-    def find_source(self, address: str) -> tuple[str, str]:
+    def find_source(self, address: str, listener: str) -> tuple[str, str]:
         """Return key and name of the device that reports raw messages on *address*, known or not yet.
+
+        A *listener*, which is a node of homebot, may listen to other addresses too, where the protocol has them.
 
         Raises:
             RefusedError, WireError: Listening there is not allowed.
@@ -133,7 +135,9 @@ class CommandServer:
         """Answer the service: deliver all further messages on an address."""
         try:
             part = read_text_address(request.topic)
-            key, name = self._raw.find_source(request.topic) if part is None else self._device_of(part[0])
+            key, name = (
+                self._raw.find_source(request.topic, request.listener) if part is None else self._device_of(part[0])
+            )
             is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, key, name, request.listener)
         except RefusedError as exc:

@@ -257,7 +257,7 @@ class _RawMessages:
             raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
         await self._send_raw(command)
 
-    def find_source(self, address: str) -> tuple[str, str]:
+    def find_source(self, address: str, _listener: str) -> tuple[str, str]:
         return self.owner_of(address) if self._find_source is None else self._find_source(address)
 
     def owner_of(self, address: str) -> tuple[str, str]:

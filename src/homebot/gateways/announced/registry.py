@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.description import DeviceAnnounced
-from homebot.devices.part import size_of_texts, texts_of
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.text_codec import TextCodec
+from homebot.devices.part import Part, size_of_texts, texts_of
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 
@@ -149,6 +150,16 @@ class DeviceRegistry:
         self._excess.total += excess
         self._memory.put(described)
         return RegistryChange(stored, before, refused, readers)
+
+    def put_address(self, address: str) -> tuple[str, str]:
+        """Register *address*, of no device, for listeners to its raw messages; return key and name.
+
+        Raises:
+            WireError: As for :meth:`put`.
+        """
+        part = Part(id="", service_type="", reads=(address,))
+        self.put(DeviceAnnounced(address, "", (), address, (DescribedPart(part, TextCodec(part)),), address))
+        return address, address
 
     def remove(self, key: str) -> StoredAnnouncement | None:
         """Remove the announcement registered under *key*, and return it."""

@@ -160,7 +160,8 @@ class AnnouncedDevices:
             return
         if raw:
             self.counters.received += 1
-        self._cache(message)
+        reporter = self._reporter
+        self._last_messages.put(topic, payload, reporter.stamp, reporter.now, retained=message.retain)
         await self._states.read(
             topic,
             payload,
@@ -202,10 +203,6 @@ class AnnouncedDevices:
             raw_text = self._raw(route.announced_parts[0], topic, message.payload, retained=message.retain)
             await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
-    def _cache(self, message: MqttMessage) -> None:
-        reporter = self._reporter
-        self._last_messages.put(message.topic, message.payload, reporter.stamp, reporter.now, retained=message.retain)
-
     async def handle_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
         """Handle a message as an announcement alone, unless it is one of homebot itself."""
         if self.offers.publishes and self.offers.is_own_topic(message.topic):
@@ -236,11 +233,11 @@ class AnnouncedDevices:
         properties = NO_PROPERTIES if self._responses is None else self._responses.named(command.command_id)
         return self._connection.publish(address, payload, qos=command.qos, retain=command.retain, properties=properties)
 
-    def find_source(self, address: str) -> tuple[str, str]:
+    def find_source(self, address: str, listener: str) -> tuple[str, str]:
         """Return key and name of the device that speaks on the topic *address*, which it need not have done yet.
 
         Raises:
-            WireError: No device speaks there, or the topic breaks a rule.
+            WireError: No device speaks there and no *listener* is named, or the topic breaks a rule.
             InvalidNameError: It is none.
         """
         validate_topic(address)
@@ -253,7 +250,10 @@ class AnnouncedDevices:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
                     return device.full_key, device.name
-        raise WireError(f"no device publishes on topic {address!r}")
+        if not listener:
+            raise WireError(f"no device publishes on topic {address!r}")
+        self._subscriber.wake()
+        return self._registry.put_address(address)
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
         """Return the messages on a topic since *since*, on the monotonic clock, for a new listener."""

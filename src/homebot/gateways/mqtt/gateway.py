@@ -38,9 +38,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.support.isolation import isolated, run_as
 
 if TYPE_CHECKING:
-    from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
     from homebot.gateways.mqtt.responses import Responses
-    from homebot.gateways.mqtt.watched_topics import WatchedTopics
 
 __all__ = ["MqttGateway"]
 
@@ -94,9 +92,7 @@ class MqttGateway(Gateway):
             settings,
             self._responses,
         )
-        self._watched: WatchedTopics | None = None
         self.counters = self._described.counters
-        node.create_service(SubscribeToTopic, self.names.watch, self._watch, concurrent=True)
         if node.name == "mqtt":
             node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._described.texts.subscribe)
 
@@ -192,13 +188,6 @@ class MqttGateway(Gateway):
         topic = f"homebot/responses/{_topic_level(self._settings.client_id)}"
         return Responses(self.node.name, topic, self.node.graph.clock, answers.publish)
 
-    async def _watch(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
-        from homebot.gateways.mqtt.watched_topics import WatchedTopics  # noqa: PLC0415 - few houses need it
-
-        if self._watched is None:
-            self._watched = WatchedTopics(self.node, self.names, self._connection)
-        return await self._watched.watch(request)
-
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent
         responses, max_payload = self._responses, self._settings.max_payload
@@ -216,8 +205,6 @@ class MqttGateway(Gateway):
             if responses is not None and topic == responses.topic:
                 responses.on_response(message)
                 continue
-            if self._watched is not None and topic in self._watched:
-                self._watched.publish(message)
             if topic in sent and described.secrets.is_one(topic, payload):
                 continue  # it has a code, which no listener here is to see
             route = described.route(topic)
