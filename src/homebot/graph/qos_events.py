@@ -65,27 +65,27 @@ class MatchedStatus(QosStatus):
 
 
 @dataclass(frozen=True, slots=True)
-class OfferedDeadlineMissedStatus(QosStatus):
+class _CountedStatus(QosStatus):
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+class OfferedDeadlineMissedStatus(_CountedStatus):
     """The number of deadlines in which a publisher did not publish, counted from its first message."""
 
-    total_count: int = 0
-    total_count_change: int = 0
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True)
-class RequestedDeadlineMissedStatus(QosStatus):
+class RequestedDeadlineMissedStatus(_CountedStatus):
     """The number of deadlines in which a subscription received nothing, counted from its first message."""
 
-    total_count: int = 0
-    total_count_change: int = 0
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True)
-class LivelinessLostStatus(QosStatus):
+class LivelinessLostStatus(_CountedStatus):
     """The number of leases in which a publisher with MANUAL_BY_TOPIC asserted nothing."""
 
-    total_count: int = 0
-    total_count_change: int = 0
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +114,7 @@ class EventWatcher(Generic[StatusT]):
         self._callback = callback
         self._counts: Counter[str] = Counter()
         self._changes: Counter[str] = Counter()
+        self._timers: dict[object, _IdleTimer] = {}
         self._is_closed = False
 
     def on_match(self, end: TopicEnd, change: int) -> None:
@@ -125,6 +126,19 @@ class EventWatcher(Generic[StatusT]):
     def close(self) -> None:
         """Call back no more."""
         self._is_closed = True
+        for timer in self._timers.values():
+            timer.stop()
+
+    def _restart_timer(self, key: object, seconds: float, on_idle: Callable[[], None]) -> None:
+        """Call *on_idle* each time that *seconds* pass without a restart of the timer *key*."""
+        timer = self._timers.get(key)
+        if timer is None:
+            timer = self._timers[key] = _IdleTimer(seconds, on_idle)
+        timer.restart()
+
+    def _stop_timer(self, key: object) -> None:
+        if key in self._timers:
+            self._timers.pop(key).stop()
 
     def _count(self, **changes: int) -> None:
         if not self._changes:
@@ -149,84 +163,55 @@ class _MatchWatcher(EventWatcher[StatusT]):
 
 
 class _DeadlineWatcher(EventWatcher[StatusT]):
-    def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
-        super().__init__(end, status, callback)
-        self._timer = _IdleTimer(end.qos.deadline, lambda: self._count(total_count=1))
-
     def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - of any publisher
-        if is_message:
-            self._timer.restart()
-
-    def close(self) -> None:
-        super().close()
-        self._timer.stop()
+        if is_message and self._end.qos.deadline:
+            self._restart_timer(self, self._end.qos.deadline, lambda: self._count(total_count=1))
 
 
-class _LivelinessWatcher(EventWatcher[StatusT]):
-    """Counts the publishers that are alive: those that a subscription matches, or one whose own lease it watches."""
+class _LeaseWatcher(EventWatcher[StatusT]):
+    """Counts the leases that a publisher let pass."""
+
+    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - either asserts
+        lease = publisher.qos.liveliness_lease_duration
+        if lease and publisher.qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC:
+            self._restart_timer(publisher, lease, lambda: self._on_lost(publisher))
+
+    def _on_lost(self, publisher: TopicEnd) -> None:
+        self._stop_timer(publisher)
+        self._count(total_count=1)
+
+
+class _LivelinessWatcher(_LeaseWatcher[StatusT]):
+    """Counts the publishers that are alive among those that a subscription matches."""
 
     def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
         super().__init__(end, status, callback)
         self._alive: dict[TopicEnd, bool] = {}
-        self._timers: dict[TopicEnd, _IdleTimer] = {}
 
     def on_match(self, end: Any, change: int) -> None:
         if change < 0:
-            self._remove(end)
+            self._stop_timer(end)
+            was_alive = self._alive.pop(end, None)
+            if was_alive is not None:
+                self._count(**{"alive_count" if was_alive else "not_alive_count": -1})
         elif end.qos.liveliness is LivelinessPolicy.AUTOMATIC or end.is_lively():
             self.on_activity(end, is_message=False)
 
-    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - either asserts
+    def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:
         was_alive = self._alive.get(publisher)
         self._alive[publisher] = True
         if not was_alive:
-            self._on_alive(was_lost=was_alive is False)
-        lease = publisher.qos.liveliness_lease_duration
-        if lease and publisher.qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC:
-            timer = self._timers.get(publisher)
-            if timer is None:
-                timer = self._timers[publisher] = _IdleTimer(lease, lambda: self._expire(publisher))
-            timer.restart()
+            self._count(alive_count=1, not_alive_count=-(was_alive is False))
+        super().on_activity(publisher, is_message=is_message)
 
-    def close(self) -> None:
-        super().close()
-        for timer in self._timers.values():
-            timer.stop()
-
-    def _expire(self, publisher: TopicEnd) -> None:
-        self._timers.pop(publisher).stop()
+    def _on_lost(self, publisher: TopicEnd) -> None:
+        self._stop_timer(publisher)
         self._alive[publisher] = False
-        self._on_lost()
-
-    def _remove(self, publisher: TopicEnd) -> None:
-        if publisher in self._timers:
-            self._timers.pop(publisher).stop()
-        was_alive = self._alive.pop(publisher, None)
-        if was_alive is not None:
-            self._count(**{"alive_count" if was_alive else "not_alive_count": -1})
-
-    def _on_alive(self, *, was_lost: bool) -> None:
-        self._count(alive_count=1, not_alive_count=-was_lost)
-
-    def _on_lost(self) -> None:
         self._count(alive_count=-1, not_alive_count=1)
 
 
-class _LeaseWatcher(_LivelinessWatcher[StatusT]):
-    """Counts the leases that a publisher let pass."""
-
-    def on_match(self, end: Any, change: int) -> None:
-        pass
-
-    def _on_alive(self, *, was_lost: bool) -> None:
-        pass
-
-    def _on_lost(self) -> None:
-        self._count(total_count=1)
-
-
 class _IdleTimer:
-    """Calls back after each *seconds* without a restart; for 0 never. A restart is cheap: it moves no timer."""
+    """Calls back after each *seconds* without a restart. A restart is cheap: it moves no timer."""
 
     def __init__(self, seconds: float, on_idle: Callable[[], None]) -> None:
         self._seconds = seconds
@@ -235,14 +220,12 @@ class _IdleTimer:
         self._timer: asyncio.TimerHandle | None = None
 
     def restart(self) -> None:
-        if self._seconds:
-            loop = asyncio.get_running_loop()
-            self._due = loop.time() + self._seconds
-            if self._timer is None:
-                self._timer = loop.call_at(self._due, self._ring, context=Context())
+        loop = asyncio.get_running_loop()
+        self._due = loop.time() + self._seconds
+        if self._timer is None:
+            self._timer = loop.call_at(self._due, self._ring, context=Context())
 
     def stop(self) -> None:
-        self._seconds = 0.0
         if self._timer is not None:
             self._timer.cancel()
 

@@ -4,9 +4,8 @@ An action NAME is five hidden endpoints below ``NAME/_action``: the services ``s
 ``get_result``, and the topics ``feedback`` and ``status``. Loaded when used.
 """
 
-from homebot.graph.actions.action_client import ActionClient
+from homebot.graph.actions.action_client import ActionClient, ClientGoal
 from homebot.graph.actions.action_server import ActionServer, Preemption
-from homebot.graph.actions.client_goal import ClientGoal
 from homebot.graph.actions.goal_state import GoalState
 from homebot.graph.actions.server_goal import ServerGoal
 

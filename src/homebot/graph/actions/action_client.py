@@ -5,28 +5,83 @@ Source: ROS 2, rclpy ``action/client.py``.
 
 from __future__ import annotations
 
+import math
 import uuid
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeAlias
 
 from homebot.errors import ClosedError, GoalAbortedError, GoalCanceledError, GoalRejectedError
-from homebot.graph.actions.client_goal import ClientGoal
 from homebot.graph.actions.goal_state import GoalState, endpoint_name
+from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_latched
 from homebot.graph.subscription import Subscription
-from homebot.messages.action import ActionType
-from homebot.messages.action_msgs import CancelGoal, GoalStatusArray
+from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
+from homebot.messages.action_msgs import CancelGoal, CancelGoalRequest, CancelGoalResponse, GoalInfo, GoalStatusArray
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ActionClient"]
+__all__ = ["ActionClient", "ClientGoal"]
 
-GoalT = TypeVar("GoalT", bound=Message)
-ResultT = TypeVar("ResultT", bound=Message)
-FeedbackT = TypeVar("FeedbackT", bound=Message)
+_OnFeedback: TypeAlias = Callable[[FeedbackT], Awaitable[None] | None] | None
+_NO_TIME = Time(sec=0, nanosec=0)
+
+
+class ClientGoal(Generic[ResultT, FeedbackT]):
+    """A goal that a client has sent.
+
+    Attributes:
+        goal_id: The id that the client chose.
+        status: Its newest known state.
+        stamp: When the server accepted it.
+    """
+
+    def __init__(
+        self,
+        result_request: Any,
+        results: Client[Any, Any],
+        cancels: Client[CancelGoalRequest, CancelGoalResponse],
+        on_feedback: _OnFeedback[FeedbackT],
+    ) -> None:
+        """Use :meth:`homebot.graph.actions.ActionClient.send_goal` instead."""
+        self.goal_id: UUID = result_request.goal_id
+        self.status = GoalState.UNKNOWN
+        self.stamp = _NO_TIME
+        self.on_feedback = on_feedback
+        self._result_request: Message = result_request
+        self._results = results
+        self._cancels = cancels
+        self._cancel_request = CancelGoalRequest(goal_info=GoalInfo(goal_id=self.goal_id, stamp=_NO_TIME))
+        self._outcome: tuple[GoalState, ResultT] | None = None
+
+    async def result(self) -> tuple[GoalState, ResultT]:
+        """Return the final state and the result when the goal has ended; UNKNOWN if the server has forgotten it.
+
+        Raises:
+            ServiceUnavailableError: There is no server.
+            ServiceGoneError: The server was closed meanwhile.
+            ClosedError: The client was closed.
+        """
+        if self._outcome is None:
+            response = await self._results.call(self._result_request, math.inf)
+            self.status = GoalState(response.status)
+            self._outcome = (self.status, response.result)
+        return self._outcome
+
+    async def cancel(self) -> CancelGoalResponse:
+        """Ask the server to cancel the goal; the response says whether it will.
+
+        Raises:
+            ServiceError: The server did not answer.
+        """
+        return await self._cancels.call(self._cancel_request)
+
+    def request_cancel(self) -> None:
+        """Ask the server to cancel the goal, without waiting for its answer."""
+        self._cancels.send(self._cancel_request)
 
 
 class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
@@ -78,9 +133,7 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         """
         return await self._sending.wait_for_service(timeout)
 
-    async def perform(
-        self, goal: GoalT, on_feedback: Callable[[FeedbackT], Awaitable[None] | None] | None = None
-    ) -> ResultT:
+    async def perform(self, goal: GoalT, on_feedback: _OnFeedback[FeedbackT] = None) -> ResultT:
         """Send *goal* and return its result. Cancelling this cancels the goal.
 
         Raises:
@@ -93,20 +146,13 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         except BaseException:
             sent.request_cancel()
             raise
-        finally:
-            self._goals.pop(sent.goal_id.uuid, None)
         if state is GoalState.SUCCEEDED:
             return result
-        if state is GoalState.CANCELED:
-            raise GoalCanceledError(self.action_name, result)
-        raise GoalAbortedError(self.action_name, result)
+        error = GoalCanceledError if state is GoalState.CANCELED else GoalAbortedError
+        raise error(self.action_name, result)
 
     async def send_goal(
-        self,
-        goal: GoalT,
-        on_feedback: Callable[[FeedbackT], Awaitable[None] | None] | None = None,
-        *,
-        goal_id: UUID | None = None,
+        self, goal: GoalT, on_feedback: _OnFeedback[FeedbackT] = None, *, goal_id: UUID | None = None
     ) -> ClientGoal[ResultT, FeedbackT]:
         """Send *goal* and return it when the server has accepted it.
 
@@ -125,7 +171,7 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         self._subscribe()
         goal_id = goal_id or UUID(uuid=uuid.uuid4().bytes)
         result_request = self._type.GetResult.Request(goal_id=goal_id)
-        sent = ClientGoal[ResultT, FeedbackT](goal_id, result_request, self._results, self._canceling, on_feedback)
+        sent = ClientGoal[ResultT, FeedbackT](result_request, self._results, self._canceling, on_feedback)
         request = self._type.SendGoal.Request(goal_id=goal_id, goal=goal)
         self._goals[goal_id.uuid] = sent
         try:
@@ -147,9 +193,10 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         if self._closed:
             return
         self._closed = True
-        for goal in tuple(self._goals.values()):
-            goal.request_cancel()
-        self._goals.clear()
+        for goal in self._goals.values():
+            if not goal.status.is_terminal:
+                goal.request_cancel()
+        self._goals = {}
         ends: tuple[GraphEntity, ...] = (self._sending, self._canceling, self._results, *self._subscriptions)
         for end in ends:
             end.close()
@@ -166,18 +213,12 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
 
     def _on_feedback(self, message: Any) -> Awaitable[None] | None:  # its type is made by the action type
         goal = self._goals.get(message.goal_id.uuid)
-        self._forget_ended()
         return None if goal is None or goal.on_feedback is None else goal.on_feedback(message.feedback)
 
     def _on_states(self, message: GoalStatusArray) -> None:
-        for status in message.status_list:
-            goal = self._goals.get(status.goal_info.goal_id.uuid)
-            if goal is not None:
-                goal.status = GoalState(status.status)
-        self._forget_ended()
-
-    def _forget_ended(self) -> None:
-        """Forget the goals that have ended, unless feedback of theirs may wait."""
-        if not self.has_feedback:
-            for goal_id in [goal_id for goal_id, goal in self._goals.items() if goal.status.is_terminal]:
+        """Record the states of goals; an ended one is forgotten with the server: until then feedback may wait."""
+        states = {one.goal_info.goal_id.uuid: GoalState(one.status) for one in message.status_list}
+        for goal_id, goal in list(self._goals.items()):
+            goal.status = states.get(goal_id, goal.status)
+            if goal.status.is_terminal and goal_id not in states:
                 del self._goals[goal_id]

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, nullcontext
 from enum import StrEnum
 from functools import partial
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final, Generic
 
 import anyio
 
@@ -18,7 +19,7 @@ from homebot.graph.actions.server_goal import ServerGoal, check_type
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_latched
-from homebot.messages.action import ActionType
+from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
 from homebot.messages.action_msgs import (
     CancelGoal,
     CancelGoalRequest,
@@ -35,10 +36,6 @@ from homebot.support.isolation import crash_of, is_end_of, uncancel
 from homebot.support.time_limits import TimeLimits
 
 __all__ = ["ActionServer", "Preemption"]
-
-GoalT = TypeVar("GoalT", bound=Message)
-ResultT = TypeVar("ResultT", bound=Message)
-FeedbackT = TypeVar("FeedbackT", bound=Message)
 
 MAX_ACTIVE: Final = 256
 MAX_ENDED: Final = 256
@@ -61,7 +58,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     *execute* ends its goal by ``succeed``, ``abort`` or ``canceled`` and returns the result. Without one of these the
     goal is ABORTED with a warning; after an exception it is ABORTED with an empty result, and the failure is counted.
-    A result is kept for *result_timeout* and until it was asked for, the last 256 at most.
+    The last 256 results are kept for *result_timeout*.
 
     Args:
         node: The node that executes the goals while it runs.
@@ -75,7 +72,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     Attributes:
         refused: Number of goals rejected because 256 were active.
-        lost_results: Number of results dropped unread because 256 newer ones were kept.
+        lost_results: Number of results dropped before their time because 256 newer ones were kept.
 
     Raises:
         InvalidNameError: *name* is not a legal name.
@@ -106,8 +103,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         self._result_timeout = result_timeout
         self._goals: dict[bytes, ServerGoal[GoalT, ResultT, FeedbackT]] = {}  # in order of acceptance
         self._expiries = TimeLimits()
-        self._expired: set[bytes] = set()  # with a result that was not asked for
-        self._turn = None if preemption is None else anyio.Lock()
+        self._turn: AbstractAsyncContextManager[None] = nullcontext() if preemption is None else anyio.Lock()
         self._closed = False
         name = node.resolve_name(name, "action name")
         self.info = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, name, action_type.ros_type)
@@ -166,35 +162,23 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         return goal_id not in self._goals and not (active and self._preemption is Preemption.REJECT)
 
     def _cancel(self, request: CancelGoalRequest) -> CancelGoalResponse:
-        goal_id, stamp = request.goal_info.goal_id.uuid, request.goal_info.stamp
-        named, at = self._goals.get(goal_id), (stamp.sec, stamp.nanosec)
+        goal_id, at = request.goal_info.goal_id.uuid, _time_of(request.goal_info)
+        named, code = self._goals.get(goal_id), CancelGoalResponse.ERROR_NONE
         if goal_id != _NO_ID and at == _NO_TIME:
-            if named is None:
-                return _cancel_response(CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID)
-            if not named.state.can_become(GoalState.CANCELING):
-                return _cancel_response(CancelGoalResponse.ERROR_GOAL_TERMINATED)
-            selected = [named]
+            selected = [] if named is None else [named]
+            code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
         else:
-            selected = self._cancellable(named, at)
-        canceling = [goal.info for goal in selected if self._cancel_goal(goal)]
-        is_rejected = selected and not canceling
-        code = CancelGoalResponse.ERROR_REJECTED if is_rejected else CancelGoalResponse.ERROR_NONE
-        return _cancel_response(code, *canceling)
-
-    def _cancellable(
-        self, named: ServerGoal[GoalT, ResultT, FeedbackT] | None, at: tuple[int, int]
-    ) -> list[ServerGoal[GoalT, ResultT, FeedbackT]]:
-        """Return *named* and the goals accepted until *at*, or all goals, as far as they can be cancelled."""
-        return [
-            goal
-            for goal in self._goals.values()
-            if goal.state.can_become(GoalState.CANCELING)
-            and (at == _NO_TIME or (goal.info.stamp.sec, goal.info.stamp.nanosec) <= at or goal is named)
-        ]
+            all_goals = self._goals.values()
+            selected = [one for one in all_goals if at == _NO_TIME or _time_of(one.info) <= at or one is named]
+        found = [one for one in selected if one.state.can_become(GoalState.CANCELING)]
+        canceling = tuple(one.info for one in found if self._cancel_goal(one))
+        if found:
+            code = CancelGoalResponse.ERROR_NONE if canceling else CancelGoalResponse.ERROR_REJECTED
+        return CancelGoalResponse(return_code=code, goals_canceling=canceling)
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""
-        is_waiting = self._turn is not None and goal.state is GoalState.ACCEPTED
+        is_waiting = self._preemption is not None and goal.state is GoalState.ACCEPTED
         if self._on_cancel is not None and not is_waiting and not self._on_cancel(goal):
             return False
         goal.change_state(GoalState.CANCELING)
@@ -204,16 +188,9 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     async def _answer(self, request: Any) -> Message:  # as above
         goal = self._goals.get(request.goal_id.uuid)
-        if goal is None:
-            return self._result_response(GoalState.UNKNOWN, zero_message(self._type.Result))
-        result = await goal.wait_for_result()
-        goal.is_answered = True
-        if request.goal_id.uuid in self._expired:
-            self._forget(request.goal_id.uuid)
-        return self._result_response(goal.state, result)
-
-    def _result_response(self, state: GoalState, result: ResultT) -> Message:
-        response: Message = self._type.GetResult.Response(status=int(state), result=result)
+        result = zero_message(self._type.Result) if goal is None else await asyncio.shield(goal.outcome)
+        status = int(GoalState.UNKNOWN if goal is None else goal.state)
+        response: Message = self._type.GetResult.Response(status=status, result=result)
         return response
 
     async def _run(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
@@ -221,18 +198,14 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         result: ResultT | None = None
         try:
             with goal.scope:
-                if self._turn is None:
+                async with self._turn:
                     result = await self._run_isolated(goal)
-                else:
-                    async with self._turn:
-                        result = await self._run_isolated(goal)
             if goal.scope.cancel_called and goal.is_cancel_requested:
                 goal.canceled(result)
             elif goal.is_active:
+                problem = "returned without succeed(), abort() or canceled(); it counts as aborted"
                 self._node.log.warning(
-                    NO_TERMINAL_STATE,
-                    message=f"the execution of a goal of {self.action_name} returned without succeed(), abort() or "
-                    "canceled(); it counts as aborted",
+                    NO_TERMINAL_STATE, message=f"the execution of a goal of {self.action_name} {problem}"
                 )
                 goal.abort(result)
         finally:
@@ -255,10 +228,8 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
                 raise
             if isinstance(exc, asyncio.CancelledError):
                 uncancel()
-            crash = crash_of(self._node.full_name, exc)
-            self._node.graph.failures.record(
-                self._node.full_name, f"execution of {self.action_name}", crash, "its goal is aborted"
-            )
+            name, crash = self._node.full_name, crash_of(self._node.full_name, exc)
+            self._node.graph.failures.record(name, f"execution of {self.action_name}", crash, "its goal is aborted")
             if goal.is_active:
                 goal.abort(zero_message(self._type.Result))
             return None
@@ -267,23 +238,16 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         """Keep the result of an ended *goal* for a while."""
         if self._closed:
             return
-        self._expiries.set(self._result_timeout, partial(self._expire, goal.goal_id.uuid))
+        self._expiries.set(self._result_timeout, partial(self._forget, goal))
         ended = [one for one in self._goals.values() if not one.is_active]
         if len(ended) > MAX_ENDED:
-            self.lost_results += not ended[0].is_answered
-            self._forget(ended[0].goal_id.uuid)
+            self.lost_results += 1
+            self._forget(ended[0])
 
-    def _expire(self, goal_id: bytes) -> None:
-        goal = self._goals.get(goal_id)
-        if goal is not None and goal.is_answered:
-            self._forget(goal_id)
-        elif goal is not None:
-            self._expired.add(goal_id)
-
-    def _forget(self, goal_id: bytes) -> None:
-        self._expired.discard(goal_id)
-        self._goals.pop(goal_id, None)
-        self._publish_states()
+    def _forget(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
+        if self._goals.get(goal.goal_id.uuid) is goal:
+            del self._goals[goal.goal_id.uuid]
+            self._publish_states()
 
     def _publish_states(self) -> None:
         if self._closed:
@@ -295,5 +259,5 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         self._feedback.publish(self._type.FeedbackMessage(goal_id=goal_id, feedback=feedback))
 
 
-def _cancel_response(code: int, *goals: GoalInfo) -> CancelGoalResponse:
-    return CancelGoalResponse(return_code=code, goals_canceling=goals)
+def _time_of(info: GoalInfo) -> tuple[int, int]:
+    return info.stamp.sec, info.stamp.nanosec

@@ -10,7 +10,7 @@ import anyio
 
 from homebot.errors import TypeMismatchError, UsageError
 from homebot.graph.actions.goal_state import GoalState
-from homebot.messages.action import ActionType
+from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
 from homebot.messages.action_msgs import GoalInfo
 from homebot.messages.definition import zero_message
 from homebot.messages.message import Message
@@ -18,9 +18,6 @@ from homebot.messages.unique_identifier_msgs import UUID
 
 __all__ = ["ServerGoal", "check_type"]
 
-GoalT = TypeVar("GoalT", bound=Message)
-ResultT = TypeVar("ResultT", bound=Message)
-FeedbackT = TypeVar("FeedbackT", bound=Message)
 MessageT = TypeVar("MessageT", bound=Message)
 
 
@@ -28,10 +25,12 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
     """An accepted goal, as its server executes it.
 
     Attributes:
+        action_type: The type of the action.
         request: The goal message.
         info: Its id and the time of its acceptance.
         state: Its state; the server publishes each change.
         scope: The cancel scope of its execution.
+        outcome: Its result, once it has ended.
     """
 
     def __init__(
@@ -43,17 +42,15 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         on_feedback: Callable[[UUID, FeedbackT], None],
     ) -> None:
         """Use :class:`homebot.graph.actions.ActionServer` instead."""
+        self.action_type = action_type
         self.request = request
         self.info = info
         self.state = GoalState.ACCEPTED
         self.scope = anyio.CancelScope()
-        self.is_answered = False
-        self.action_type = action_type
+        self.outcome: asyncio.Future[ResultT] = asyncio.get_running_loop().create_future()
         self._on_change = on_change
         self._on_feedback = on_feedback
         self._is_revoked = False
-        self._result: ResultT | None = None
-        self._outcome: asyncio.Future[ResultT] = asyncio.get_running_loop().create_future()
 
     @property
     def goal_id(self) -> UUID:
@@ -128,18 +125,13 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
 
     def finish(self, result: ResultT | None) -> None:
         """Fix the result of an ended goal: the one it ended with, else *result*, else an empty one."""
-        if not self._outcome.done():
-            self._outcome.set_result(self._result or result or zero_message(self.action_type.Result))
-
-    async def wait_for_result(self) -> ResultT:
-        """Return the result when the goal has ended."""
-        return await asyncio.shield(self._outcome)
+        if not self.outcome.done():
+            self.outcome.set_result(result or zero_message(self.action_type.Result))
 
     def _end(self, state: GoalState, result: ResultT | None) -> None:
         check_type(result, self.action_type.Result)
         if self._is_revoked:
             return
-        self._result = result
         self.change_state(state)
         if result is not None:
             self.finish(result)
