@@ -43,11 +43,7 @@ async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, s
 @pytest.mark.parametrize(
     ("issuer", "scope", "advice"),
     [
-        (
-            "client:local",
-            (),
-            """make a token: a table [door.tokens.NAME] in homebot.toml with token_file and scope = ['read', {}]""",
-        ),
+        ("client:local", (), "make a token: homebot token new NAME --scope read --scope {}"),
         ("client:local", ("read", "act: light"), "add {} to that, in the table [door] of homebot.toml"),
         ("client:robot", ("act: light",), "add {} to that, in the table [door.tokens.robot] of homebot.toml"),
     ],
@@ -72,7 +68,7 @@ async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, appr
         for reason in ((await unlock(home, "client:robot")).reason, refused.reason):
             assert "a right that names it (its type is door_lock)" in reason
             assert ("; approve it with `homebot approve Door`, and " in reason) is approvals
-            assert "homebot.toml" in reason or "[apps.app] act = " in reason
+            assert "homebot token new NAME" in reason or "[apps.app] act = " in reason
 
 
 @pytest.mark.parametrize("scope", [(), ("read", "act: harmless")])

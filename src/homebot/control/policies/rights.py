@@ -129,8 +129,7 @@ def _grant_advice(command: IssuedCommand) -> str:
 def _client_advice(command: IssuedCommand, right: str) -> str:
     """Return the place in the configuration that gives the client *right*."""
     if not command.scope:
-        scope = f"scope = ['read', '{right}']"
-        return f"make a token: a table [door.tokens.NAME] in homebot.toml with token_file and {scope}"
+        return f"make a token: homebot token new NAME --scope read --scope {shlex.quote(right)}"
     is_local = command.issuer == issuer_of_client(LOCAL_CLIENT)
     table = "door" if is_local else f"door.tokens.{command.issuer.partition(':')[2]}"
     return f"add '{right}' to that, in the table [{table}] of homebot.toml"
