@@ -21,6 +21,8 @@ from functools import partial
 from types import SimpleNamespace
 from typing import Any, Self
 
+from structlog.typing import FilteringBoundLogger
+
 from homebot import graph
 from homebot.compat.messages import to_graph, to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
@@ -50,6 +52,9 @@ __all__ = [
     "try_shutdown",
 ]
 
+GoalResponse = IntEnum("GoalResponse", ("REJECT", "ACCEPT"))
+CancelResponse = GoalResponse
+ExternalShutdownException = KeyboardInterrupt  # caught in a program's last line; a spin returns instead
 ok = CONTEXT.ok
 shutdown = try_shutdown = CONTEXT.shutdown
 
@@ -81,19 +86,9 @@ def spin_until_future_complete(node: RclpyNode, future: Future, timeout_sec: flo
         node.executor.run_next(None if ends is None else max(0.0, ends - time.monotonic()))
 
 
-class ExternalShutdownException(Exception):
-    """The end of the graph while a node spins; never raised here, since ``spin`` returns instead."""
-
-
-class RclpyLogger:
-    """Writes to the log, and to ``/rosout``: ``debug``, ``info``, ``warn``, ``warning``, ``error`` and ``fatal``."""
-
-    def __init__(self, name: str) -> None:
-        self._log = logger_of(node=name)
-
-    def __getattr__(self, level: str) -> Callable[..., None]:
-        write = getattr(self._log, {"warn": "warning", "fatal": "critical"}.get(level, level))
-        return lambda message: write("rclpy.line", message=str(message))
+def get_logger(name: str) -> FilteringBoundLogger:
+    """Return the logger of *name*, which writes to ``/rosout`` too."""
+    return logger_of(node=name)
 
 
 class RclpyParameter(graph.Parameter):
@@ -127,10 +122,6 @@ class RclpyNode(Remote):
     def __init__(self, node_name: str, *, namespace: str = "") -> None:
         executor = SpinExecutor()
         super().__init__(CONTEXT.add_node(node_name, namespace or "/", executor), executor)
-
-    def get_logger(self) -> RclpyLogger:
-        """Return the node's logger."""
-        return RclpyLogger(self.graph_object.full_name)
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each topic of the graph with its type."""
@@ -183,24 +174,14 @@ class RclpyNode(Remote):
             CONTEXT.call(self.graph_object.close)
 
 
-class GoalResponse(IntEnum):
-    """The answer to a goal, or to a request to cancel one."""
-
-    REJECT = 1
-    ACCEPT = 2
-
-
-CancelResponse = GoalResponse
-
-
 def ActionServer(  # noqa: N802 - rclpy's name
     node: RclpyNode,
     action_type: Any,
     action_name: str,
     execute_callback: Callable[[Any], object],
     *,
-    goal_callback: Callable[[Any], GoalResponse] = lambda _goal: GoalResponse.ACCEPT,
-    cancel_callback: Callable[[Any], GoalResponse] = lambda _handle: GoalResponse.REJECT,
+    goal_callback: Callable[[Any], object] = lambda _goal: GoalResponse.ACCEPT,
+    cancel_callback: Callable[[Any], object] = lambda _handle: GoalResponse.REJECT,
 ) -> Remote:
     """Execute the goals of an action: *execute_callback* takes a goal's handle, ends it and returns the result."""
     server = CONTEXT.call(
@@ -246,5 +227,4 @@ def ActionClient(node: RclpyNode, action_type: Any, action_name: str) -> Any:  #
 Node = RclpyNode
 create_node = RclpyNode
 Parameter = RclpyParameter
-get_logger = RclpyLogger
 action = executors = logging = node = parameter = task = sys.modules[__name__]

@@ -127,7 +127,7 @@ def _read_params(file: str, node: str) -> dict[str, object]:
     try:
         table = yaml.safe_load(sys.stdin.read() if file == "-" else Path(file).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
-        raise UsageError(f"cannot read {file}: {exc}") from exc
+        raise UsageError(f"{file} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
     found: dict[str, dict[str, object]] = {}
     for keys, value in _leaves(table):
         node_name, marker, name = ".".join(keys).partition(".ros__parameters.")

@@ -55,7 +55,10 @@ def _new(options: argparse.Namespace) -> int:
     token_file = config.parent / f"{options.name}.token"
     rights = ", ".join(map(json.dumps, options.scope))
     table = f"[door.tokens.{options.name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{rights}]\n"
-    before = config.read_text(encoding="utf-8-sig") if config.exists() else ""
+    try:
+        before = config.read_text(encoding="utf-8-sig") if config.exists() else ""
+    except (OSError, UnicodeDecodeError) as exc:
+        raise UsageError(f"{config} cannot be read: {exc}") from exc
     if table.partition("\n")[0] in before:
         raise UsageError(f"{config} has a table [door.tokens.{options.name}]; choose another name, or remove it first")
     try:
