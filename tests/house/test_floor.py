@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
+
 from homebot.house import World, thesis_world
+from homebot.house.description import load_world
 from homebot.house.floor_map import occupancy_grid
 from homebot.house.rooms import Room, Rooms
 from homebot.messages.builtin_interfaces import Time
@@ -21,6 +26,16 @@ def test_the_places_of_the_small_house_are_valid_and_its_doors_are_at_their_room
         found = plan.room_at(*placed.at)
         assert found is not None
         assert found.room == placed.room
+
+
+@pytest.mark.parametrize(("name", "doors"), [("flat", 2), ("family", 6), ("mixed", 3)])
+def test_the_rooms_of_the_examples_stand_side_by_side_with_each_door_in_a_wall(name: str, doors: int) -> None:
+    world = load_world(Path(__file__).parents[2] / "examples" / "houses" / f"{name}.toml")
+    places = HouseOfRun(world, (), "robot").places()
+    plan = FloorPlan(HousePlan("villa", places.rooms, name, places.doors))
+    assert [*plan.overlaps()] == []
+    assert {room.name for room in places.rooms} == {*world.rooms.rooms} - {"outside"}
+    assert len(places.doors) == doors
 
 
 def test_a_house_without_extents_has_no_places() -> None:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import anyio
 import pytest
 
 from homebot.config import parse_config
+from homebot.devices import Devices
+from homebot.devices.handles import Light
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, GoalState
-from homebot.house import thesis_world
+from homebot.house import World, thesis_world
+from homebot.house.description import parse_world
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
@@ -30,17 +36,18 @@ from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.virtual_time
 
+FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 BATTERY_STATE = find_message("sensor_msgs/msg/BatteryState")
 CONFIG = {"home": {"name": "home425"}, "gateways": {"mqtt": {"root": "home425"}}}
 
 
 @asynccontextmanager
-async def running(robot: str = "robot") -> AsyncIterator[tuple[Runtime, Node]]:
-    """Run the small house; yield the runtime and a node."""
+async def running(robot: str = "robot", world: World | None = None) -> AsyncIterator[tuple[Runtime, Node]]:
+    """Run the small house, or *world*; yield the runtime and a node."""
     async with MemoryBroker() as broker:
         config = parse_config(CONFIG, "test")
         services = (HostedBroker.in_memory(broker),)
-        runtime = Runtime(config, house=thesis_world(), robot=robot, with_door=False, services=services)
+        runtime = Runtime(config, house=world or thesis_world(), robot=robot, with_door=False, services=services)
         async with runtime, Node(runtime.graph, "tester") as node:
             yield runtime, node
 
@@ -123,6 +130,20 @@ async def test_it_drives_to_a_pose_and_back_into_its_dock() -> None:
         assert state is GoalState.SUCCEEDED
         await anyio.sleep(600)
         assert batteries[-1].percentage == 1.0
+
+
+async def test_a_robot_that_is_a_device_of_the_house_drives_without_a_jump_to_lamps_in_known_rooms() -> None:
+    async with running(world=parse_world(FAMILY, "family.toml")) as (_, node):
+        await anyio.sleep(5)
+        poses = await read(node, PoseWithCovarianceStamped, "/amcl_pose")
+        found = await Devices(node).find(Light, near="robot")
+        assert [one.area for one in found][:2] == ["hall", "stairs"]
+        assert len(found) == 8
+        navigate = ActionClient(node, NAVIGATE, "/navigate_to_pose")
+        state, _ = await (await navigate.send_goal(goal_at(6.0, 5.0))).result()
+        assert state is GoalState.SUCCEEDED
+        points = [(one.pose.pose.position.x, one.pose.pose.position.y) for one in poses]
+        assert max(math.dist(*pair) for pair in pairwise(points)) < 0.5
 
 
 async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_a_reason() -> None:

@@ -79,6 +79,7 @@ class World:
         capacity: Events the event log keeps.
 
     Attributes:
+        rooms: Its plan.
         now: Seconds since the midnight before the first day.
         event_log: The events so far.
 
@@ -102,7 +103,7 @@ class World:
     ) -> None:
         self.now = 0.0
         self.event_log = WorldLog(capacity)
-        self._rooms = rooms
+        self.rooms = rooms
         self._entries: dict[str, _PlacedDevice] = {}
         for item in placed:
             if item.device.device_id in self._entries:
@@ -132,11 +133,6 @@ class World:
             UsageError: Two devices have one name.
         """
         return cls(Rooms({OUTSIDE: Room(window=1.0), "room": Room()}, []), [Placed(each, "room") for each in devices])
-
-    @property
-    def rooms(self) -> Rooms:
-        """Its plan."""
-        return self._rooms
 
     @property
     def devices(self) -> Mapping[str, Placed]:
@@ -222,7 +218,7 @@ class World:
         entries = self._in_room[room]
         covers = [entry.real.position_at(self.now) for entry in entries if isinstance(entry.real, CoverMotor)]
         let_in = sum(covers) / len(covers) if covers else 1.0
-        sun = daylight(self.now, self._first_day, self._latitude) * self._rooms.rooms[room].window * let_in
+        sun = daylight(self.now, self._first_day, self._latitude) * self.rooms.rooms[room].window * let_in
         lamps = [t.real for t in entries if isinstance(t.real, SimulatedLamp) and t.placed.device.watts() > 0]
         return sun + sum(lamp.lux() for lamp in lamps)
 
@@ -262,7 +258,7 @@ class World:
     def _check(self) -> None:
         for entry in self._entries.values():
             for room in (entry.placed.room, entry.placed.door or entry.placed.room):
-                self._rooms.path(room, room)
+                self.rooms.path(room, room)
             if isinstance(entry.real, PowerMeter) and entry.real.of:
                 self._find(entry.real.of)
         for scheduled in self._errands:
@@ -384,7 +380,7 @@ class World:
             if isinstance(entry.real, SimulatedThermostat):
                 self._feel(entry, outside)
         self._show_power()
-        for room in self._rooms.rooms:
+        for room in self.rooms.rooms:
             self._show_light(room)
             is_dark = self.lux(room) < DARK
             if is_dark and self._was_dark.get(room) is False:

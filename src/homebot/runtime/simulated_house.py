@@ -95,20 +95,19 @@ class HouseOfRun:
             for name, one in devices.items()
         }
         at_door = {
-            (frozenset({one.room, one.door}), one.device.kind): ids[name] for name, one in devices.items() if one.door
+            (frozenset({one.room, one.door}), unwrap(one.device).kind): ids[name]
+            for name, one in devices.items()
+            if one.door
         }
         doors = []
-        for one, other, middle in rooms.doorways():
-            contact, lock = (at_door.get((frozenset({one, other}), kind), "") for kind in ("contact", "lock"))
-            doors.append(HouseDoor(door_name((one, other)), (one, other), (middle,), DOOR_WIDTH, contact, lock))
-        facts: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
-            (ids[name],): (
-                OwnerFact("area", one.room, *_STATED),
-                OwnerFact("position", Position(*one.at).text, *_STATED),
-            )
-            for name, one in devices.items()
-            if one.at is not None
-        }
+        for room, other, middle in rooms.doorways():
+            contact, lock = (at_door.get((frozenset({room, other}), kind), "") for kind in ("contact", "lock"))
+            doors.append(HouseDoor(door_name((room, other)), (room, other), (middle,), DOOR_WIDTH, contact, lock))
+        facts: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
+        for name, one in devices.items():
+            if rooms.rooms[one.room].corners:
+                position = () if one.at is None else (OwnerFact("position", Position(*one.at).text, *_STATED),)
+                facts[ids[name],] = (OwnerFact("area", one.room, *_STATED), *position)
         areas = tuple(
             HouseRoom(name, polygons=((room.corners,),)) for name, room in rooms.rooms.items() if room.corners
         )
@@ -156,8 +155,11 @@ class HouseOfRun:
         own = Robot(self.robot, world.rooms, first)
 
         def read() -> Robot:
-            robot = unwrap(world.device(devices[0])) if devices else own
-            own.advance(clock.now())
+            if not devices:
+                own.advance(clock.now())
+                return own
+            house.catch_up()  # a world stands still between its events
+            robot = unwrap(world.device(devices[0]))
             assert isinstance(robot, Robot)  # noqa: S101 - as it was found above
             return robot
 

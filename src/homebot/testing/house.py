@@ -37,7 +37,9 @@ LOGIN: Final = frozenset({"user", "password_file", "password_env", "ca_file", "c
 """Keys of a gateway's table that describe a broker, which the test's own one replaces."""
 
 
-def house_config(apps: Sequence[str], root: str, url: str, given: Config | None = None) -> Config:
+def house_config(
+    apps: Sequence[str], root: str, url: str, given: Config | Mapping[str, object] | None = None
+) -> Config:
     """Return *given* with *apps* and made for a test.
 
     A gateway for MQTT without a broker on this computer gets the one at *url* and acts: a test never touches a real
@@ -46,11 +48,12 @@ def house_config(apps: Sequence[str], root: str, url: str, given: Config | None 
 
     Args:
         apps: Each a plug-in's name or ``module:Class``; they come last.
+        given: A configuration, or tables as in ``homebot.toml``.
 
     Raises:
-        UsageError: The address of a broker cannot be read.
+        UsageError: The address of a broker cannot be read, or a table.
     """
-    given = given or Config(source="test")
+    given = given if isinstance(given, Config) else parse_config(given or {}, "config")
     gateways = given.gateways or {"mqtt": {}}
     return given.model_copy(
         update={
@@ -244,10 +247,9 @@ async def house_of(
     Raises:
         UsageError: The configuration is invalid.
     """
-    given = config if config is None or isinstance(config, Config) else parse_config(config, "config")
     with plain_logs():
         async with Broker() as broker:
-            made = house_config(apps, root, broker.url, given)
+            made = house_config(apps, root, broker.url, config)
             gateway = mqtt_gateway_of(made)
             own = MqttOptions.from_url(broker.url)
             options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import AsyncIterator, Mapping
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from random import Random
@@ -14,7 +14,7 @@ from typing import Final
 import anyio
 
 from homebot.clock import LoopClock
-from homebot.config import Config, parse_config
+from homebot.config import Config
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
@@ -179,50 +179,46 @@ async def virtual_house_of(
     """Run *apps* in a homebot as :func:`homebot.testing.house_of` does, on a :class:`VirtualTimeLoop`.
 
     Args:
-        apps: Each a plug-in's name or ``module:Class``.
         world: A simulated world that lives in it, from the midnight before *start* on; the test may play others.
         start: The date and time at which the test begins; in UTC unless it has a time zone.
         seed: The seed of all random numbers: the same test with the same seed is the same run.
         heartbeat: The time after which a simulated device repeats its last report.
-        config: A configuration, or tables as in ``homebot.toml``, for example the settings of apps; *apps* come last.
         record_into: Takes the lines of a recording of the whole run; None for no recording.
 
     Raises:
         UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
     """
     _virtual_loop()
-    clock = LoopClock(parse_time(start).timestamp())
-    random = Random(seed)  # noqa: S311 - a simulation has no secrets
-    given = config if isinstance(config, Config) else parse_config(config or {}, "config")
-    async with AsyncExitStack() as stack:
-        stack.enter_context(plain_logs())
-        lived_in = World.of() if world is None else world
-        limits = _limits(len(lived_in.devices))
-        broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
-        runtime = Runtime(
-            house_config(apps, root, EMBEDDED, given),
-            with_door=False,
-            clock=clock,
-            services=[HostedBroker.in_memory(broker)],
-            random=random,
-            trusts_apps=True,
-            record_into=record_into,
-            is_dry_run=is_dry_run,
-        )
-        await stack.enter_async_context(runtime)
-        options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
-        field = MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random)
-        await stack.enter_async_context(field)
+    clock, random = LoopClock(parse_time(start).timestamp()), Random(seed)  # noqa: S311 - a simulation has no secrets
+    world = World.of() if world is None else world
+    with plain_logs():
+        async with MemoryBroker(clock=clock, random=random, limits=_limits(len(world.devices))) as broker:
+            runtime = Runtime(
+                house_config(apps, root, EMBEDDED, config),
+                with_door=False,
+                clock=clock,
+                services=[HostedBroker.in_memory(broker)],
+                random=random,
+                trusts_apps=True,
+                record_into=record_into,
+                is_dry_run=is_dry_run,
+            )
+            async with runtime, _inhabited(runtime, broker, clock, world, root, parse_duration(heartbeat)) as house:
+                yield house
+
+
+@asynccontextmanager
+async def _inhabited(
+    runtime: Runtime, broker: MemoryBroker, clock: LoopClock, world: World, root: str, heartbeat: float
+) -> AsyncIterator[VirtualHouse]:
+    """Connect the test and the devices of *world* to *broker*."""
+    random, make_client = runtime.random, broker.make_client
+    options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
+    async with MqttConnection(options, make_client, status_topic=None, clock=clock, random=random) as field:
         await field.subscribe(EVERYTHING)
         await field.wait_connected()
         simulated = SimulatedHouse(
-            broker.url,
-            root,
-            lived_in,
-            clock,
-            make_client=broker.make_client,
-            random=random,
-            heartbeat=parse_duration(heartbeat),
+            broker.url, root, world, clock, make_client=make_client, random=random, heartbeat=heartbeat
         )
         house = VirtualHouse(runtime, field, options, broker, clock, simulated)
         async with in_background(house.listen, simulated.serve):
