@@ -77,6 +77,7 @@ async def test_motors_and_sensors_of_doors_are_doors_and_windows_are_not() -> No
         await house.run_for(2)
         assert states["Garage"] == OPEN
         await ask(requests, "rosie", "My door", OPEN)
+        await ask(requests, " ", "Garage", OPEN)
         await ask(requests, "rosie", "Garage", CLOSED)
         assert await house.hears("garage/set") == "CLOSE"
         await house.says("garage/online", "offline")

@@ -75,7 +75,7 @@ class RmfDoors(App):
                 try:
                     self._doors = await self._find_doors()
                 except ServiceError as exc:
-                    self.node.log.warning("rmf_doors.no_places", message=str(exc))
+                    self._warn(str(exc))
                 time = Time.from_seconds(self.node.graph.clock.now())
                 for name, part in self._doors.items():
                     mode = self._mode_type(value=_mode(part))
@@ -105,7 +105,7 @@ class RmfDoors(App):
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
             problem = "no requester is stated" if not key[1] else f"{stated.door_name[:100]!r} has no lock or motor"
-            self.node.log.warning("rmf_doors.refused", message=f"a request for a door was refused: {problem}")
+            self._warn(f"a request for a door was refused: {problem}")
             return
         before, deadline = self._holds.get(key), anyio.current_time() + self._held_for
         if stated.requested_mode.value == _OPEN and before is not None:
@@ -120,14 +120,19 @@ class RmfDoors(App):
         """Hold a door open until *scope* ends; close it after the last holder."""
         try:
             with scope:
-                async with part.hold("unlock" if isinstance(part, DoorLock) else "open", by=key[1]):
+                async with part.hold("unlock" if isinstance(part, DoorLock) else "open", by=key[1]) as hold:
+                    if not hold.succeeded:
+                        self._warn(f"{key[0]} is not open for {key[1]}: {hold.outcome.text}")
                     await anyio.sleep_forever()
             del self._holds[key]
             if not any(door == key[0] for door, _ in self._holds):
                 await (part.lock() if isinstance(part, DoorLock) else part.close())
         except RefusedError as exc:
             self._holds.pop(key, None)
-            self.node.log.warning("rmf_doors.refused", message=f"{key[0]} is not moved for {key[1]}: {exc}")
+            self._warn(f"{key[0]} is not moved for {key[1]}: {exc}")
+
+    def _warn(self, message: str) -> None:
+        self.node.log.warning("rmf_doors.refused", message=message)
 
 
 def _names(part: _Part) -> tuple[str, ...]:

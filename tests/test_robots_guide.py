@@ -1,0 +1,156 @@
+"""The guide for robots says what is there: every field of every service, and commands and programs that run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from tests.ports import reserve_door
+from websockets.sync.client import connect
+
+from homebot.bridges.rosbridge.types import OWN_MODULES
+from homebot.messages.definition import fields_of
+from homebot.messages.interfaces import Interfaces
+from homebot.messages.interfaces.interface_classes import messages_in
+
+ROOT = Path(__file__).parents[1]
+GUIDE = (ROOT / "docs" / "robots.md").read_text("utf-8")
+KNOWN = Interfaces()
+KNOWN.add_modules("homebot", OWN_MODULES)
+PROGRAM = "\n".join(re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL))
+COMMANDS = [
+    command
+    for block in re.findall(r"```console\n(.*?)```", GUIDE, re.DOTALL)
+    for command in re.findall(r"^\$ (.*)$", block, re.MULTILINE)
+]
+BEFORE_IT_RUNS = ("homebot token", "homebot interface import")
+"""These change the configuration, which is read at the start."""
+
+
+def rows(kind: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield the types of homebot's own that a table states the fields of, with the cells after them."""
+    for line in GUIDE.splitlines():
+        first, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if line.startswith("|"):
+            for name in re.findall(rf"`homebot/{kind}(\w+)`", first):
+                yield f"homebot/{kind}{name}", cells
+
+
+def missing(ros_type: str, cells: list[str]) -> list[str]:
+    find = KNOWN.find_action if "/action/" in ros_type else KNOWN.find_service
+    messages = messages_in(find(ros_type))
+    assert len(messages) == len(cells)
+    order = (0, 2, 1) if len(cells) == 3 else (0, 1)  # the feedback of an action comes before its result
+    return [
+        f"{ros_type}: {field.name}"
+        for index, cell in zip(order, cells, strict=True)
+        for field in fields_of(messages[index])
+        if f"`{field.name}`" not in cell and not cell.startswith("as ")
+    ]
+
+
+def test_every_field_of_every_service_and_action_is_in_its_row() -> None:
+    services, actions = [*rows("")], [*rows("action/")]
+    assert len(services) >= 7
+    assert len(actions) == 2
+    assert [field for row in services + actions for field in missing(*row)] == []
+
+
+@pytest.mark.parametrize("name", ["RobotRoom", "RobotPose"])
+def test_every_field_of_a_message_about_a_robot_is_named_after_its_type(name: str) -> None:
+    after = GUIDE[GUIDE.index(f"`homebot/{name}`") :].partition("\n\n")[0]
+    fields = fields_of(KNOWN.find_message(f"homebot/{name}"))
+    assert [field.name for field in fields if f"`{field.name}`" not in after] == []
+
+
+class Run(NamedTuple):
+    """A running homebot with a robot of the guide: its door, its folder and its environment."""
+
+    door: str
+    folder: Path
+    environment: dict[str, str]
+
+    def run(self, *command: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=120, check=False, env=self.environment, cwd=self.folder
+        )
+
+
+@contextmanager
+def house(given: Run, *arguments: str) -> Iterator[Run]:
+    """Run a homebot until its robot is known."""
+    started = ["homebot", "run", *arguments]
+    with subprocess.Popen(
+        started, stderr=subprocess.DEVNULL, env=given.environment, cwd=given.folder, text=True
+    ) as process:
+        while given.run("homebot", "find", "light near robot").returncode:
+            assert process.poll() is None
+        yield given
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 0
+
+
+@pytest.fixture(scope="module")
+def given(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """Return the folder of the guide's robot, after the commands that change its configuration."""
+    folder, door = tmp_path_factory.mktemp("robot"), reserve_door()
+    for name in ("homebot.toml", "house.toml"):
+        shutil.copy(ROOT / "examples" / "08_robot" / name, folder)
+    (folder / "ros2_ws/src/lab/msg").mkdir(parents=True)
+    (folder / "ros2_ws/src/lab/msg/Arm.msg").write_text("float64[] joints\n")
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    made = Run(door, folder, {**os.environ, "HOMEBOT_DOOR": door, "PATH": path})
+    for command in COMMANDS:
+        if command.startswith(BEFORE_IT_RUNS):
+            done = made.run(*shlex.split(command))
+            assert done.returncode == 0, done.stderr
+    return made
+
+
+@pytest.fixture(scope="module")
+def running(given: Run) -> Iterator[Run]:
+    with house(given, "--config", "homebot.toml", "--house", "house.toml") as run:
+        yield run
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_guide_run_in_the_house_of_make_run(tmp_path: Path, given: Run) -> None:
+    door = reserve_door()
+    plain = Run(door, tmp_path, {**given.environment, "HOMEBOT_DOOR": door})
+    assert COMMANDS[0] == "make run"
+    with house(plain):
+        for command in COMMANDS[1:]:
+            if not command.startswith(BEFORE_IT_RUNS):
+                done = plain.run(*shlex.split(command))
+                assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+
+
+@pytest.mark.slow
+def test_the_programs_of_the_guide_run_with_its_token(running: Run) -> None:
+    host, _, port = running.door.rpartition(":")
+    token = (running.folder / "rosie.token").read_text().split()[0]
+    program = PROGRAM.replace('"127.0.0.1", 9090', f'"{host}", {port}').replace("TOKEN", token)
+    done = running.run(sys.executable, "-c", f"{program}\nros.terminate()")
+    assert done.returncode == 0, done.stderr
+    outcome, type_hash = done.stdout.splitlines()
+    assert outcome == "confirmed"
+    assert type_hash.startswith("RIHS01_")
+
+
+@pytest.mark.slow
+def test_a_token_may_come_in_the_address(running: Run) -> None:
+    token = (running.folder / "rosie.token").read_text().split()[0]
+    with connect(f"ws://{running.door}/?token={token}") as client:
+        client.send(json.dumps({"op": "call_service", "service": "/robots/where", "args": {"robot": "rosie"}}))
+        assert json.loads(client.recv(timeout=30))["result"] is True
