@@ -24,7 +24,7 @@ HOUSE = {
 }
 PLACES = {
     "rooms": {"hall": {}, "kitchen": {}},
-    "doors": {"Inner": {"rooms": ["hall", "kitchen"], "lock": "inner_door"}},
+    "doors": [{"name": "Inner", "rooms": ["hall", "kitchen"], "lock": "inner_door"}],
 }
 REQUEST: Any = find_message("rmf_door_msgs/msg/DoorRequest")
 MODE: Any = find_message("rmf_door_msgs/msg/DoorMode")
