@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic, Protocol, Self, TypeVar
 
 from homebot.graph.qos import LivelinessPolicy, QoSProfile
+from homebot.support.time_limits import TimeLimits
 
 __all__ = [
     "EventWatcher",
@@ -114,7 +115,8 @@ class EventWatcher(Generic[StatusT]):
         self._callback = callback
         self._counts: Counter[str] = Counter()
         self._changes: Counter[str] = Counter()
-        self._timers: dict[object, _IdleTimer] = {}
+        self._limits = TimeLimits()
+        self._numbers: dict[object, int] = {}
         self._is_closed = False
 
     def on_match(self, end: TopicEnd, change: int) -> None:
@@ -126,19 +128,16 @@ class EventWatcher(Generic[StatusT]):
     def close(self) -> None:
         """Call back no more."""
         self._is_closed = True
-        for timer in self._timers.values():
-            timer.stop()
+        for key in tuple(self._numbers):
+            self._stop_timer(key)
 
     def _restart_timer(self, key: object, seconds: float, on_idle: Callable[[], None]) -> None:
-        """Call *on_idle* each time that *seconds* pass without a restart of the timer *key*."""
-        timer = self._timers.get(key)
-        if timer is None:
-            timer = self._timers[key] = _IdleTimer(seconds, on_idle)
-        timer.restart()
+        """Call *on_idle* when *seconds* pass without a restart of the timer *key*."""
+        self._stop_timer(key)
+        self._numbers[key] = self._limits.set(seconds, on_idle)
 
     def _stop_timer(self, key: object) -> None:
-        if key in self._timers:
-            self._timers.pop(key).stop()
+        self._limits.discard(self._numbers.pop(key, 0))
 
     def _count(self, **changes: int) -> None:
         if not self._changes:
@@ -165,7 +164,11 @@ class _MatchWatcher(EventWatcher[StatusT]):
 class _DeadlineWatcher(EventWatcher[StatusT]):
     def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - of any publisher
         if is_message and self._end.qos.deadline:
-            self._restart_timer(self, self._end.qos.deadline, lambda: self._count(total_count=1))
+            self._restart_timer(self, self._end.qos.deadline, self._on_missed)
+
+    def _on_missed(self) -> None:
+        self._restart_timer(self, self._end.qos.deadline, self._on_missed)
+        self._count(total_count=1)
 
 
 class _LeaseWatcher(EventWatcher[StatusT]):
@@ -208,34 +211,6 @@ class _LivelinessWatcher(_LeaseWatcher[StatusT]):
         self._stop_timer(publisher)
         self._alive[publisher] = False
         self._count(alive_count=-1, not_alive_count=1)
-
-
-class _IdleTimer:
-    """Calls back after each *seconds* without a restart. A restart is cheap: it moves no timer."""
-
-    def __init__(self, seconds: float, on_idle: Callable[[], None]) -> None:
-        self._seconds = seconds
-        self._on_idle = on_idle
-        self._due = 0.0
-        self._timer: asyncio.TimerHandle | None = None
-
-    def restart(self) -> None:
-        loop = asyncio.get_running_loop()
-        self._due = loop.time() + self._seconds
-        if self._timer is None:
-            self._timer = loop.call_at(self._due, self._ring, context=Context())
-
-    def stop(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-
-    def _ring(self) -> None:
-        loop = asyncio.get_running_loop()
-        if is_idle := loop.time() >= self._due:
-            self._due += self._seconds
-        self._timer = loop.call_at(self._due, self._ring, context=Context())
-        if is_idle:
-            self._on_idle()
 
 
 _WATCHERS: Final[dict[type[object], type[EventWatcher[Any]]]] = {
