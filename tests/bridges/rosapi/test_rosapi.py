@@ -85,6 +85,11 @@ async def test_raw_types_are_the_texts_of_the_types(ask: Asker) -> None:
     assert "MSG: rcl_interfaces/ParameterValue" in answer["typedefs_full_text"][1]
 
 
+async def test_interfaces_are_all_that_have_a_definition(ask: Asker) -> None:
+    found = (await ask("interfaces"))["interfaces"]
+    assert {"std_msgs/msg/String", "nav_msgs/srv/GetMap", "nav2_msgs/action/Spin", "homebot/msg/Device"} <= set(found)
+
+
 async def test_services_and_their_types(ask: Asker) -> None:
     assert "/reset" in (await ask("services"))["services"]
     assert await ask("service_type", service="/reset") == {"type": "std_srvs/srv/Trigger"}

@@ -19,6 +19,7 @@ from homebot.bridges.rosbridge.types import (
     find_action_type,
     find_message_type,
     find_service_type,
+    interfaces_of,
     same_type,
 )
 from homebot.devices.access_messages import DefineType
@@ -168,6 +169,13 @@ _DONE: Final = {"successful": bool, "reason": str}
 SERVICES: Final = (
     RosApiService("topics", "Topics", {}, {"topics": _Names, "types": _Names}, _topics),
     RosApiService("topics_for_type", "TopicsForType", {"type": str}, {"topics": _Names}, _topics_of_type),
+    RosApiService(
+        "interfaces",
+        "Interfaces",
+        {},
+        {"interfaces": _Names},
+        lambda graph, _: {"interfaces": interfaces_of(graph).names()},
+    ),
     RosApiService("topic_type", "TopicType", {"topic": str}, {"type": str}, _type_of_topic),
     RosApiService(
         "topics_and_raw_types",

@@ -29,6 +29,7 @@ __all__ = [
     "find_action_type",
     "find_message_type",
     "find_service_type",
+    "interfaces_of",
     "message_from_client",
     "message_type_of_topic",
     "partial_message_from_client",
@@ -140,7 +141,7 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
     from homebot.messages.type_hash import type_hash  # noqa: PLC0415 - few clients define types
 
     try:
-        defined = _interfaces(graph).define(request.type, request.definition)
+        defined = interfaces_of(graph).define(request.type, request.definition)
     except UsageError as exc:
         return DefineTypeResponse(success=False, message=str(exc))
     return DefineTypeResponse(success=True, type_hash=type_hash(defined))
@@ -157,12 +158,12 @@ def _find(graph: Graph, ros_type: str, known: Iterable[_Known[T]], define: Calla
     if found is not None:
         return found
     try:
-        return define(_interfaces(graph))
+        return define(interfaces_of(graph))
     except UsageError as exc:  # the client's mistake
         raise PeerError(str(exc)) from exc
 
 
-def _interfaces(graph: Graph) -> Interfaces:
+def interfaces_of(graph: Graph) -> Interfaces:
     """Return the interfaces of *graph* with homebot's own among them."""
     graph.interfaces.add_modules("homebot", OWN_MODULES)
     return graph.interfaces
