@@ -40,7 +40,7 @@ def test_each_pixel_of_a_real_map_is_in_its_own_room(sample: Path) -> None:
         for inside in (0, pixel - 1):
             at = found.segment_at((column * pixel + inside) / 100, (size - row * pixel - inside) / 100)
             assert at is not None
-            assert (at.segment.id, at.distance) == (segment, 0)
+            assert (at[0].id, at[1]) == (segment, 0)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_the_robot_is_in_a_room_or_marked_as_beside_the_nearest(sample: str, roo
     assert found.robot is not None
     at = found.segment_at(found.robot.x, found.robot.y)
     assert at is not None
-    assert (at.segment.id, round(at.distance * 100)) == (room, centimetres)
+    assert (at[0].id, round(at[1] * 100)) == (room, centimetres)
 
 
 def test_positions_are_metres_from_the_lower_left_and_angles_counter_clockwise() -> None:

@@ -27,7 +27,7 @@ from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import LinkError
 from homebot.graph import Node
-from homebot.robots import RobotTracker
+from homebot.robots.tracker import RobotTracker
 
 pytestmark = pytest.mark.virtual_time
 

@@ -11,7 +11,8 @@ from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Node
-from homebot.robots import RobotSettings, RobotTracker
+from homebot.robots.settings import RobotSettings
+from homebot.robots.tracker import RobotTracker
 
 pytestmark = pytest.mark.virtual_time
 

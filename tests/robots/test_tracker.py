@@ -32,7 +32,8 @@ from homebot.messages.nav_msgs import Odometry
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places import HousePlan, HouseRoom
-from homebot.robots import RobotSettings, RobotTracker
+from homebot.robots.settings import RobotSettings
+from homebot.robots.tracker import RobotTracker
 
 pytestmark = pytest.mark.virtual_time
 

@@ -17,7 +17,8 @@ from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobot
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.graph import Node, Subscription
-from homebot.robots import RobotSettings, RobotTracker
+from homebot.robots.settings import RobotSettings
+from homebot.robots.tracker import RobotTracker
 
 pytestmark = pytest.mark.virtual_time
 
@@ -76,8 +77,8 @@ async def test_an_active_vacuum_that_falls_silent_counts_for_three_maps() -> Non
         await dusty.say("$state", "ready")
         await dusty.say("StatusStateAttribute/status", "cleaning")
         await dusty.say("MapData/map-data", DREAME)
-        assert (await dusty.ask()).pose[0].limit == 12.0
-        await anyio.sleep(12)
+        assert (await dusty.ask()).pose[0].limit == 24.0
+        await anyio.sleep(24)
         assert [told.counts for told in iter(dusty.poses.take, None)] == [True, False]
 
 

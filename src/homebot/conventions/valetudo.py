@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import zlib
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Final, Literal, NamedTuple, TypeAlias, final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -22,7 +22,7 @@ from homebot.errors import WireError
 from homebot.places.outline import traced
 from homebot.places.rigid import MapPose
 
-__all__ = ["SegmentAt", "VacuumMap", "VacuumSegment", "read_map"]
+__all__ = ["VacuumMap", "VacuumSegment", "read_map"]
 
 _MAX_PAYLOAD: Final = 2**20
 _MAX_JSON: Final = 2**24
@@ -46,18 +46,6 @@ class VacuumSegment(NamedTuple):
     rows: Mapping[int, tuple[int, ...]]
 
 
-class SegmentAt(NamedTuple):
-    """The segment of a position.
-
-    Attributes:
-        segment: The segment.
-        distance: Metres from the position to its nearest pixel; 0 on one.
-    """
-
-    segment: VacuumSegment
-    distance: float = 0.0
-
-
 @final
 class VacuumMap(NamedTuple):
     """A map.
@@ -76,28 +64,21 @@ class VacuumMap(NamedTuple):
     segments: tuple[VacuumSegment, ...]
     robot: MapPose | None
 
-    @property
-    def area(self) -> float:
-        """Square metres of all segments."""
-        return self.pixel**2 * sum(
-            end - begin for one in self.segments for row in one.rows.values() for begin, end in _runs(row)
-        )
-
-    def segment_at(self, x: float, y: float) -> SegmentAt | None:
-        """Return the segment on which a position is, else the nearest within 0.5 m."""
+    def segment_at(self, x: float, y: float) -> tuple[VacuumSegment, float] | None:
+        """Return the segment on which a position is, else the nearest within 0.5 m, with its metres from there."""
         across, down = round(x / self.pixel, 6), round((self.height - y) / self.pixel, 6)
         for segment in self.segments:
             if bisect_right(segment.rows.get(math.floor(down), ()), across) % 2:
-                return SegmentAt(segment)
+                return segment, 0.0
         reach = _NEARBY / self.pixel
         near = [
             (math.hypot(max(begin - across, 0.0, across - end), max(row - down, 0.0, down - row - 1)), number)
             for number, segment in enumerate(self.segments)
             for row in range(math.floor(down - reach), math.ceil(down + reach) + 1)
-            for begin, end in _runs(segment.rows.get(row, ()))
+            for begin, end in zip(segment.rows.get(row, ())[::2], segment.rows.get(row, ())[1::2], strict=True)
         ]
         distance, number = min(near, default=(math.inf, 0))
-        return SegmentAt(self.segments[number], distance * self.pixel) if distance <= reach else None
+        return (self.segments[number], distance * self.pixel) if distance <= reach else None
 
     def outline(self, segment: VacuumSegment) -> tuple[tuple[float, float], ...]:
         """Return the corners of the largest ring around the pixels of *segment*, in metres."""
@@ -190,10 +171,6 @@ def _segment(layer: _Layer) -> VacuumSegment:
         rows.setdefault(y, set()).symmetric_difference_update((x, x + length))  # runs that touch become one
     ends = {y: tuple(sorted(row)) for y, row in rows.items()}
     return VacuumSegment(str(layer.meta_data.segment_id)[:40], text_of(layer.meta_data.name), ends)
-
-
-def _runs(row: tuple[int, ...]) -> Iterator[tuple[int, int]]:
-    return zip(row[::2], row[1::2], strict=True)
 
 
 def _pose(entity: _Entity, height: int) -> MapPose:

@@ -34,26 +34,19 @@ class RobotFrames:
         self._buffer = TransformBuffer()
         self._received: dict[str, float] = {}  # of frames that move, by the child
 
-    def add(self, transform: TransformStamped, robot: str, now: float, stamp: float, *, is_static: bool) -> str:
-        """Insert *transform*, stated in the namespace of *robot* or, with an empty one, of all robots.
-
-        Args:
-            now: The monotonic clock.
-            stamp: Seconds since the Unix epoch, in place of a stamp of zero.
-
-        Returns:
-            The robot that has the frame.
+    def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
+        """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is.
 
         Raises:
             TransformException: It is refused; the message says why.
         """
         child, at = self.name_of(transform.child_frame_id, robot), transform.header.stamp
-        ahead = at.to_seconds() - stamp
+        ahead = at.to_seconds() - now
         if ahead > MOST_AHEAD:
             raise TransformException(f"the transform of {child[:100]!r} is {ahead:.0f} s ahead of our clock")
-        at = at if at.sec or at.nanosec else Time.from_seconds(stamp)
-        owner = robot or self._owners.of_frame(child)
+        at = at if at.sec or at.nanosec else Time.from_seconds(now)
         parent = self.name_of(transform.header.frame_id, robot)
+        owner = robot or self._owners.of_frame(child)
         if self._buffer.put(transform, parent, child, at, owner, is_static=is_static):
             self._received[child] = now
         if is_static:

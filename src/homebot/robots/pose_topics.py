@@ -1,18 +1,4 @@
-"""The topics on which robots state where they are.
-
-Of each robot, and of a sole one without its name too, these are read:
-
-====================  =============================================  =================================================
-topic                 type                                           counts for
-====================  =============================================  =================================================
-``tf``, ``tf_static`` ``tf2_msgs/TFMessage``                         2 s since the oldest moving transform up to map
-``amcl_pose``         ``geometry_msgs/PoseWithCovarianceStamped``    10 s since the robot's last sign of life, until
-                                                                     its odometry moved 0.25 m
-``pose``              ``geometry_msgs/PoseStamped``                  5 s (``limit``); without a name: ``/robot/pose``
-``odom``              ``nav_msgs/Odometry``                          read with ``amcl_pose`` alone
-``initialpose``       ``geometry_msgs/PoseWithCovarianceStamped``    makes it unsure, as a pose that jumps does
-``room``              ``homebot/RobotRoom``                          10 min; without a name: ``/robot/room``
-====================  =============================================  =================================================
+"""The topics on which robots state where they are, as ``docs/robots.md`` lists them.
 
 Messages wait in their queues until :meth:`PoseTopics.read`: a robot that states its frames 50 times a second is looked
 at 10 times.
@@ -39,9 +25,10 @@ from homebot.messages.message import Message
 from homebot.messages.nav_msgs import Odometry
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
+from homebot.places.rigid import MapPose
 from homebot.places.transforms import TransformException
 from homebot.robots.frames import MOST_AHEAD, RobotFrames
-from homebot.robots.robot import TAG_LIMIT, PoseEvidence, TrackedRobot
+from homebot.robots.robot import TAG_LIMIT, TrackedRobot
 
 __all__ = ["PACE", "PoseTopics"]
 
@@ -88,11 +75,12 @@ class PoseTopics:
         self, node: Node, owners: RobotOwners, robots: Mapping[str, TrackedRobot], on_arrival: Callable[[], None]
     ) -> None:
         self._node, self._owners, self._robots, self._on_arrival = node, owners, robots, on_arrival
-        self._clock = node.graph.clock
+        self._now = node.graph.steady_now
         self._frames = RobotFrames(owners)
+        self._placed: dict[str, tuple[MapPose, float]] = {}
         self._odometry: dict[str, tuple[float, float] | None] = {}
-        self._log = LogLimit(self._clock)
-        self._reads: list[Callable[[], None]] = []
+        self._log = LogLimit(node.graph.clock)
+        self._readers: list[tuple[Subscription[Message], Callable[[Sequence[Any]], None]]] = []
         rows: dict[str, tuple[type[Message], _Handle]] = {
             "tf_static": (TFMessage, self._on_tf),
             "tf": (TFMessage, self._on_tf),
@@ -109,32 +97,26 @@ class PoseTopics:
 
     def read(self) -> None:
         """Read all messages that wait."""
-        for read in tuple(self._reads):
-            read()
+        for subscription, handle in tuple(self._readers):
+            if messages := [*iter(subscription.take, None)]:
+                handle(messages)
         for robot in self._robots.values():
             self._place_by_frames(robot)
 
     def _subscribe(self, kind: type[Message], topic: str, handle: Callable[[Sequence[Any]], None]) -> None:
         """Have *handle* read the messages on *topic*, first those that publishers keep for late subscribers."""
-        kept: list[Message] = []
         try:
             subscription = self._node.create_subscription(kind, topic, None, _DEPTH)
             publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
             if any(one.qos is not None and one.qos.durability is _KEPT.durability for one in publishers):
                 early = self._node.create_subscription(kind, topic, None, _KEPT)  # of others it would be a mistake
-                kept += iter(early.take, None)
+                for message in iter(early.take, None):
+                    subscription.mailbox.put(message)
                 early.close()
         except TypeMismatchError as exc:
             self._node.log.warning(REFUSED, message=f"{topic} is not read: {exc}", topic=topic)
             return
-
-        def read() -> None:
-            messages = [*kept, *iter(subscription.take, None)]
-            kept.clear()
-            if messages:
-                handle(messages)
-
-        self._reads.append(read)
+        self._readers.append((subscription, handle))
         self._node.create_task(partial(self._watch, subscription))
 
     async def _watch(self, subscription: Subscription[Message]) -> None:
@@ -146,7 +128,6 @@ class PoseTopics:
 
     def _on_tf(self, robot: str, topic: str, messages: Sequence[TFMessage]) -> None:
         """Insert the last transform of each frame; a message with one that is another's counts as none."""
-        now, stamp = self._clock.monotonic(), self._clock.now()
         last = {}
         for message in messages:
             if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
@@ -155,19 +136,17 @@ class PoseTopics:
                 last.update({one.child_frame_id: one for one in message.transforms})
         for transform in last.values():
             try:
-                owner = self._frames.add(transform, robot, now, stamp, is_static=topic.endswith("/tf_static"))
-                self._robots[owner].add_life(now)
+                owner = self._frames.add(transform, robot, self._now(), is_static=topic.endswith("/tf_static"))
+                self._robots[owner].add_life()
             except TransformException as exc:
                 self._refuse(topic, str(exc))
 
     def _place_by_frames(self, robot: TrackedRobot) -> None:
-        found, last = self._frames.pose_of(robot), robot.last_of("/tf")
-        if found is None or (last is not None and found == (last.position, last.received_at)):
-            return
-        evidence = PoseEvidence("/tf", found[1], TF_LIMIT, _TF_ERROR, found[0], covariance=robot.covariance)
-        if robot.covariance:
-            evidence = evidence._replace(error=min(_MOST_ERROR, max(_LEAST_TF_ERROR, evidence.sigma)))
-        robot.add(evidence)
+        found = self._frames.pose_of(robot)
+        if found is not None and found != self._placed.get(robot.name):
+            self._placed[robot.name] = found
+            error = _TF_ERROR if robot.sigma is None else min(_MOST_ERROR, max(_LEAST_TF_ERROR, robot.sigma))
+            robot.place("/tf", TF_LIMIT, found[0], age=self._now() - found[1], error=error)
 
     def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
         odometry = f"{topic.rpartition('/')[0]}/odom"
@@ -175,49 +154,43 @@ class PoseTopics:
             self._subscribe(Odometry, odometry, partial(self._on_odometry, robot, odometry))
         self._odometry[odometry] = None
         for message in messages:
-            covariance = message.pose.covariance
-            error = min(_MOST_ERROR, max(_LEAST_ERROR, math.sqrt(max(0.0, covariance[0] + covariance[7]))))
-            evidence = PoseEvidence(topic, 0.0, AMCL_LIMIT, error, by_life=True, covariance=covariance)
-            if self._add_pose(robot, evidence, message.pose.pose, message.header):
-                self._robots[robot].covariance = covariance
+            xx, yy = (max(0.0, message.pose.covariance[index]) for index in (0, 7))
+            error = min(_MOST_ERROR, max(_LEAST_ERROR, math.sqrt(xx + yy)))
+            if self._place(robot, topic, AMCL_LIMIT, error, message.pose.pose, message.header):
+                self._robots[robot].state_sigma(math.sqrt(max(xx, yy)))
 
     def _on_initial_pose(self, robot: str, _topic: str, _messages: object) -> None:
-        self._robots[robot].make_unsure("it was told a new initial pose")
+        self._robots[robot].doubt("it was told a new initial pose")
 
     def _on_odometry(self, robot: str, topic: str, messages: Sequence[Odometry]) -> None:
-        self._robots[robot].add_life(self._clock.monotonic())
+        self._robots[robot].add_life()
         first, last = (messages[index].pose.pose.position for index in (0, -1))
         begin = self._odometry[topic] = self._odometry[topic] or (first.x, first.y)
         if not math.dist(begin, (last.x, last.y)) <= _ODOMETRY_MOVED:  # also if one is NaN
             self._robots[robot].drop(f"{topic.rpartition('/')[0]}/amcl_pose")
 
     def _on_pose(self, robot: str, topic: str, messages: Sequence[PoseStamped]) -> None:
-        evidence = PoseEvidence(topic, 0.0, self._robots[robot].settings.limit, _POSE_ERROR)
         for message in messages:
-            self._add_pose(robot, evidence, message.pose, message.header)
+            self._place(robot, topic, self._robots[robot].settings.limit, _POSE_ERROR, message.pose, message.header)
 
     def _on_room(self, robot: str, topic: str, messages: Sequence[RobotRoom]) -> None:
         for message in messages:
-            if message.robot != robot:
-                self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
+            if message.robot == robot:
+                self._robots[robot].place(topic, TAG_LIMIT, room=message.room[:_LONGEST_ROOM])
             else:
-                now, room = self._clock.monotonic(), message.room[:_LONGEST_ROOM]
-                self._robots[robot].add(PoseEvidence(topic, now, TAG_LIMIT, room=room))
+                self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
 
-    def _add_pose(self, robot: str, evidence: PoseEvidence, pose: Pose, header: Header) -> bool:
-        """Add *evidence* with a pose, unless that is refused; return whether it was added."""
-        is_own = evidence.source.startswith(f"/{robot}/")
-        frame = self._frames.name_of(header.frame_id, robot if is_own else "")
-        position = self._frames.in_map(pose, frame)
-        ahead = header.stamp.to_seconds() - self._clock.now()
+    def _place(self, robot: str, topic: str, limit: float, error: float, pose: Pose, header: Header) -> bool:
+        """Place *robot* by a pose, unless that is refused; return whether it was not."""
+        frame = self._frames.name_of(header.frame_id, robot if topic.startswith(f"/{robot}/") else "")
+        position, ahead = self._frames.in_map(pose, frame), header.stamp.to_seconds() - self._now()
         if ahead > MOST_AHEAD:
-            self._refuse(evidence.source, f"it is {ahead:.0f} s ahead of our clock")
+            self._refuse(topic, f"it is {ahead:.0f} s ahead of our clock")
         elif position is None:
-            self._refuse(evidence.source, f"no static transform joins its frame {frame[:100]!r} to map")
+            self._refuse(topic, f"no static transform joins its frame {frame[:100]!r} to map")
         else:
-            self._robots[robot].add(evidence._replace(received_at=self._clock.monotonic(), position=position))
-            return True
-        return False
+            self._robots[robot].place(topic, limit, position, error=error)
+        return position is not None and ahead <= MOST_AHEAD
 
     def _refuse(self, topic: str, problem: str) -> None:
         if self._log.allows(topic) is not None:

@@ -16,7 +16,7 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.places.rigid import MapPose
-from homebot.robots.robot import MOTION_LIMIT, TAG_LIMIT, PoseEvidence, TrackedRobot
+from homebot.robots.robot import MOTION_LIMIT, TAG_LIMIT, TrackedRobot
 from homebot.robots.settings import JsonPose
 from homebot.support.folding import fold
 
@@ -32,24 +32,24 @@ def read_tags(node: Node, robot: TrackedRobot) -> None:
 
     def on_tap(tap: TagTap) -> None:
         if tap.reader == robot.settings.tag_reader and tap.area:
-            robot.add(PoseEvidence(f"tag {tap.tag}", node.graph.clock.monotonic(), TAG_LIMIT, room=tap.area))
+            robot.place(f"tag {tap.tag}", TAG_LIMIT, room=tap.area)
 
     node.create_subscription(TagTap, TagNames("nfc").taps, on_tap)
 
 
-async def follow_motion(node: Node, devices: Devices, robots: Iterable[TrackedRobot]) -> None:
+async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> None:
     """Place each of *robots* in the room of its motion sensors while they detect motion; until cancelled."""
     by_sensor = {key: robot for robot in robots for name in robot.settings.motion_sensors for key in (name, fold(name))}
     async for change in devices.follow(OccupancySensor):
         handle = change.handle
         robot = by_sensor.get(handle.id) or by_sensor.get(fold(handle.name))
         if robot is not None and handle.area and handle.occupied and change.kind != "removed":
-            robot.add(PoseEvidence(handle.id, node.graph.clock.monotonic(), MOTION_LIMIT, room=handle.area))
+            robot.place(handle.id, MOTION_LIMIT, room=handle.area)
 
 
 async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
     """Place *robot* by poses as JSON on its topic."""
-    log, clock, settings = LogLimit(node.graph.clock), node.graph.clock, robot.settings
+    log, settings = LogLimit(node.graph.clock), robot.settings
 
     def on_pose(message: RawMessage) -> None:
         try:
@@ -60,11 +60,11 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
                 node.log.warning(NOT_READ, message=f"a pose on {message.address} is not read: {problem}")
             return
         limit = settings.limit if told.limit is None else told.limit
-        room, floor = clean_text(told.room), clean_text(told.floor)
-        evidence = PoseEvidence(settings.topic, clock.monotonic(), limit, room=room, floor=floor)
-        if told.x is not None and told.y is not None:
-            evidence = evidence._replace(error=told.error, position=MapPose(told.x, told.y, told.yaw))
-        robot.add(evidence)
+        place: dict[str, object] = {"room": clean_text(told.room), "floor": clean_text(told.floor)}
+        at = None if told.x is None or told.y is None else MapPose(told.x, told.y, told.yaw)
+        if at is not None:
+            place["error"] = told.error
+        robot.place(settings.topic, limit, at, age=0.0, **place)
 
     await listen(node, devices, settings.gateway, settings.topic, on_pose)
 

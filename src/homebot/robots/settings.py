@@ -48,17 +48,7 @@ class RobotSettings(BaseModel):
 
 
 class JsonPose(BaseModel):
-    """A pose as JSON; other keys are ignored.
-
-    Attributes:
-        x: Metres in the frame ``map``; None where only the room is stated.
-        y: Likewise.
-        yaw: Radians.
-        error: Metres by which it may be wrong.
-        floor: The floor; empty for that of the robot's table.
-        room: The room; empty for that of the position.
-        limit: Seconds for which it counts; None for that of the robot's table.
-    """
+    """A pose on the ``topic`` of a robot; other keys are ignored."""
 
     model_config = ConfigDict(strict=True, defer_build=True)
 

@@ -18,11 +18,10 @@ from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Node, qos_profile_latched
-from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
 from homebot.places.floor_plan import FloorPlan
 from homebot.robots.pose_topics import PACE, PoseTopics
-from homebot.robots.robot import ROOM_ERROR, PoseEvidence, TrackedRobot
+from homebot.robots.robot import TrackedRobot
 from homebot.robots.sensors import follow_motion, read_poses, read_tags
 from homebot.robots.settings import RobotSettings
 from homebot.robots.vacuum import Vacuum
@@ -60,10 +59,10 @@ class RobotTracker:
         settings: Mapping[str, RobotSettings] | None = None,
     ) -> None:
         self._node, self._owners, self._house = node, owners, house
-        self._clock = node.graph.clock
-        self._changed = anyio.Event()
+        self._changed, now = anyio.Event(), node.graph.steady_now
         self._robots = {
-            name: TrackedRobot(name, (settings or {}).get(name) or RobotSettings(), self._wake) for name in owners.names
+            name: TrackedRobot(name, (settings or {}).get(name) or RobotSettings(), now, self._wake)
+            for name in owners.names
         }
         self._published: dict[str, RobotPose] = {}
         self._poses = node.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
@@ -77,9 +76,8 @@ class RobotTracker:
         while True:
             self._changed = anyio.Event()
             self._topics.read()
-            now = self._clock.monotonic()
-            next_change = min(self._publish_change(robot, now) for robot in self._robots.values())
-            with anyio.move_on_after(None if math.isinf(next_change) else max(0.0, next_change - now)):
+            seconds = min(map(self._publish_change, self._robots.values()))
+            with anyio.move_on_after(None if math.isinf(seconds) else seconds):
                 await self._changed.wait()
                 await anyio.sleep(PACE)
 
@@ -97,7 +95,7 @@ class RobotTracker:
             if robot.settings.tag_reader:
                 read_tags(node, robot)
         if any(robot.settings.motion_sensors for robot in self._robots.values()):
-            node.create_task(partial(follow_motion, node, devices, tuple(self._robots.values())))
+            node.create_task(partial(follow_motion, devices, tuple(self._robots.values())))
 
     def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
         """Answer the service: where a robot is, or was, and how old that is."""
@@ -110,24 +108,22 @@ class RobotTracker:
             problem = f"there is no robot {name[:100]!r}; {hint}" if name else f"say which robot: {known}"
             return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         self._topics.read()
-        now = self._clock.monotonic()
-        evidence = robot.best(now)
-        if evidence is None:
+        if (best := robot.best()) is None:
             return WhereIsRobotResponse(success=False, message=f"nothing has told yet where {name} is")
-        pose = self._pose(robot, evidence, now)
-        age = max(0.0, now - evidence.received_at)
-        problem = "" if pose.counts else f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
-        if not evidence.limit:
+        pose = self._completed(robot, best)
+        age = max(0.0, robot.now() - pose.received_at.to_seconds())
+        problem = robot.unsure_because and f"{name} is not sure where it is: {robot.unsure_because}"
+        if not pose.counts:
+            problem = f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
+        if not pose.limit:
             problem = f"{name} is no longer where it was {age:.0f} s ago, by {pose.source}"
-        if pose.counts and robot.unsure_because:
-            problem = f"{name} is not sure where it is: {robot.unsure_because}"
         return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
 
-    def _publish_change(self, robot: TrackedRobot, now: float) -> float:
-        """Publish where *robot* is if that changed; return when it may change next by itself."""
-        evidence, before = robot.best(now), self._published.get(robot.name)
-        if evidence is not None:
-            pose = self._pose(robot, evidence, now)
+    def _publish_change(self, robot: TrackedRobot) -> float:
+        """Publish where *robot* is if that changed; return after how many seconds it may change by itself."""
+        best, before = robot.best(), self._published.get(robot.name)
+        if best is not None:
+            pose = self._completed(robot, best)
             if before is None or _differs(pose, before):
                 self._published[robot.name] = pose
                 self._poses.publish(pose)
@@ -137,36 +133,20 @@ class RobotTracker:
                 if not pose.is_sure and (before is None or before.is_sure):
                     text = f"{robot.name} is not sure where it is: {robot.unsure_because}"
                     self._node.log.warning(UNSURE, message=text, robot=robot.name)
-        return robot.next_change(now)
+        return robot.next_change()
 
-    def _pose(self, robot: TrackedRobot, evidence: PoseEvidence, now: float) -> RobotPose:
-        """Return *evidence* as a message."""
+    def _completed(self, robot: TrackedRobot, pose: RobotPose) -> RobotPose:
+        """Return *pose* with its room in the house, and with what is known of the robot."""
         house, before = self._house(), self._published.get(robot.name)
-        at, room, error, is_nearest = evidence.position, evidence.room, evidence.error, evidence.is_nearest_room
         plan = FloorPlan.of(house)
-        floor = plan.level(evidence.floor or robot.settings.floor)
-        if at is None:
-            centre = plan.centre_of(house.locate(room)[0])
-            error = ROOM_ERROR if centre is None else centre.error
-        elif not room and (found := plan.room_at(at.x, at.y, floor, "" if before is None else before.room)):
-            room, is_nearest = found.room, found.is_nearest
-        x, y, yaw = at or (0.0, 0.0, 0.0)
-        return RobotPose(
-            robot=robot.name,
-            room=room,
-            is_nearest_room=is_nearest,
-            floor=floor,
-            has_position=at is not None,
-            x=x,
-            y=y,
-            yaw=yaw,
-            error=error,
-            source=evidence.source,
-            received_at=Time.from_seconds(self._clock.now() - max(0.0, now - evidence.received_at)),
-            limit=evidence.limit,
-            counts=robot.expires_at(evidence) > now,
-            is_sure=not robot.unsure_because,
-        )
+        floor = plan.level(pose.floor or robot.settings.floor)
+        known: dict[str, object] = {"floor": floor, "is_sure": not robot.unsure_because}
+        if not pose.has_position:
+            centre = plan.centre_of(house.locate(pose.room)[0])
+            known["error"] = pose.error if centre is None else centre.error
+        elif not pose.room and (at := plan.room_at(pose.x, pose.y, floor, "" if before is None else before.room)):
+            known.update(room=at.room, is_nearest_room=at.is_nearest)
+        return pose.model_copy(update={**known, "counts": robot.expires_at(pose) > robot.now()})
 
 
 def _differs(pose: RobotPose, before: RobotPose) -> bool:

@@ -19,7 +19,7 @@ from homebot.places.plan import HousePlan, HouseRoom
 from homebot.places.polygon import Polygon
 from homebot.places.rigid import MapPose, fitted_pose
 from homebot.robots.imported_rooms import ImportedRooms
-from homebot.robots.robot import PoseEvidence, TrackedRobot
+from homebot.robots.robot import TrackedRobot
 from homebot.robots.sensors import listen
 
 __all__ = ["Vacuum"]
@@ -28,13 +28,10 @@ MAP_REFUSED = "robots.map_refused"
 MAP_CHANGED = "robots.map_changed"
 
 _ACTIVE: Final = frozenset({"cleaning", "manual_control", "moving", "returning"})
-_ACTIVE_LIMIT: Final = 12.0
-"""Seconds: three maps, of which an active robot sends one in 2 s, or in 4 s from a small computer."""
-
-_LARGE: Final = 145.0
-"""Square metres above which maps come half as often."""
-
+_ACTIVE_LIMIT: Final = 24.0
 _IDLE_LIMIT: Final = 200.0
+"""Seconds: three maps, of which a docked robot sends one a minute, and an active one in 2 s, or 8 s in a large home."""
+
 _ERROR: Final = 0.25
 
 
@@ -50,7 +47,6 @@ class Vacuum:
 
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
-        self._clock = node.graph.clock
         self._source = f"{robot.settings.vacuum}/MapData"
         self._rooms = ImportedRooms(node, house)
         self._map: VacuumMap | None = None
@@ -80,7 +76,7 @@ class Vacuum:
                 self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
                 continue
             self._warn_of_new_map(found)
-            self._map, self._shapes, self._received_at = found, shapes, self._clock.monotonic()
+            self._map, self._shapes, self._received_at = found, shapes, self._robot.now()
             self._lies_at = self._place_of_map(found)
             if self._lies_at is not None:
                 await self._rooms.renew(self._house_rooms(found, self._lies_at))
@@ -96,7 +92,7 @@ class Vacuum:
 
     def _on_status(self, message: RawMessage) -> None:
         self._status = message.text()[:40]
-        self._robot.add_life(self._clock.monotonic())
+        self._robot.add_life()
 
     def _warn_of_new_map(self, found: VacuumMap) -> None:
         self._first_id = found.vendor_id if self._first_id is None else self._first_id
@@ -135,21 +131,19 @@ class Vacuum:
 
     def _update(self) -> None:
         """State where the robot is by the last map, as long as the vacuum is there."""
-        found, at = self._map, self._map.robot if self._map is not None else None
+        found, robot = self._map, self._robot
+        at = None if found is None else found.robot
         if found is None or at is None or self._state != "ready":
-            self._robot.drop(self._source)
+            robot.drop(self._source)
             return
-        limit = _IDLE_LIMIT
-        if self._status in _ACTIVE:
-            limit = _ACTIVE_LIMIT * (2 if found.area > _LARGE else 1)
-        evidence = PoseEvidence(self._source, self._received_at, limit)
-        if self._lies_at is not None:
-            evidence = evidence._replace(error=_ERROR, position=self._lies_at.then(at))
+        place: dict[str, object] = {} if self._lies_at is None else {"error": _ERROR}
         if (here := found.segment_at(at.x, at.y)) is not None:
-            room = self._name_of(here.segment) or f"{self._robot.name} room {here.segment.id}"
-            evidence = evidence._replace(room=room, is_nearest_room=here.distance > 0)
-        if evidence.room or evidence.position is not None:
-            self._robot.add(evidence)
+            room = self._name_of(here[0]) or f"{robot.name} room {here[0].id}"
+            place.update(room=room, is_nearest_room=here[1] > 0)
+        if place:
+            position = None if self._lies_at is None else self._lies_at.then(at)
+            limit = _ACTIVE_LIMIT if self._status in _ACTIVE else _IDLE_LIMIT
+            robot.place(self._source, limit, position, age=robot.now() - self._received_at, **place)
 
 
 def _decoded(

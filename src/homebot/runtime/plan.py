@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.messages import Interfaces
-    from homebot.robots import RobotSettings
+    from homebot.robots.settings import RobotSettings
 
 __all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
 
@@ -325,7 +325,7 @@ def _places(config: Config) -> Places:
 def _robots(config: Config) -> Mapping[str, RobotSettings]:
     if not config.robots:
         return {}
-    from homebot.robots import RobotSettings  # noqa: PLC0415 - only with a table
+    from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - only with a table
 
     for name in config.robots:
         _check_name(f"robots.{name}", name, config.source)

@@ -70,7 +70,7 @@ class HouseOfRun:
             HousePlan(plan.home, places.rooms, source, places.doors)  # checks the names
             plan = replace(plan, places=places)
         if self.robot and plan.names_robots and self.robot not in plan.robots:  # else its frames would be another's
-            from homebot.robots import RobotSettings  # noqa: PLC0415 - for a house with several robots
+            from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - for a house with several robots
 
             plan = replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
         return plan
