@@ -119,5 +119,5 @@ def test_the_map_of_a_robot_is_compared(run: Run) -> None:
 @pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
 def test_rooms_are_imported_from_the_map_of_a_robot(run: Run) -> None:
     code, printed = run("places", "import", "/map", "--room", "Attic=5,1")
-    assert (code, printed) == (0, "the map has 80 x 50 cells of 0.1 m\nimported room Attic\n")
+    assert (code, printed) == (0, "the map has 80 x 50 cells of 0.1 m\nAttic has 30.0 m²\nimported room Attic\n")
     assert "polygon = [[0.0, 0.0], [6.0, 0.0], [6.0, 5.0], [0.0, 5.0]]" in run("places", "export")[1]

@@ -145,7 +145,7 @@ class RobotMap(NamedTuple):
         ring = traced({row: found for row, found in ends.items() if found})
         origin, height = MapPose(*self.origin), cells.height
         at = (origin.then(MapPose(x * self.resolution, (height - y) * self.resolution)) for x, y in ring)
-        return [(one.x, one.y) for one in at]
+        return [(round(one.x, 3), round(one.y, 3)) for one in at]
 
     def _pixel(self, point: Point) -> tuple[int, int]:
         x, y, c, s = (

@@ -18,6 +18,7 @@ from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.errors import LinkError, PeerError, UsageError
 from homebot.places import HousePlan, places_text, read_position
+from homebot.places.polygon import Polygon
 from homebot.plugins import check_extra
 from homebot.support.folding import fold
 
@@ -293,7 +294,9 @@ def _room_point(text: str) -> tuple[str, tuple[float, float]]:
 def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
     """Return the rooms around *points* in a map, as the text of a places file."""
     doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
-    rooms = _map(door, file).rooms(points, [_points(one) for one in doors if len(one.x) > 1])
+    rooms = [*_map(door, file).rooms(points, [_points(one) for one in doors if len(one.x) > 1])]
+    for room in rooms:
+        print(f"{printable(room.name)} has {Polygon(room.polygons[0][0]).area:.1f} m²")
     return places_text(HousePlan("a map", rooms))
 
 
