@@ -12,7 +12,7 @@ from homebot.places.facts import Position
 from homebot.places.path import Doorway, PathFinder, Spot
 from homebot.places.plan import STAIRS, HouseDoor, HousePlan, HouseRoom
 from homebot.places.polygon import Point, Polygon
-from homebot.places.room_paths import RoomPaths
+from homebot.places.room_sight import RoomSight
 from homebot.support.folding import fold
 
 __all__ = ["FloorPlan", "RoomAt"]
@@ -152,7 +152,7 @@ class FloorPlan:
 
     def path_finder(self) -> PathFinder:
         """Return a new finder of ways, without targets."""
-        return PathFinder(self._paths, self.doorways())
+        return PathFinder(self._sights, self.doorways())
 
     def doorways(self) -> Iterator[Doorway]:
         """Yield the ways through each door."""
@@ -186,8 +186,8 @@ class FloorPlan:
         return tuple(one for one in found if one[2] > _LEAST_OVERLAP)
 
     @cached_property
-    def _paths(self) -> dict[str, RoomPaths]:
-        return {room: RoomPaths(*areas) for room, areas in self._polygons.items()}
+    def _sights(self) -> dict[str, RoomSight]:
+        return {room: RoomSight(*areas) for room, areas in self._polygons.items()}
 
     def _of(self, room: str) -> tuple[Polygon, ...]:
         return self._polygons.get(room, ())

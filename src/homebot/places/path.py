@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from heapq import heappop, heappush
 from itertools import count
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.polygon import Point
-from homebot.places.room_paths import RoomPaths
+from homebot.places.room_sight import RoomSight
 
 __all__ = ["HALF_HOP", "Doorway", "PathFinder", "Spot", "Way"]
 
@@ -70,29 +70,20 @@ Crossing: TypeAlias = Callable[[str], float]
 
 
 @dataclass(slots=True, eq=False, repr=False)
-class _Gate:
-    """One way through a door, as seen from one of its rooms.
+class _Node:
+    """A corner of a room, or one way through a door as seen from one of its rooms.
 
     Attributes:
+        spot: Its place.
+        door: The door; empty for a corner.
         other: The same way, as seen from the other room.
-        ways: The gates of the room, each with its distance.
-        targets: The distances of targets in the room that were asked for.
+        ways: The nodes of the room that it sees, each with its distance; None until it is asked for.
     """
 
-    door: str
     spot: Spot
-    other: _Gate | None = None
-    ways: list[tuple[float, _Gate]] = field(default_factory=list)
-    targets: dict[str, float] = field(default_factory=dict)
-
-
-class _Step(NamedTuple):
-    """The way to a target, or to a gate of the room that it ends in."""
-
-    to: str | _Gate
-    path: float
-    extra: float = 0.0
-    doors: tuple[str, ...] = ()
+    door: str = ""
+    other: _Node | None = None
+    ways: list[tuple[float, _Node]] | None = None
 
 
 @final
@@ -100,33 +91,27 @@ class PathFinder:
     """Finds targets by the length of the way to them.
 
     Args:
-        shapes: The paths inside each room that has a polygon.
+        rooms: The inside of each room that has a polygon.
         doorways: The doors.
     """
 
-    def __init__(self, shapes: Mapping[str, RoomPaths], doorways: Iterable[Doorway]) -> None:
-        self._shapes = shapes
-        self._gates: dict[str, list[_Gate]] = {}
+    def __init__(self, rooms: Mapping[str, RoomSight], doorways: Iterable[Doorway]) -> None:
+        self._rooms = rooms
+        self._nodes = {name: [_Node(Spot(name, corner)) for corner in room.corners] for name, room in rooms.items()}
         self._targets: dict[str, Spot] = {}
         self._in_room: dict[str, set[str]] = {}
         self._reachable: tuple[AbstractSet[str], frozenset[str]] = frozenset(), frozenset()
         for doorway in doorways:
             for here, there in doorway.points or ((None, None),):
-                gate = _Gate(doorway.name, Spot(doorway.rooms[0], here))
-                gate.other = _Gate(doorway.name, Spot(doorway.rooms[1], there), gate)
-                for one in (gate, gate.other):
-                    self._gates.setdefault(one.spot.room, []).append(one)
-        for gates in self._gates.values():
-            for gate in gates:
-                others = (one for one in gates if one is not gate)
-                gate.ways = [(self._inside(gate.spot, one.spot, 2 * HALF_HOP), one) for one in others]
+                node = _Node(self._inside(Spot(doorway.rooms[0], here)), doorway.name)
+                node.other = _Node(self._inside(Spot(doorway.rooms[1], there)), doorway.name, node)
+                for one in (node, node.other):
+                    self._nodes.setdefault(one.spot.room, []).append(one)
 
     def put(self, target: str, place: Spot) -> None:
         """Spot a target, or move it."""
-        if self._targets.get(target) == place:
-            return
         self.discard(target)
-        self._targets[target] = place
+        self._targets[target] = self._inside(place)
         self._in_room.setdefault(place.room, set()).add(target)
 
     def discard(self, target: str) -> None:
@@ -134,8 +119,6 @@ class PathFinder:
         place = self._targets.pop(target, None)
         if place is not None:
             self._in_room[place.room].discard(target)
-            for gate in self._gates.get(place.room, ()):
-                gate.targets.pop(target, None)
 
     def place_of(self, target: str) -> Spot | None:
         """Return the place of a target."""
@@ -148,9 +131,9 @@ class PathFinder:
             return known
         found, waiting = {room}, [room]
         while waiting:
-            for gate in self._gates.get(waiting.pop(), ()):
-                other = gate.other
-                if other is not None and other.spot.room not in found and gate.door not in locked:
+            for node in self._nodes.get(waiting.pop(), ()):
+                other = node.other
+                if other is not None and other.spot.room not in found and node.door not in locked:
                     found.add(other.spot.room)
                     waiting.append(other.spot.room)
         self._reachable = found, locked
@@ -173,53 +156,56 @@ class PathFinder:
             wanted: The only targets to look for; None for all.
         """
         order = count()
-        heap: list[tuple[float, str, int, _Step]] = []
+        heap: list[tuple[float, str, int, Way, _Node | None, Spot]] = []
 
-        def push(step: _Step) -> None:
-            name = step.to if isinstance(step.to, str) else ""
-            heappush(heap, (step.path + step.extra, name, next(order), step))
+        def push_all(begin: Way, spot: Spot, ways: Iterable[tuple[float, _Node]]) -> None:
+            """Queue what the room of *spot* has; only what is taken from the queue is looked at closely."""
+            here = self._in_room.get(spot.room, set())
+            found: list[tuple[float, str, _Node | None]] = [(metres, "", node) for metres, node in ways]
+            found += [
+                (_metres(spot, self._targets[target], HALF_HOP), target, None)
+                for target in (here if wanted is None else here & wanted)
+            ]
+            for metres, target, node in found:
+                way = Way(target, begin.path + metres, begin.extra, begin.doors)
+                heappush(heap, (way.path + way.extra, target, next(order), way, node, spot))
 
-        estimated = self._wanted_in(start.room, wanted)
-        for target in estimated:
-            push(_Step(target, self._air_distance(start, self._targets[target])))
-        for gate in self._gates.get(start.room, ()):
-            push(_Step(gate, self._inside(start, gate.spot, HALF_HOP)))
-        done: set[str | _Gate] = set()
+        begin = self._inside(start)
+        nodes = self._nodes.get(start.room, ())
+        push_all(Way("", 0.0, 0.0, ()), begin, [(_metres(begin, node.spot, HALF_HOP), node) for node in nodes])
+        done: set[str | _Node] = set()
         while heap:
-            step = heappop(heap)[-1]
-            found, path, extra, doors = step
-            if found in done:
+            _, target, _, way, node, origin = heappop(heap)
+            reached = target if node is None else node
+            if reached in done or not self._sees(origin, self._targets[target] if node is None else node.spot):
                 continue
-            if not doors and found in estimated:
-                estimated.discard(found)
-                push(_Step(found, self._inside(start, self._targets[found], HALF_HOP)))
-                continue
-            done.add(found)
-            if isinstance(found, str):
-                yield Way(found, path, extra, doors)
-            elif found.other is not None and not math.isinf(toll := crossing(found.door)):
-                for further, one in self._behind(found.other, wanted):
-                    push(_Step(one, path + further, extra + toll, (*doors, found.door)))
+            done.add(reached)
+            if node is None:
+                yield way
+            elif node.other is None:
+                push_all(way, node.spot, self._ways(node))
+            elif not math.isinf(toll := crossing(node.door)):
+                doors = (*way.doors, node.door)
+                push_all(Way("", way.path, way.extra + toll, doors), node.other.spot, self._ways(node.other))
 
-    def _wanted_in(self, room: str, wanted: AbstractSet[str] | None) -> set[str]:
-        here = self._in_room.get(room, set())
-        return set(here) if wanted is None else here & wanted
+    def _ways(self, node: _Node) -> list[tuple[float, _Node]]:
+        if node.ways is None:
+            others = (one for one in self._nodes[node.spot.room] if one is not node)
+            node.ways = [
+                (_metres(node.spot, one.spot, 2 * HALF_HOP), one) for one in others if self._sees(node.spot, one.spot)
+            ]
+        return node.ways
 
-    def _behind(self, gate: _Gate, wanted: AbstractSet[str] | None) -> Iterator[tuple[float, str | _Gate]]:
-        """Yield the other gates and the wanted targets in the room of *gate*, each with its distance."""
-        yield from gate.ways
-        for target in self._wanted_in(gate.spot.room, wanted):
-            if target not in gate.targets:
-                gate.targets[target] = self._inside(gate.spot, self._targets[target], HALF_HOP)
-            yield gate.targets[target], target
+    def _inside(self, place: Spot) -> Spot:
+        """Return *place*, or the nearest one that is in its room."""
+        room = self._rooms.get(place.room)
+        return place if room is None or place.point is None else Spot(place.room, room.inside(place.point))
 
-    def _inside(self, start: Spot, end: Spot, otherwise: float) -> float:
-        """Return metres between two places in one room, *otherwise* if one of them is not known."""
-        paths = self._shapes.get(start.room)
-        if paths is None or start.point is None or end.point is None:
-            return self._air_distance(start, end, otherwise)
-        return paths.distance(start.point, end.point)
+    def _sees(self, start: Spot, end: Spot) -> bool:
+        room = self._rooms.get(start.room)
+        return room is None or start.point is None or end.point is None or room.sees(start.point, end.point)
 
-    @staticmethod
-    def _air_distance(start: Spot, end: Spot, otherwise: float = HALF_HOP) -> float:
-        return otherwise if start.point is None or end.point is None else math.dist(start.point, end.point)
+
+def _metres(start: Spot, end: Spot, otherwise: float) -> float:
+    """Return metres through the air between two places, *otherwise* if one of them is not known."""
+    return otherwise if start.point is None or end.point is None else math.dist(start.point, end.point)

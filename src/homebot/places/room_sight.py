@@ -1,0 +1,86 @@
+"""Straight lines inside a room, and the corners around which ways lead in it. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import final
+
+from homebot.places.outline import MOST_CORNERS, simplified
+from homebot.places.polygon import Point, Polygon
+
+__all__ = ["RoomSight"]
+
+
+@final
+class RoomSight:
+    """Straight lines inside one room; of an area with more than 30 corners the ring is simplified to within 0.5 m.
+
+    Args:
+        areas: Its areas. A way leads from one to another where they touch or overlap; between areas that do not, all
+            lines count as ways.
+
+    Attributes:
+        areas: Likewise, simplified.
+        corners: The points at which ways in it turn; empty if all lines are ways.
+    """
+
+    def __init__(self, *areas: Polygon) -> None:
+        self.areas = tuple(map(_simplified, areas))
+        self._edges = tuple(edge for one in self.areas for edge in one.edges())
+        self.corners = tuple(_inward_corners(self.areas[0]) if len(areas) == 1 else self._joint_corners())
+
+    def sees(self, start: Point, end: Point) -> bool:
+        """Return whether the straight line between two points stays inside."""
+        if not self.corners:
+            return True
+        (x1, y1), (x2, y2) = start, end
+        shares = sorted([0.0, *self._meetings(start, end), 1.0])
+        middles = ((first + last) / 2 for first, last in pairwise(shares) if last - first > 1e-9)
+        return all(self._holds(x1 + share * (x2 - x1), y1 + share * (y2 - y1)) for share in middles)
+
+    def inside(self, point: Point) -> Point:
+        """Return *point* if it is inside, else the nearest one that is."""
+        if self._holds(*point):
+            return point
+        return min((one.nearest_inside(*point) for one in self.areas), key=lambda one: math.dist(one, point))
+
+    def _meetings(self, start: Point, end: Point) -> Iterator[float]:
+        """Yield the shares of a line at which it meets an edge."""
+        (x1, y1), (x2, y2) = start, end
+        dx, dy = x2 - x1, y2 - y1
+        for (ax, ay), (bx, by) in self._edges:
+            ex, ey = bx - ax, by - ay
+            across = dx * ey - dy * ex
+            if abs(across) < 1e-12:
+                continue
+            share = ((ax - x1) * ey - (ay - y1) * ex) / across
+            if 0 < share < 1 and 0 <= ((ax - x1) * dy - (ay - y1) * dx) / across <= 1:
+                yield share
+
+    def _holds(self, x: float, y: float) -> bool:
+        return any(one.holds(x, y) for one in self.areas)
+
+    def _joint_corners(self) -> list[Point]:
+        """Return the corners of several areas, and the points where their edges cross; none if they do not touch."""
+        found: dict[Point, list[Polygon]] = {}
+        for start, end in self._edges:
+            for share in (0.0, *self._meetings(start, end)):
+                x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+                found[x, y] = [one for one in self.areas if one.holds(x, y)]
+        shared = [areas for areas in found.values() if len(areas) > 1]
+        return [*found] if all(any(one in areas for areas in shared) for one in self.areas) else []
+
+
+def _inward_corners(polygon: Polygon) -> Iterator[Point]:
+    for ring in polygon.rings:
+        for index, (x, y) in enumerate(ring):
+            (px, py), (nx, ny) = ring[index - 1], ring[(index + 1) % len(ring)]
+            if (x - px) * (ny - y) - (y - py) * (nx - x) < 0:  # a turn to the right, and the inside is to the left
+                yield x, y
+
+
+def _simplified(polygon: Polygon) -> Polygon:
+    ring: Sequence[Point] = () if sum(map(len, polygon.rings)) <= MOST_CORNERS else simplified(polygon.rings[0])
+    return Polygon(ring) if ring else polygon
