@@ -13,6 +13,7 @@ from PIL import Image
 from homebot.cli.robot_map import MapSettings, RobotMap, cell_table, read_map
 from homebot.errors import ConfigError, UsageError
 from homebot.places.polygon import Polygon
+from homebot.places.rigid import MapPose
 
 TABLES = json.loads((Path(__file__).parent / "data" / "map_server_tables.json").read_text())["tables"]
 
@@ -123,7 +124,7 @@ def two_rooms(yaw: float = 0.0) -> RobotMap:
             is_door = column == 40 and 2 <= row < 10
             is_wall = (column in WALL and not is_door) or row in {0, 49} or (10 <= column < 15 and 20 <= row < 25)
             cells.putpixel((column, row), 100 if is_wall else 0)
-    return RobotMap(cells, 0.1, (2.0, 1.0, yaw))
+    return RobotMap(cells, 0.1, MapPose(2.0, 1.0, yaw))
 
 
 def turned(x: float, y: float, yaw: float) -> tuple[float, float]:

@@ -7,6 +7,7 @@ Source: nav2_map_server 1.5.0, map_io.cpp. Its thresholds are compared as 32-bit
 
 from __future__ import annotations
 
+import cmath
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -79,12 +80,12 @@ class RobotMap(NamedTuple):
     Attributes:
         cells: 0 free to 100 occupied, 255 unknown; the first row is the uppermost.
         resolution: Metres of a cell.
-        origin: x, y and yaw of the lower left corner.
+        origin: The lower left corner.
     """
 
     cells: Image.Image
     resolution: float
-    origin: tuple[float, float, float]
+    origin: MapPose
 
     @classmethod
     def of(cls, message: Mapping[str, object]) -> RobotMap:
@@ -96,8 +97,8 @@ class RobotMap(NamedTuple):
         grid = message_from_json(OccupancyGrid, message)
         info, turn = grid.info, grid.info.origin.orientation
         upwards = Image.frombytes("L", (info.width, info.height), bytes(cell & 255 for cell in grid.data))
-        yaw = yaw_of((turn.x, turn.y, turn.z, turn.w))
-        origin = info.origin.position.x, info.origin.position.y, yaw
+        at = info.origin.position
+        origin = MapPose(at.x, at.y, yaw_of((turn.x, turn.y, turn.z, turn.w)))
         return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
 
     def free_share(self, rings: Iterable[tuple[Sequence[Point], bool]]) -> float:
@@ -143,19 +144,13 @@ class RobotMap(NamedTuple):
         same = re.compile(re.escape(bytes([value])) + b"+")
         ends = {number: [end for run in same.finditer(row) for end in run.span()] for number, row in enumerate(rows)}
         ring = traced({row: found for row, found in ends.items() if found})
-        origin, height = MapPose(*self.origin), cells.height
-        at = (origin.then(MapPose(x * self.resolution, (height - y) * self.resolution)) for x, y in ring)
+        at = (self.origin.then(MapPose(x * self.resolution, (cells.height - y) * self.resolution)) for x, y in ring)
         return [(round(one.x, 3), round(one.y, 3)) for one in at]
 
     def _pixel(self, point: Point) -> tuple[int, int]:
-        x, y, c, s = (
-            point[0] - self.origin[0],
-            point[1] - self.origin[1],
-            math.cos(self.origin[2]),
-            math.sin(self.origin[2]),
-        )
-        row = math.floor((y * c - x * s) / self.resolution)
-        return math.floor((x * c + y * s) / self.resolution), self.cells.height - 1 - row
+        across = complex(*point) - complex(self.origin.x, self.origin.y)
+        at = across / cmath.rect(self.resolution, self.origin.yaw)
+        return math.floor(at.real), self.cells.height - 1 - math.floor(at.imag)
 
 
 def read_map(file: str) -> tuple[RobotMap, str]:
@@ -176,7 +171,7 @@ def read_map(file: str) -> tuple[RobotMap, str]:
         with Image.open(path, formats=("PPM", "PNG", "BMP")) as image:
             if image.width * image.height > _MOST_PIXELS:
                 raise UsageError(f"{path} has {image.width:,} x {image.height:,} pixels; {_MOST_PIXELS:,} is the limit")
-            return RobotMap(_cells(image, settings), settings.resolution, settings.origin), settings.warning
+            return RobotMap(_cells(image, settings), settings.resolution, MapPose(*settings.origin)), settings.warning
     except (OSError, SyntaxError, ValueError) as exc:
         raise UsageError(f"{path} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
 
