@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from tests.cli.test_places import NOW, index_node
 
+import homebot.cli.robot_map  # noqa: F401 - not in two threads: Python 3.11 fails to compile in both at a time
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
 from homebot.discovery import DeviceIndex, OwnerFacts
