@@ -11,13 +11,19 @@ from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
+    ActionFeedback,
     ActionOperation,
+    ActionResult,
     Advertise,
+    AdvertiseAction,
     AdvertiseService,
+    CancelActionGoal,
     Identifier,
     Operation,
+    SendActionGoal,
     ServiceResponse,
     Unadvertise,
+    UnadvertiseAction,
     UnadvertiseService,
     UnsubscribeOperation,
 )
@@ -28,7 +34,8 @@ from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.actions import ClientActions
+    from homebot.bridges.rosbridge.provided_actions import ProvidedActions
+    from homebot.bridges.rosbridge.sent_goals import SentGoals
 
 __all__ = ["Holdings"]
 
@@ -76,7 +83,7 @@ class Holdings:
         self.subscriptions = Subscriptions(node, settings.queue_depth, backlog, outbox, shared.expected, on_unfit)
         self._provisions = Provisions(access.name, shared.providers, on_taken)
         self._services = ProvidedServices(node, settings.max_calls, outbox, self._provisions)
-        self._actions: ClientActions | None = None
+        self._actions: tuple[SentGoals, ProvidedActions] | None = None
 
     def __len__(self) -> int:
         return len(self.publications) + len(self.subscriptions) + len(self._provisions)
@@ -84,7 +91,7 @@ class Holdings:
     @property
     def must_end(self) -> bool:
         """True while the client has a goal or a lease, which ends soon after the client."""
-        return bool(self._actions and self._actions.sent) or self._shared.leases.has(self)
+        return bool(self._actions and self._actions[0]) or self._shared.leases.has(self)
 
     def handle(self, op: Operation) -> None:
         """Carry out *op* if it is about what the client provides or publishes, or about actions.
@@ -112,14 +119,32 @@ class Holdings:
         """Give everything back, a little each time the event loop goes round."""
         self._backlog.close()
         kinds: tuple[_Kind, ...] = (self._provisions, self.publications, self.subscriptions)
-        for kind in kinds if self._actions is None else (self._actions.sent, *kinds):
+        for kind in kinds if self._actions is None else (self._actions[0], *kinds):
             while kind.close_one():
                 await self._shared.turns.turn()
         self._shared.leases.release(self)
 
     def _act(self, op: ActionOperation) -> None:
-        if self._actions is None:
-            from homebot.bridges.rosbridge.actions import ClientActions  # noqa: PLC0415 - loaded with the first one
+        """Carry out *op*; ``action_status``, which the server of the action knows, is ignored."""
+        sent, provided = self._actions = self._actions or self._load_actions()
+        match op:
+            case SendActionGoal():
+                sent.send(op)
+            case CancelActionGoal():
+                sent.cancel(op)
+            case ActionFeedback():
+                provided.publish_feedback(op)
+            case ActionResult():
+                provided.end(op)
+            case AdvertiseAction():
+                provided.advertise(op)
+            case UnadvertiseAction():
+                provided.unadvertise(op)
 
-            self._actions = ClientActions(self._shared, self._access, self._outbox, self._tasks, self._provisions)
-        self._actions.handle(op)
+    def _load_actions(self) -> tuple[SentGoals, ProvidedActions]:
+        from homebot.bridges.rosbridge.provided_actions import ProvidedActions  # noqa: PLC0415 - with the first one
+        from homebot.bridges.rosbridge.sent_goals import SentGoals  # noqa: PLC0415
+
+        node, limit = self._shared.node, self._shared.settings.max_calls
+        sent = SentGoals(self._shared, self._access, self._outbox, self._tasks)
+        return sent, ProvidedActions(node, limit, self._outbox, self._provisions)

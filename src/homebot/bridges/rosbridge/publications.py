@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError, right_to_publish
 from homebot.bridges.rosbridge.protocol import (
@@ -17,7 +18,6 @@ from homebot.bridges.rosbridge.protocol import (
     Unadvertise,
     parse_frame,
 )
-from homebot.bridges.rosbridge.recent_messages import RecentMessages
 from homebot.bridges.rosbridge.types import (
     message_from_client,
     message_type_of_topic,
@@ -43,6 +43,22 @@ _CHECKED_EVERY: Final = 1.0
 """Seconds after which a message that nobody reads is checked all the same, so that its client learns of mistakes."""
 
 
+_RECENT: Final = 1.0
+_MOST_RECENT: Final = 10
+_MOST_CHARACTERS: Final = 1_048_576
+"""Seconds and messages of one topic, and characters of all, kept for readers who come a moment late; the newest
+message is kept at any size."""
+
+
+class _Sent(NamedTuple):
+    """A message as its client sent it: most streams are read by nobody, and need not be checked."""
+
+    at: float
+    size: int
+    topic: str
+    message: PublishOperation | str
+
+
 @dataclass(slots=True)
 class _Publication:
     publisher: Publisher[Message]
@@ -66,7 +82,8 @@ class Publications:
         self._access = access
         self._on_unfit = on_unfit
         self._now = node.graph.clock.monotonic
-        self._recent = RecentMessages(node.graph.clock)
+        self._recent: deque[_Sent] = deque()
+        self._recent_size = 0
         self._topics: dict[str, _Publication] = {}
         self._ids = 0
 
@@ -119,12 +136,12 @@ class Publications:
             self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), ""), op)
             publication = self._open(op.topic, "", latched=op.latch)
         if self._is_unread(publication):
-            self._recent.add(op.topic, op, size)
+            self._keep(op.topic, op, size)
             return ()
         publication.checked_at = self._now()
         message, missing = self._message(publication.message_type, op)
         if not publication.is_latched:
-            self._recent.add(op.topic, op, size)
+            self._keep(op.topic, op, size)
         publication.publisher.publish(message)
         return missing
 
@@ -134,7 +151,7 @@ class Publications:
         publication = self._topics.get(begin[1]) if begin is not None and len(frame) <= _LONGEST else None
         if begin is None or publication is None or not self._is_unread(publication):
             return False
-        self._recent.add(begin[1], frame, len(frame))
+        self._keep(begin[1], frame, len(frame))
         return True
 
     def close_one(self) -> bool:
@@ -180,8 +197,16 @@ class Publications:
         self._topics[topic] = opened
         return opened
 
+    def _keep(self, topic: str, message: PublishOperation | str, size: int) -> None:
+        now, recent = self._now(), self._recent
+        recent.append(_Sent(now, size, topic, message))
+        self._recent_size += size
+        while len(recent) > 1 and (recent[0].at <= now - _RECENT or self._recent_size > _MOST_CHARACTERS):
+            self._recent_size -= recent.popleft().size
+
     def _late_messages(self, topic: str, message_type: type[Message]) -> Iterator[Message]:
-        for sent in self._recent.of_topic(topic):
+        oldest = self._now() - _RECENT
+        for sent in [one.message for one in self._recent if one.topic == topic and one.at > oldest][-_MOST_RECENT:]:
             identifier: Identifier = None
             try:
                 op = _operation_in(sent) if isinstance(sent, str) else sent
