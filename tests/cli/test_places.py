@@ -385,7 +385,7 @@ GEOMETRY = {
         "Kitchen": {"floor": "Downstairs", "polygon": [[3.5, 0], [8, 0], [8, 5], [3.5, 5]]},
     },
     "doors": [{"rooms": ["Hall", "Kitchen"], "position": [3.8, 4.5]}],
-    "devices": {"mac:000000000007": {"at": [7, 1], "error": 0.5}},
+    "devices": {"mac:000000000007": {"at": "7,1 +-0.5"}},
 }
 
 
@@ -399,18 +399,18 @@ def house(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys:
 
 def test_a_device_at_a_position_is_in_the_room_that_is_there(house: Run) -> None:
     for arguments, told in (
-        (("Desk lamp", "--at", "6,1"), "desk_lamp is at 6,1 ±0.1 m in Kitchen now\n"),
-        (("Ceiling", "--at", "20,1,downstairs"), "ceiling is at 20,1,Downstairs ±0.1 m now; its room is unknown\n"),
+        (("Desk lamp", "--at", "6,1"), "desk_lamp is at 6,1 in Kitchen now\n"),
+        (("Ceiling", "--at", "20,1,downstairs"), "ceiling is at 20,1,downstairs now; its room is unknown\n"),
         (
             ("Shelf lamp", "--at", "1,1"),
-            "there is no device Shelf lamp yet; shelf_lamp will be at 1,1 ±0.1 m when it appears\n",
+            "there is no device Shelf lamp yet; shelf_lamp will be at 1,1 when it appears\n",
         ),
     ):
         assert house("place", *arguments) == (0, told)
     assert "desk_lamp  6,1 ±0.1 m" in house("places", "list")[1]
     shown = house("show", "Desk lamp")[1]
     assert any("6,1 ±0.1 m" in line and "by the owner" in line for line in shown.splitlines())
-    assert "at = [6.0, 1.0]" in house("places", "export")[1]
+    assert 'at = "6,1 ±0.1 m"' in house("places", "export")[1]
     assert house("place", "Desk lamp", "--undo") == (0, "desk_lamp is in Study now\n")
 
 
@@ -436,8 +436,7 @@ def test_the_geometry_of_the_house_is_listed_and_exported(house: Run) -> None:
     for line in (
         "polygon = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [0.0, 5.0]]",
         "position = [3.8, 4.5]",
-        "at = [7.0, 1.0]",
-        "error = 0.5",
+        'at = "7,1 ±0.5 m"',
     ):
         assert line in lines
 

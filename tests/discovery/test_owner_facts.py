@@ -17,7 +17,7 @@ from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
 from homebot.discovery.description import MAX_FACTS, position_of
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
-from homebot.places import HouseRoom, Position, read_places
+from homebot.places import HouseRoom, read_places
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -480,7 +480,7 @@ def test_a_device_that_announces_its_position_is_in_the_room_that_is_there(
     index.observe(announce("l", light, name="Lamp", convention="thing", facts={fact: stated}))
     assert got(index, "lamp").area == "Kitchen"
     assert positions(index, "lamp") == [(6.0, 1.0, error, "thing")]
-    assert index.places.place("lamp", "", 3.0, at=Position(1, 1)) == "Hall"
+    assert index.places.place("lamp", "", 3.0, at="1,1") == "Hall"
     assert positions(index, "lamp") == [(1.0, 1.0, 0.1, "command")]
     assert index.places.unplace("lamp") == "Kitchen"
 
@@ -501,7 +501,7 @@ def test_a_tag_teaches_its_own_position(announce: Announce, part: MakePart) -> N
     index = with_areas()
     index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp"))
     index.observe(announce("t", part("x_tag", id="t"), name="Tag", gateway="nfc"))
-    index.places.place("tag", "", 1.0, at=Position(6, 1))
+    index.places.place("tag", "", 1.0, at="6,1")
 
     assert index.places.teach("lamp", "nfc", "homeassistant:t", "", 2.0) == ("Kitchen", True)
     assert index.places.teach("lamp", "nfc", "homeassistant:t", "", 3.0) == ("Kitchen", False)
@@ -511,7 +511,7 @@ def test_a_tag_teaches_its_own_position(announce: Announce, part: MakePart) -> N
         ("6,1 ±0.3 m", "tag", "nfc")
     ]
     assert without_taught_room(got(index, "lamp")).area == ""
-    assert index.places.place("lamp", "", 4.0, at=Position(1, 1)) == "Hall"
+    assert index.places.place("lamp", "", 4.0, at="1,1") == "Hall"
     assert without_taught_room(got(index, "lamp")).area == "Hall"
     restored = OwnerFacts("Home")
     restored.restore(index.owner.record())

@@ -35,18 +35,15 @@ class PlaceDeviceRequest(Message):
         room: The room, or a floor; empty to take back a statement of this service or an import.
         is_new: Whether it may be a room with a name one typo away from that of another.
         may_be_absent: Whether the device need not be there yet: it is placed when it appears.
-        at: Its position, x and y in metres; empty for none. Without a room it is in the room that is there.
-        floor: The floor of that; not needed where one floor alone has areas.
-        error: Metres by which that may be wrong; 0 for the usual 0.1 m.
+        at: Its position in metres, ``X,Y[,FLOOR][ ±ERROR m]``; empty for none. Without a room it is in the one that is
+            there.
     """
 
     device: str
     room: str = ""
     is_new: bool = False
     may_be_absent: bool = False
-    at: Annotated[tuple[float, ...], Field(max_length=2)] = ()
-    floor: str = ""
-    error: float = 0.0
+    at: str = ""
 
 
 class PlaceDeviceResponse(ServiceAnswer):
@@ -55,12 +52,10 @@ class PlaceDeviceResponse(ServiceAnswer):
     Attributes:
         room: The room that the device is in now, or will be; empty for none.
         absent: The id or hardware address by which a device that is not there yet will be known; empty for one that is.
-        position: Its position as text, if one was stated.
     """
 
     room: str = ""
     absent: str = ""
-    position: str = ""
 
 
 class AliasDeviceRequest(Message):

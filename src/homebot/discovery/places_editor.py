@@ -11,8 +11,8 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import id_of_name
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError, UsageError
-from homebot.places import FactName, OwnerFact, Position, check_floor, check_name, check_position
-from homebot.places.facts import OWNER_ERROR, TAG_ERROR
+from homebot.places import FactName, OwnerFact, check_name, stated_position
+from homebot.places.facts import TAG_ERROR
 from homebot.support.folding import fold, is_room_typo
 
 __all__ = ["PlacesEditor"]
@@ -51,37 +51,19 @@ class PlacesEditor:
         """Return whether there is a device of that id."""
         return device_id in self._table.entries
 
-    def position(self, at: tuple[float, ...], floor: str, error: float) -> Position | None:
-        """Return a position, None for none.
-
-        Args:
-            at: x and y in metres, or nothing.
-            floor: Its floor; empty where one alone has areas.
-            error: Metres by which it may be wrong; 0 for the usual ones.
-
-        Raises:
-            UsageError: It has one number, there is no such floor, or the numbers are no position.
-        """
-        if not at:
-            return None
-        if len(at) == 1:
-            raise UsageError("a position has two numbers, x and y; one was given")
-        level = check_floor(floor, self._table.owner.plan)
-        return check_position(Position(at[0], at[1], level, error or OWNER_ERROR))
-
-    def place(self, device_id: str, room: str, now: float, *, at: Position | None = None, is_new: bool = False) -> str:
+    def place(self, device_id: str, room: str, now: float, *, at: str = "", is_new: bool = False) -> str:
         """Set the room of a device, its position, or both; return the room that it is in now.
 
         Args:
             device_id: The device.
             room: The room, or a floor; empty for none.
             now: Seconds since the Unix epoch.
-            at: The position.
+            at: The position, as text; empty for none.
             is_new: Whether it may be a room with a name one typo away from that of another.
 
         Raises:
             RefusedError: There is no such device, or there are too many statements.
-            UsageError: The name cannot be one, or is probably a typo.
+            UsageError: The name cannot be one, or is probably a typo; or there is no such position.
         """
         entry = self._entry(device_id)
         facts = self._where(room, at, now, is_new=is_new)
@@ -92,7 +74,7 @@ class PlacesEditor:
         return entry.to_device(self._table.topics).area
 
     def place_absent(
-        self, device: str, room: str, now: float, *, at: Position | None = None, is_new: bool = False
+        self, device: str, room: str, now: float, *, at: str = "", is_new: bool = False
     ) -> tuple[str, str]:
         """Set the room of a device that is not there yet, its position, or both.
 
@@ -115,15 +97,15 @@ class PlacesEditor:
         self._state_absent(key, facts, {fact.name for fact in facts})
         return key, next((fact.value for fact in facts if fact.name == "area"), "")
 
-    def _where(self, room: str, at: Position | None, now: float, *, is_new: bool) -> list[OwnerFact]:
+    def _where(self, room: str, at: str, now: float, *, is_new: bool) -> list[OwnerFact]:
         facts = []
-        if room or at is None:
+        if room or not at:
             name, _ = self._table.owner.plan.locate(check_name(room))
             if not is_new:
                 self._check_typo(name)
             facts.append(OwnerFact("area", name, "command", now))
-        if at is not None:
-            facts.append(OwnerFact("position", at.text, "command", now))
+        if at:
+            facts.append(OwnerFact("position", stated_position(at, self._table.owner.plan), "command", now))
         return facts
 
     def unplace_absent(self, device: str) -> str:

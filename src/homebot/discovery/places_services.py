@@ -109,20 +109,18 @@ class PlacesServices:
         is_absent = request.may_be_absent and not places.has(device)
         absent = room = ""
         try:
-            at = places.position(request.at, request.floor, request.error)
-            if not request.room and at is None and is_absent:
+            if not (request.room or request.at) and is_absent:
                 absent = places.unplace_absent(device)
-            elif not request.room and at is None:
+            elif not (request.room or request.at):
                 room = places.unplace(device)
             elif is_absent:
-                absent, room = places.place_absent(device, request.room, now, at=at, is_new=request.is_new)
+                absent, room = places.place_absent(device, request.room, now, at=request.at, is_new=request.is_new)
             else:
-                room = places.place(device, request.room, now, at=at, is_new=request.is_new)
+                room = places.place(device, request.room, now, at=request.at, is_new=request.is_new)
         except (RefusedError, UsageError) as exc:
             return PlaceDeviceResponse(success=False, message=str(exc))
         self._publish_all()
-        position = "" if at is None else at.text
-        return PlaceDeviceResponse(success=True, room=room, absent=absent, position=position)
+        return PlaceDeviceResponse(success=True, room=room, absent=absent)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
         try:

@@ -6,7 +6,6 @@ from homebot.places.facts import (
     OwnerFact,
     Places,
     Position,
-    check_position,
     read_position,
 )
 from homebot.places.plan import NO_AREAS, OUTSIDE, HouseDoor, HousePlan, HouseRoom
@@ -15,7 +14,7 @@ from homebot.support.lazy_names import lazy_names
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from homebot.places.floor_plan import FloorPlan
-    from homebot.places.settings import PlacesSettings, check_floor, check_name, read_places
+    from homebot.places.settings import PlacesSettings, check_name, read_places, stated_position
     from homebot.places.text import places_text
 
 __all__ = [
@@ -31,12 +30,11 @@ __all__ = [
     "Places",
     "PlacesSettings",
     "Position",
-    "check_floor",
     "check_name",
-    "check_position",
     "places_text",
     "read_places",
     "read_position",
+    "stated_position",
 ]
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
@@ -44,7 +42,7 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
         __name__,
         {
             "homebot.places.floor_plan": "FloorPlan",
-            "homebot.places.settings": "PlacesSettings check_floor check_name read_places",
+            "homebot.places.settings": "PlacesSettings check_name read_places stated_position",
             "homebot.places.text": "places_text",
         },
     )

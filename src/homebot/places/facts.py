@@ -18,7 +18,6 @@ __all__ = [
     "OwnerFact",
     "Places",
     "Position",
-    "check_position",
     "read_position",
 ]
 
@@ -100,7 +99,7 @@ NO_PLACES = Places()
 
 
 def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Position:
-    """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``.
+    """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``; ``+-`` will do for ``±``.
 
     Args:
         text: The text.
@@ -110,21 +109,12 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Po
     Raises:
         UsageError: It is no such text, or a number is not finite or beyond 10 km.
     """
-    place, _, stated = text.partition("±")
+    place, _, stated = text.replace("+-", "±").partition("±")
     x, y, floor = (*place.split(",", 2), "", "")[:3]
     try:
         position = Position(float(x), float(y), floor.strip(), float(stated.removesuffix("m") or error), source)
     except ValueError:
         raise UsageError(f"{text!r} is no position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
-    return check_position(position)
-
-
-def check_position(position: Position) -> Position:
-    """Return *position*.
-
-    Raises:
-        UsageError: A number is not finite or beyond 10 km.
-    """
     if not all(abs(one) <= _FARTHEST for one in (position.x, position.y)) or not 0 <= position.error <= _FARTHEST:
         raise UsageError(f"the position {position.text!r} is not within {_FARTHEST:,.0f} m")
     return position

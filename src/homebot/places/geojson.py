@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import TypeAlias, cast
 
 from homebot.errors import ConfigError
+from homebot.places.facts import OWNER_ERROR, Position
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom, Point, Rings
 from homebot.support.strict_json import parse_strict
@@ -91,8 +92,11 @@ class _File:
         """Yield the tables of devices, by id."""
         for key, given, _, coordinates in self._of("Point"):
             if isinstance(device := given.get("device"), str):
-                table: _Table = {"at": [*self._point(coordinates, key)], "floor": _floor(given)}
-                yield device, table | {one: given[one] for one in ("error", "room") if one in given}
+                error = given.get("error", OWNER_ERROR)
+                if not isinstance(error, int | float):
+                    raise ConfigError(self._source, f"{key}.properties.error", f"must be metres, got {error!r}")
+                at = Position(*self._point(coordinates, key), _floor(given), error)
+                yield device, {"at": at.text} | {one: given[one] for one in ("room",) if one in given}
 
     def _of(self, *kinds: str) -> Iterator[tuple[str, _Table, str, object]]:
         """Yield key, properties, kind and coordinates of the features of some kinds."""

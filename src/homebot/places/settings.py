@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
-from homebot.places.facts import CLOSED_DOOR, OWNER_ERROR, FactName, OwnerFact, Places, Position, check_position
+from homebot.places.facts import CLOSED_DOOR, FactName, OwnerFact, Places, read_position
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom, Point, Rings, door_name
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -19,9 +19,9 @@ __all__ = [
     "HouseDoorSettings",
     "PlacesSettings",
     "RoomSettings",
-    "check_floor",
     "check_name",
     "read_places",
+    "stated_position",
 ]
 
 _LONGEST = 100
@@ -135,9 +135,7 @@ class DeviceSettings(BaseModel):
 
     Attributes:
         room: The room that the device is in.
-        at: Its position ``[x, y]`` in metres.
-        error: Metres by which that may be wrong.
-        floor: The floor of that; not needed where one floor alone has polygons.
+        at: Its position ``X,Y[,FLOOR][ ±ERROR m]`` in metres; see :func:`stated_position`.
         aliases: Further names of the device; the first is the one that is shown.
         tags: Words by which it is found.
         identifiers: Hardware addresses, as ``homebot show`` prints them. With these the device is known by any of them
@@ -147,9 +145,7 @@ class DeviceSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     room: _OptionalName = ""
-    at: Annotated[Point | None, BeforeValidator(_tuples)] = None
-    error: _Metres = OWNER_ERROR
-    floor: _OptionalName = ""
+    at: str = ""
     aliases: _Names = ()
     tags: _Names = ()
     identifiers: Annotated[tuple[str, ...], Field(max_length=_MOST)] = ()
@@ -203,7 +199,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         room = _room(device.room, plan, source, f"{key}.room") if device.room else ""
         stated: list[tuple[FactName, Iterable[str]]] = [
             ("area", (room,) if room else ()),
-            ("position", _position(device, plan, source, key)),
+            ("position", (_position(device.at, plan, source, f"{key}.at"),) if device.at else ()),
             ("name", device.aliases),
             ("tag", device.tags),
         ]
@@ -218,27 +214,25 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
     return Places(rooms, devices, house_doors, settings.closed_door)
 
 
-def _position(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> tuple[str, ...]:
-    if device.at is None:
-        return ()
+def _position(text: str, plan: HousePlan, source: str, key: str) -> str:
     try:
-        position = Position(*device.at, check_floor(device.floor, plan), device.error)
-        return (check_position(position).text,)
+        return stated_position(text, plan)
     except UsageError as exc:
-        raise ConfigError(source, f"{key}.{'floor' if device.floor else 'at'}", str(exc)) from exc
+        raise ConfigError(source, key, str(exc)) from exc
 
 
-def check_floor(name: str, plan: HousePlan) -> str:
-    """Return the floor *name* as the plan spells it; an empty one as it is.
+def stated_position(text: str, plan: HousePlan) -> str:
+    """Return the position *text* of a device, with its floor as the plan spells it; one floor with areas needs no name.
 
     Raises:
-        UsageError: The plan has floors, and not that one.
+        UsageError: It is no position, or the plan has floors, and not that one.
     """
+    position = read_position(text)
     floors = {fold(floor): floor for floor in plan.floors}
-    if name and floors and fold(name) not in floors:
-        hint = did_you_mean(name, plan.floors, f"floors are {', '.join(plan.floors)}")
-        raise UsageError(f"there is no floor {name!r}; {hint}")
-    return floors.get(fold(name), name)
+    if position.floor and floors and fold(position.floor) not in floors:
+        hint = did_you_mean(position.floor, plan.floors, f"floors are {', '.join(plan.floors)}")
+        raise UsageError(f"there is no floor {position.floor!r}; {hint}")
+    return position._replace(floor=floors.get(fold(position.floor), position.floor)).text
 
 
 def _room(name: str, plan: HousePlan, source: str, key: str) -> str:

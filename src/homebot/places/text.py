@@ -9,7 +9,7 @@ import json
 from collections.abc import Collection, Iterable, Iterator
 from typing import get_args
 
-from homebot.places.facts import OWNER_ERROR, FactName, OwnerFact, read_position
+from homebot.places.facts import FactName, OwnerFact
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
 
@@ -63,13 +63,10 @@ def _door(door: HouseDoor) -> Iterator[str]:
 
 def _device(device_id: str, facts: Collection[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
     values = {name: tuple(fact.value for fact in facts if fact.name == name) for name in get_args(FactName)}
-    position = next(map(read_position, values["position"]), None)
     return _table(
         f"[places.devices.{_text(device_id)}]",
         room=next(iter(values["area"]), ""),
-        at=position and position[:2],
-        error=None if position is None or position.error == OWNER_ERROR else position.error,
-        floor=position and position.floor,
+        at=next(iter(values["position"]), ""),
         aliases=values["name"],
         tags=values["tag"],
         identifiers=tuple(identifiers),

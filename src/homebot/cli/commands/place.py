@@ -12,7 +12,6 @@ from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import PLACE_DEVICE
 from homebot.errors import PeerError, UsageError
-from homebot.places import read_position
 
 if TYPE_CHECKING:
     from homebot.devices.places_messages import PlaceDeviceResponse
@@ -47,8 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _told(device: str, answer: PlaceDeviceResponse) -> str:
-    room, absent, position = printable(answer.room), printable(answer.absent), printable(answer.position)
+def _told(device: str, position: str, answer: PlaceDeviceResponse) -> str:
+    room, absent = printable(answer.room), printable(answer.absent)
     where = " ".join([f"at {position}"] * bool(position) + [f"in {room}"] * bool(room))
     if absent:
         later = f"will be {where} when it appears" if where else "will be in no stated room"
@@ -62,7 +61,6 @@ def _place(options: argparse.Namespace) -> int:
     """Set the room of a device, or take it back."""
     if options.undo is bool(options.room or options.at):
         raise UsageError("give either a ROOM, --at, or both, or --undo")
-    position = read_position(options.at) if options.at else None
 
     def run(door: DoorClient) -> int:
         known = device_or_similar(door, options.device)
@@ -75,14 +73,13 @@ def _place(options: argparse.Namespace) -> int:
             "room": options.room,
             "is_new": options.new,
             "may_be_absent": isinstance(known, list),
+            "at": options.at,
         }
-        if position is not None:
-            request |= {"at": [position.x, position.y], "floor": position.floor}
         answer = cast("PlaceDeviceResponse", JsonMessage(door.call(PLACE_DEVICE, request)))
         if not answer.success:
             hint = "" if options.new or "did you mean" not in answer.message else " For another room, add --new"
             raise PeerError(f"{answer.message}{hint}")
-        print(_told(printable(device), answer))
+        print(_told(printable(device), printable(options.at), answer))
         return 0
 
     return with_client(options, run)

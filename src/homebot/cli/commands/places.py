@@ -156,7 +156,7 @@ def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
 
 
 def _position(device: Device) -> str:
-    return next((fact.value for fact in device.facts if fact.name == "position"), "")
+    return next((fact.value for fact in device.facts if fact.name in {"position", "txt_position"}), "")
 
 
 class _Room(TypedDict):
