@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right, insort
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from operator import attrgetter
 from typing import NamedTuple, final
 
@@ -24,6 +24,7 @@ __all__ = [
     "LookupException",
     "TransformBuffer",
     "TransformException",
+    "rigid_of",
 ]
 
 CACHE_TIME = 10_000_000_000
@@ -34,7 +35,7 @@ MAX_SAMPLES = 10_000
 """Transforms kept of one frame; the oldest is dropped for a newer one."""
 
 _NORM_TOLERANCE = 0.01
-_LATEST = 0
+_SECOND = 1_000_000_000
 
 
 class TransformException(HomebotError):
@@ -68,59 +69,14 @@ class _Sample(NamedTuple):
 _stamp = attrgetter("stamp")
 
 
-@dataclass(slots=True)
-class _Track:
-    """The transforms of one frame, by time; of a static frame one, which holds at any time."""
-
-    is_static: bool
-    samples: list[_Sample] = field(default_factory=list)
-
-    @property
-    def newest(self) -> _Sample:
-        return self.samples[-1]
-
-    def at(self, time: int) -> _Sample:
-        """Return the transform at *time*, the newest for 0, one between two that have the same parent.
-
-        Raises:
-            ExtrapolationException: The time is outside the track.
-        """
-        if self.is_static or time == _LATEST:
-            return self.newest
-        first, last = self.samples[0].stamp, self.newest.stamp
-        if not first <= time <= last:
-            raise ExtrapolationException(_outside(time, first, last))
-        index = bisect_left(self.samples, time, key=_stamp)
-        later, earlier = self.samples[index], self.samples[max(0, index - 1)]
-        if later.stamp == time:
-            return later
-        if earlier.parent != later.parent:
-            return earlier
-        share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
-        return _Sample(time, earlier.parent, earlier.rigid.between(later.rigid, share))
-
-    def add(self, sample: _Sample) -> bool:
-        """Insert *sample* in the order of time; return False for one that is too old."""
-        if self.is_static:
-            self.samples = [sample]
-        elif self.samples and sample.stamp < self.newest.stamp - CACHE_TIME:
-            return False
-        elif not self.samples or sample.stamp > self.newest.stamp:
-            self.samples.append(sample)
-            oldest = bisect_right(self.samples, sample.stamp - CACHE_TIME - 1, key=_stamp)
-            del self.samples[: max(oldest, len(self.samples) - MAX_SAMPLES)]
-        elif sample not in self.samples[bisect_left(self.samples, sample.stamp, key=_stamp) :]:
-            insort(self.samples, sample, key=_stamp)
-        return True
-
-
 @final
 class TransformBuffer:
     """The frames of one robot or house, and the transforms between them."""
 
     def __init__(self) -> None:
-        self._tracks: dict[str, _Track] = {}
-        self._frames: dict[str, None] = {}
+        self._moving: dict[str, list[_Sample]] = {}  # by time
+        self._static: dict[str, _Sample] = {}
+        self._frames: set[str] = set()
 
     def set_transform(self, transform: TransformStamped, authority: str = "") -> bool:
         """Insert *transform*; return False for one that is too old.
@@ -132,13 +88,25 @@ class TransformBuffer:
             InvalidArgumentException: A frame name is empty, a frame is its own ancestor, a number is not finite, the
                 quaternion is not of length 1, or there are too many frames.
         """
-        header = transform.header
-        return self.put(transform, header.frame_id, transform.child_frame_id, header.stamp, authority)
+        child, sample = self._checked(transform, authority)
+        samples = self._moving.get(child, [])
+        if not samples or sample.stamp > samples[-1].stamp:
+            samples.append(sample)
+            oldest = bisect_right(samples, sample.stamp - CACHE_TIME - 1, key=_stamp)
+            del samples[: max(oldest, len(samples) - MAX_SAMPLES)]
+        elif sample.stamp < samples[-1].stamp - CACHE_TIME:
+            return False
+        elif sample not in samples[bisect_left(samples, sample.stamp, key=_stamp) :]:
+            insort(samples, sample, key=_stamp)
+        self._moving[child] = samples
+        self._static.pop(child, None)
+        return True
 
-    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> bool:
+    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> None:
         """Insert *transform*, which holds at any time; see :meth:`set_transform`."""
-        header = transform.header
-        return self.put(transform, header.frame_id, transform.child_frame_id, header.stamp, authority, is_static=True)
+        child, sample = self._checked(transform, authority)
+        self._static[child] = sample
+        self._moving.pop(child, None)
 
     def lookup_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> TransformStamped:
         """Return the transform that maps points of *source_frame* into *target_frame*.
@@ -158,16 +126,17 @@ class TransformBuffer:
                 problem = "start with a '/'" if frame else "be empty"
                 invalid = f'Invalid argument "{frame}" passed to lookupTransform argument {argument}'
                 raise InvalidArgumentException(f"{invalid} - in tf2 frame_ids cannot {problem}")
-        at = _LATEST if time is None else _nanoseconds(time)
-        if target_frame == source_frame:
-            track = self._tracks.get(source_frame)
-            latest = 0 if track is None or track.is_static else track.newest.stamp
-            return _stamped(target_frame, source_frame, at or latest, IDENTITY)
         for argument, frame in asked.items():
-            if frame not in self._frames:
+            if frame not in self._frames and target_frame != source_frame:
                 raise LookupException(f'"{frame}" passed to lookupTransform argument {argument} does not exist. ')
-        at = at or self._latest_common(target_frame, source_frame)
-        return _stamped(target_frame, source_frame, at, self.rigid(target_frame, source_frame, at))
+        at = (0 if time is None else _nanoseconds(time)) or self._latest_common(target_frame, source_frame)
+        (x, y, z), (qx, qy, qz, qw) = self._between(target_frame, source_frame, at)
+        sec, nanosec = divmod(at, _SECOND)
+        return TransformStamped(
+            header=Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id=target_frame),
+            child_frame_id=source_frame,
+            transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
+        )
 
     def can_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> bool:
         """Return whether :meth:`lookup_transform` gives one."""
@@ -177,46 +146,32 @@ class TransformBuffer:
             return False
         return True
 
-    def ancestors(self, frame: str) -> list[str]:
-        """Return *frame* and its ancestors by the newest transforms."""
-        return [*self._walk(frame, _LATEST)[0]]
-
     def clear(self) -> None:
         """Forget all transforms but static ones."""
-        self._tracks = {name: track for name, track in self._tracks.items() if track.is_static}
+        self._moving = {}
 
-    def put(
-        self, transform: TransformStamped, parent: str, child: str, at: Time, authority: str, *, is_static: bool = False
-    ) -> bool:
-        """Insert *transform* under other names of its frames, or at another time; see :meth:`set_transform`."""
-        parent, child = parent.removeprefix("/"), child.removeprefix("/")
-        moved, turned = transform.transform.translation, transform.transform.rotation
-        rigid = Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
-        if problem := self._problem(parent, child, rigid):
+    def _checked(self, transform: TransformStamped, authority: str) -> tuple[str, _Sample]:
+        parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
+        sample = _Sample(_nanoseconds(transform.header.stamp), parent, rigid_of(transform.transform))
+        if problem := self._problem(child, sample):
             sender = f" from {authority}" if authority else ""
             raise InvalidArgumentException(f"the transform{sender} from {child[:100]!r} to {parent[:100]!r} {problem}")
-        track = self._tracks.get(child, _Track(is_static))
-        if track.is_static is not is_static:
-            track = _Track(is_static)
-        if not track.add(_Sample(_nanoseconds(at), parent, rigid)):
-            return False
-        self._tracks[child] = track
-        self._frames.update({parent: None, child: None})
-        return True
+        self._frames |= {parent, child}
+        return child, sample
 
-    def _problem(self, parent: str, child: str, rigid: Rigid) -> str:
-        numbers = (*rigid.translation, *rigid.rotation)
+    def _problem(self, child: str, sample: _Sample) -> str:
+        parent, rigid = sample.parent, sample.rigid
         if not parent or not child:
             return "lacks the name of a frame"
         if parent == child:
             return "has the same frame at both ends"
-        if not all(map(math.isfinite, numbers)):
+        if not all(map(math.isfinite, (*rigid.translation, *rigid.rotation))):
             return "has a number that is not finite"
         if abs(sum(one * one for one in rigid.rotation) - 1) >= _NORM_TOLERANCE:
             return f"has a quaternion that is not of length 1: {rigid.rotation}"
-        if child in self.ancestors(parent):
+        if child in self._walk(parent)[0]:
             return "would make the frame its own ancestor"
-        if len(self._frames.keys() | {parent, child}) > MAX_FRAMES:
+        if len(self._frames | {parent, child}) > MAX_FRAMES:
             return f"is of one frame more than {MAX_FRAMES:,}"
         return ""
 
@@ -226,14 +181,15 @@ class TransformBuffer:
         Raises:
             ConnectivityException: The frames are not part of one tree.
         """
-        above_target, above_source = set(self.ancestors(target)), set(self.ancestors(source))
+        above_target, above_source = set(self._walk(target)[0]), set(self._walk(source)[0])
         if above_target.isdisjoint(above_source):
             raise _unconnected(target, source)
-        tracks = (self._tracks[one] for one in above_target ^ above_source)
-        return min((track.newest.stamp for track in tracks if track.newest.stamp and not track.is_static), default=0)
+        between = {source} if target == source else above_target ^ above_source
+        stamps = [self._moving[one][-1].stamp for one in between if one in self._moving]
+        return min(filter(None, stamps), default=0)
 
-    def rigid(self, target: str, source: str, time: int = _LATEST) -> Rigid:
-        """Return the transform of points of *source* into *target*, by default by the newest transforms.
+    def _between(self, target: str, source: str, time: int) -> Rigid:
+        """Return the transform of points of *source* into *target*.
 
         Raises:
             ExtrapolationException: A transform on the way is not known at that time.
@@ -249,15 +205,15 @@ class TransformBuffer:
             raise ExtrapolationException(f"{problem}{where}")
         raise _unconnected(target, source)
 
-    def _walk(self, frame: str, time: int) -> tuple[dict[str, Rigid], str]:
-        """Return *frame* and its ancestors at *time*, each with the transform of points of the frame into it.
+    def _walk(self, frame: str, time: int = 0) -> tuple[dict[str, Rigid], str]:
+        """Return *frame* and its ancestors at *time*, by default the newest, each with the transform into it.
 
-        With them is the reason for which there are no more; it is empty for the root.
+        The second is why there are no more; empty for the root.
         """
         walked = {frame: IDENTITY}
-        while (track := self._tracks.get(frame)) is not None:
+        while frame in self._static or frame in self._moving:
             try:
-                sample = track.at(time)
+                sample = self._static.get(frame) or _at(self._moving[frame], time)
             except ExtrapolationException as exc:
                 return walked, str(exc)
             if sample.parent in walked:  # at an older time frames may have stood in a circle
@@ -267,6 +223,38 @@ class TransformBuffer:
         return walked, ""
 
 
+def rigid_of(transform: Transform) -> Rigid:
+    """Return *transform* to compute with."""
+    moved, turned = transform.translation, transform.rotation
+    return Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
+
+
+def _at(samples: Sequence[_Sample], time: int) -> _Sample:
+    """Return the transform at *time*, the newest for 0, one between two that have the same parent.
+
+    Raises:
+        ExtrapolationException: It would have to be guessed.
+    """
+    first, last = samples[0].stamp, samples[-1].stamp
+    if not time:
+        return samples[-1]
+    if not first <= time <= last:
+        at, begin = f"time {time / _SECOND:.6f}", "Lookup would require extrapolation"
+        if first == last:
+            raise ExtrapolationException(f"{begin} at {at}, but only time {last / _SECOND:.6f} is in the buffer")
+        way, known, end = ("future", "latest", last) if time > last else ("past", "earliest", first)
+        data = f"the {known} data is at time {end / _SECOND:.6f}"
+        raise ExtrapolationException(f"{begin} into the {way}.  Requested {at} but {data}")
+    index = bisect_left(samples, time, key=_stamp)
+    later, earlier = samples[index], samples[max(0, index - 1)]
+    if later.stamp == time:
+        return later
+    if earlier.parent != later.parent:
+        return earlier
+    share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
+    return _Sample(time, earlier.parent, earlier.rigid.between(later.rigid, share))
+
+
 def _unconnected(target: str, source: str) -> ConnectivityException:
     return ConnectivityException(
         f"Could not find a connection between '{target}' and '{source}' because they are not part of the same tree."
@@ -274,30 +262,5 @@ def _unconnected(target: str, source: str) -> ConnectivityException:
     )
 
 
-def _outside(time: int, first: int, last: int) -> str:
-    """Return the error text for a *time* before *first* or after *last*."""
-    begin = "Lookup would require extrapolation"
-    if first == last:
-        return f"{begin} at time {_text(time)}, but only time {_text(last)} is in the buffer"
-    if time > last:
-        return f"{begin} into the future.  Requested time {_text(time)} but the latest data is at time {_text(last)}"
-    return f"{begin} into the past.  Requested time {_text(time)} but the earliest data is at time {_text(first)}"
-
-
 def _nanoseconds(time: Time) -> int:
-    return time.sec * 1_000_000_000 + time.nanosec
-
-
-def _text(nanoseconds: int) -> str:
-    return f"{nanoseconds / 1e9:.6f}"
-
-
-def _stamped(target: str, source: str, stamp: int, rigid: Rigid) -> TransformStamped:
-    sec, nanosec = divmod(stamp, 1_000_000_000)
-    x, y, z = rigid.translation
-    qx, qy, qz, qw = rigid.rotation
-    return TransformStamped(
-        header=Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id=target),
-        child_frame_id=source,
-        transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
-    )
+    return time.sec * _SECOND + time.nanosec

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import isfinite
 from typing import Final, final
 
@@ -9,7 +10,7 @@ from homebot.devices.robot_owners import MAP, RobotOwners
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Pose, TransformStamped
 from homebot.places.rigid import MapPose, Rigid, yaw_of
-from homebot.places.transforms import TransformBuffer, TransformException
+from homebot.places.transforms import TransformBuffer, TransformException, rigid_of
 from homebot.robots.robot import TrackedRobot
 
 __all__ = ["MOST_AHEAD", "RobotFrames"]
@@ -23,7 +24,7 @@ _BASES: Final = ("base_link", "base_footprint")
 
 @final
 class RobotFrames:
-    """The frames that robots state.
+    """The frames that robots state, each at the time when it was received.
 
     Args:
         owners: The robots, with their frames.
@@ -32,7 +33,6 @@ class RobotFrames:
     def __init__(self, owners: RobotOwners) -> None:
         self._owners = owners
         self._buffer = TransformBuffer()
-        self._received: dict[str, float] = {}  # of frames that move, by the child
 
     def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
         """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is.
@@ -40,17 +40,15 @@ class RobotFrames:
         Raises:
             TransformException: It is refused; the message says why.
         """
-        child, at = self.name_of(transform.child_frame_id, robot), transform.header.stamp
-        ahead = at.to_seconds() - now
+        header, child = transform.header, self.name_of(transform.child_frame_id, robot)
+        ahead = header.stamp.to_seconds() - now
         if ahead > MOST_AHEAD:
             raise TransformException(f"the transform of {child[:100]!r} is {ahead:.0f} s ahead of our clock")
-        at = at if at.sec or at.nanosec else Time.from_seconds(now)
-        parent = self.name_of(transform.header.frame_id, robot)
         owner = robot or self._owners.of_frame(child)
-        if self._buffer.put(transform, parent, child, at, owner, is_static=is_static):
-            self._received[child] = now
-        if is_static:
-            del self._received[child]
+        parent = self.name_of(header.frame_id, robot)
+        header = header.model_copy(update={"frame_id": parent, "stamp": Time.from_seconds(now)})
+        insert = self._buffer.set_transform_static if is_static else self._buffer.set_transform
+        insert(transform.model_copy(update={"header": header, "child_frame_id": child}), owner)
         return owner
 
     def name_of(self, frame: str, robot: str) -> str:
@@ -64,10 +62,10 @@ class RobotFrames:
         own = (one for one in robot.settings.frames if one.endswith(_BASES))
         plain = _BASES if robot.name == self._owners.sole else ()
         for base in (*(f"{robot.name}/{one}" for one in _BASES), *own, *plain):
-            *moving, top = self._buffer.ancestors(base)
-            received = [self._received[frame] for frame in moving if frame in self._received]
-            if top == MAP and received:
-                return _in_plane(self._buffer.rigid(MAP, base)), min(received)
+            with suppress(TransformException):
+                found = self._buffer.lookup_transform(MAP, base)
+                if received := found.header.stamp.to_seconds():  # of static frames alone it is zero
+                    return _in_plane(rigid_of(found.transform)), received
         return None
 
     def in_map(self, pose: Pose, frame: str) -> MapPose | None:
@@ -75,11 +73,11 @@ class RobotFrames:
         point, turn = pose.position, pose.orientation
         norm = turn.x**2 + turn.y**2 + turn.z**2 + turn.w**2
         rotation = (turn.x, turn.y, turn.z, turn.w) if abs(norm - 1) < _NORM_TOLERANCE else (0.0, 0.0, 0.0, 1.0)
-        rigid = Rigid((point.x, point.y, point.z), rotation)
-        *between, top = self._buffer.ancestors(frame or MAP)
-        if top != MAP or not self._received.keys().isdisjoint(between) or not all(map(isfinite, rigid.translation)):
-            return None
-        return _in_plane(self._buffer.rigid(MAP, frame or MAP).then(rigid))
+        with suppress(TransformException):
+            found = self._buffer.lookup_transform(MAP, frame or MAP)
+            at = _in_plane(rigid_of(found.transform).then(Rigid((point.x, point.y, point.z), rotation)))
+            return at if isfinite(at.x) and isfinite(at.y) and not found.header.stamp.to_seconds() else None
+        return None
 
 
 def _in_plane(rigid: Rigid) -> MapPose:
