@@ -185,7 +185,10 @@ def message_from_client(message_type: type[Message], value: Mapping[str, object]
     Raises:
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
     """
-    return message_from_json(message_type, _in_ros2(message_type, value, None))
+    try:
+        return message_from_json(message_type, value)
+    except TypeMismatchError:  # as nearly none is
+        return message_from_json(message_type, _in_ros2(message_type, value, None))
 
 
 def partial_message_from_client(
