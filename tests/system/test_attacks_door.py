@@ -379,7 +379,7 @@ def check_journal(entries: list[dict[str, Any]], lock: str) -> None:
     wanted.add(("call_service", "/gateway/mqtt/send_command"))
     for issuer in ("client:local", "client:lamps"):
         denied = [one for one in entries if (one["kind"], one["issuer"]) == ("denied", issuer)]
-        facts = [{one["name"]: one["value"]["text"] for one in entry["verdicts"][0]["facts"]} for entry in denied]
+        facts = [{one["name"]: one["value"] for one in entry["verdicts"][0]["facts"]} for entry in denied]
         assert {(one["operation"], one["target"]) for one in facts} == wanted
         assert all(entry["verdicts"][0]["reason"].startswith("the right raw is missing; ") for entry in denied)
         assert [(entry["device"], entry["text"]) for entry in denied if entry["text"]] == [(lock, "UNLOCK")]
