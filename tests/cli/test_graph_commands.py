@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 Text = pytest.CaptureFixture[str]
 FIBONACCI = find_action("example_interfaces/action/Fibonacci")
 
+READ_ONLY = (
+    "/robot: parameter 'steps' is read-only; set it before its node starts; settings of gateways and apps are in "
+    "homebot.toml"
+)
 DUMP = """\
 /robot:
   ros__parameters:
@@ -118,7 +122,7 @@ def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str
         ("param get /robto speed", "there is no node '/robto'; `homebot param list` lists all"),
         ("param dump /robto", "/robto has no parameters; `homebot param list` lists all that have"),
         ("param set /robot speed 3", "/robot: parameter 'speed' must be from 0 to 2, got 3.0"),
-        ("param set /robot steps 4", "/robot: parameter 'steps' is read-only"),
+        ("param set /robot steps 4", READ_ONLY),
         (
             "param set /robot speed fast",
             "/robot: parameter 'speed' is of type double, got the string 'fast'",
@@ -172,7 +176,7 @@ def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_pa
     assert main(["--door", door, "param", "load", "/robot", str(file)]) == 1
     out, err = capsys.readouterr()
     assert out == 'speed is 1.5\narm.joints is ["shoulder", "elbow # 2"]\narm.reach is 0.9\n'
-    assert err == "homebot: /robot: parameter 'steps' is read-only\n"
+    assert err == f"homebot: {READ_ONLY}\n"
     assert main(["--door", door, *split("param dump /robot")]) == 0
     dumped = capsys.readouterr().out
     assert dumped == DUMP.replace("0.5", "1.5").replace("0.8", "0.9").replace("- elbow", '- "elbow # 2"')

@@ -6,7 +6,7 @@ cancellations run on the graph's event loop, so that these are answered while an
 them. Unlike rclpy's, a call of a service without a server fails at once, and ``spin`` returns when another thread calls
 ``shutdown``.
 
-Not there: executors and callback groups (use one thread per node), lifecycle nodes, simulated time.
+Not there: executors and callback groups (use one thread per node), lifecycle nodes, clocks.
 """
 
 from __future__ import annotations

@@ -158,7 +158,8 @@ class ParameterSet:
     def _settable(self, name: str, value: Value) -> Parameter:
         declared = self._find(name)
         if declared.descriptor.read_only:
-            raise ParameterError(f"{self._node}: parameter {name!r} is read-only")
+            hint = "set it before its node starts; settings of gateways and apps are in homebot.toml"
+            raise ParameterError(f"{self._node}: parameter {name!r} is read-only; {hint}")
         parameter = Parameter(name, self._fitting(name, declared, value))
         self._check(parameter)
         return parameter
