@@ -47,6 +47,8 @@ _LEVELS: Final = ("level", "fan_speed")
 POWER: Final = "power_state"
 """Name for the power of a part, by whichever capability it is switched."""
 
+_NO_ECHO: Final[frozenset[str]] = frozenset()
+
 _Place: TypeAlias = tuple[str, str, str]
 
 
@@ -161,12 +163,12 @@ def _is_by_hand(trigger: Trigger, now: float) -> bool:
 
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
-    settings, readable, echoed, has_ramp = command.settings, set[str](), set[str](), False
+    settings, readable, echoed, has_ramp = command.settings, set[str](), _NO_ECHO, False
     for one in command.part.part.capabilities:
         if one.readable:
             readable.add(one.name)
         if one.echoed and one.name in settings:
-            echoed.add(one.name)
+            echoed |= {one.name}
         has_ramp = has_ramp or (one.name == "level" and one.settable)
     return Order(
         command.id,
@@ -178,7 +180,7 @@ def order_of(command: IssuedCommand) -> Order:
         opens_further=command.opens_further,
         turns_on=command.turns_on,
         has_ramp=has_ramp,
-        echoed=frozenset(echoed),
+        echoed=echoed,
         issuer=command.issuer,
         label=command.label,
     )

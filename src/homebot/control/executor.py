@@ -28,7 +28,8 @@ from homebot.control.rehearsal import Rehearsal, rehearsed_result
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
-from homebot.control.timeline.facts import Commanded, Decided, Reported, ReportRole
+from homebot.control.timeline.facts import Reported, ReportRole
+from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, value_text
@@ -168,7 +169,7 @@ class CommandExecutor:
         now = self._clock.monotonic()
         self.leases.record_stop(command, now)
         self._policies.record_sent(command)
-        self.timelines.of(command.device, command.part).command(Commanded(now, order_of(command), is_raw=True))
+        self.timelines.of(command.device, command.part).command(order_of(command), now, is_raw=True)
 
     def rehearse(self, command: IssuedCommand) -> Outcome | None:
         """Record and return the outcome that a rehearsal assumes of *command*; None if it is to be sent."""
@@ -252,7 +253,7 @@ class CommandExecutor:
             asked = dict.fromkeys((*order.settings, *order.wanted))
             known = known_state(command, asked, timeline.unsure_since, self._feed.last_loss(command.part.routes).wall)
         last = {capability: state.value.plain() for capability, state in command.states.items()}
-        progress = timeline.command(Commanded(self._clock.monotonic(), order, known.values, last))
+        progress = timeline.command(order, self._clock.monotonic(), known.values, last)
         progress.must_answer = self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         return opened, known.is_recent and is_at_rest
@@ -260,13 +261,14 @@ class CommandExecutor:
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> CommandResult:
         await asyncio.sleep(durations.REHEARSED)
         command = opened.command
-        opened.timeline.send(opened.progress, self._clock.monotonic())
-        wanted = tuple(Setting.of(name, value) for name, value in opened.progress.wanted.items())
+        opened.progress.send(self._clock.monotonic())
+        wanted = tuple(Setting.of(name, one.value) for name, one in opened.progress.wanted.items())
         self._decided(opened, AlreadySo(command_id=command.id))
         return rehearsed_result(assumed, without_codes(wanted, command.device, command.part))
 
     async def _is_gone(self, command: IssuedCommand) -> bool:
         """Return whether the device or its part was removed while its answer was awaited."""
+        await asyncio.sleep(0)  # the directory takes in what the gateway published before it answered
         try:
             device = await self._lookup.device(command.device.id)
         except ServiceError:
@@ -283,10 +285,11 @@ class CommandExecutor:
         elif isinstance(outcome, NoAnswer | Contradicted):  # it may have changed, although no report says so
             now = self._clock.now()
             timeline.unsure_since.update((other, now) for one in command.settings for other in related(one))
-        timeline.decide(progress, Decided(self._clock.monotonic(), command.id, outcome))
+        timeline.decide(progress, outcome, self._clock.monotonic())
         self.timelines.schedule(command.place, command.id)
-        seen = progress.seen
-        return result_of(outcome, tuple([Setting.of(one, seen[one]) for one in progress.fitting]))
+        wanted = progress.wanted.items()
+        met = [Setting.of(name, seen) for name, one in wanted if (seen := one.reported) is not NOTHING]
+        return result_of(outcome, tuple(met))
 
     def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
         """Record a report for a command, and wake the task that waits for it."""

@@ -135,7 +135,7 @@ class Sending:
         command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
         began = clock.monotonic()
         self._journal.sent(command, plan.attempts - 1)
-        sent.timeline.send(sent.progress, began)
+        sent.progress.send(began)
         self._leases.record_stop(command, began)
         self._policies.record_sent(command)  # before it waits: a check meanwhile needs it
         try:

@@ -13,7 +13,6 @@ from homebot.control.gateway_feed import GatewayFeed, ReportWatch
 from homebot.control.observation import Measurement, Observed, observed, rises, sensed_by
 from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.facts import Witnessed
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
@@ -167,10 +166,9 @@ class Witnesses:
             wake()
 
     def _confirmed(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
-        command, now = opened.command, self._clock.monotonic()
+        command = opened.command
         self._counts["commands_witnessed"] += 1
         self.contradicted.pop(command.place, None)
-        opened.timeline.witness(Witnessed(now, command.id, agrees=True, witness=witness.name))
         reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
         latency = max(reported, witness.seen_at - opened.progress.given_at)
         return Confirmed(latency, Evidence.WITNESSED, witness.name, command_id=command.id)
@@ -179,7 +177,6 @@ class Witnesses:
         command = opened.command
         self._counts["commands_disproved"] += 1
         self.contradicted[command.place] = witness.name
-        opened.timeline.witness(Witnessed(self._clock.monotonic(), command.id, agrees=False, witness=witness.name))
         saw = f"{witness.name} measured no change"
         self._node.log.warning(
             CONTRADICTED, message=f"{command.label}: {saw}", device=command.device.id, command=command.id

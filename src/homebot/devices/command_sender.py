@@ -93,7 +93,8 @@ class CommandSender:
         """Send *command* to *gateway*; one that is not running is unreachable and was unable to send anything."""
         try:
             client = self._clients.get(gateway) or self._client(gateway)
-            return await client.call(command, timeout=command.expires_after + _ANSWERS_WITHIN)
+            limit = command.expires_after + _ANSWERS_WITHIN
+            return await client.call(command, timeout=limit, cancel_with_caller=True)
         except InvalidNameError as exc:
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
         except ServiceUnavailableError:

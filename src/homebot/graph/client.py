@@ -111,9 +111,9 @@ class Client(Generic[RequestT, ResponseT]):
         except BaseException as exc:
             server.call_next()
             raise server.failed(exc) from exc
-        if isawaitable(outcome):
-            run = HandlerRun(server, outcome)
-            outcome = await self._outcome_of(run, timeout, is_bound=cancel_with_caller or server.cancel_with_caller)
+        if type(outcome) is not self._response_type and isawaitable(outcome):
+            is_bound = cancel_with_caller or server.cancel_with_caller
+            outcome = await self._outcome_of(HandlerRun(server, outcome), timeout, is_bound=is_bound)
         else:
             server.call_next()
         if type(outcome) is self._response_type:
@@ -166,13 +166,11 @@ class Client(Generic[RequestT, ResponseT]):
             timeout: Seconds.
             is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
         """
-        if is_bound or not run.server.start(run.serve):
-            with anyio.move_on_after(timeout):
-                await run.serve(is_callers_task=True)
-                return run.outcome.result()
-            return self._time_error(run, timeout)
-        limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout)))
+        is_bound = is_bound or not run.server.start(run.serve)
+        limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))
         try:
+            if is_bound:
+                await run.serve(is_callers_task=True)
             return await run.outcome
         except BaseException:
             run.abandon()

@@ -11,7 +11,7 @@ from typing import Any, Final, Protocol, TypeAlias, final
 import anyio
 
 from homebot.errors import ServiceError, ServiceGoneError
-from homebot.support.isolation import is_cancelled, is_end_of, uncancel
+from homebot.support.isolation import is_end_of, uncancel
 
 __all__ = ["HandlerRun", "StartHandler", "calling_runs"]
 
@@ -80,7 +80,7 @@ class HandlerRun:
         outcome: object = _UNSERVED
         try:
             with self.scope:
-                if self.server.is_closed or self.scope.cancel_called or (is_callers_task and is_cancelled()):
+                if self.server.is_closed or self.scope.cancel_called:
                     self._discard_handler()
                 else:
                     outcome = await self._handler
@@ -100,10 +100,12 @@ class HandlerRun:
             self.server.drop(self.outcome.result())
         self.outcome.cancel()
 
-    def end_call(self, error: ServiceError) -> None:
-        """End the call with *error*, unless it has ended; the handler continues."""
+    def end_call(self, error: ServiceError, *, cancels: bool) -> None:
+        """End the call with *error*, unless it has ended; the handler continues unless *cancels*."""
         if not self.outcome.done():
             self.outcome.set_result(error)
+        if cancels:
+            self.scope.cancel()
 
     def discard(self) -> None:
         """Drop a handler that no task runs."""

@@ -200,8 +200,7 @@ class Service(Generic[RequestT, ResponseT]):
         own = next(calling_runs(), None)
         for run in () if finish else tuple(self._runs):
             if run is not own:
-                run.scope.cancel()
-                run.end_call(ServiceGoneError(self.service_name))
+                run.end_call(ServiceGoneError(self.service_name), cancels=True)
         while self.line:
             turn = self.line.popleft()
             if not turn.done():

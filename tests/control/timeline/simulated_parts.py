@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 
 from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Commanded, Decided, Order, Reported, ReportRole
+from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
@@ -99,6 +99,7 @@ class SimulatedPart:
         self.random = random
         self.result = result
         self.timeline = PartTimeline(DeviceProfile(), _TIMEOUT, 10.0)
+        self.inputs: list[tuple[float, Callable[[PartTimeline], object]]] = []
         self.now = 1000.0
         self.value: PlainValue = kind.values[0]
         self.newest: tuple[PlainValue, float] | None = None
@@ -135,12 +136,14 @@ class SimulatedPart:
         order = Order(f"c-{number}", settings, settings, moves=moves, has_ramp=capability == "level", echoed=echoed)
         known = {} if self.newest is None else {capability: self.newest[0]}
         began = self.now
-        progress = self.timeline.command(Commanded(began, order, known, known))
+        self.inputs.append((began, partial(_command, order, began, known)))
+        progress = self.timeline.command(order, began, known, known)
         if self.random.random() < kind.follows:
             self._at(self.random.uniform(0.5, 20.0), self.touch)
         outcome = self._carry_out(progress, began)
         is_obeyed = number in self._obeyed
-        self.timeline.decide(progress, Decided(self.now, order.id, outcome))
+        self.inputs.append((self.now, partial(_decide, order.id, outcome, self.now)))
+        self.timeline.decide(progress, outcome, self.now)
         self.result.outcomes[type(outcome).__name__, is_obeyed] += 1
 
     def _carry_out(self, progress: CommandProgress, began: float) -> Outcome:
@@ -161,7 +164,8 @@ class SimulatedPart:
 
     def _send(self, progress: CommandProgress, plan: SendingPlan, began: float) -> None:
         plan.attempts += 1
-        self.timeline.send(progress, self.now)
+        self.inputs.append((self.now, partial(_send, progress.order.id, self.now)))
+        progress.send(self.now)
         plan.asked_at = self.now
         plan.began = self.now if plan.began < 0 else plan.began
         if plan.attempts > 1 and self.touched_at > began:
@@ -194,6 +198,7 @@ class SimulatedPart:
             return
         if capability == self.kind.capability:
             self.newest = value, self.now
+        self.inputs.append((self.now, partial(_report, self.now, capability, value)))
         fact = self.timeline.report(self.now, self.now, capability, value)
         if fact is not None and fact.is_change:
             self._at(_ASKED_AFTER, partial(self._ask, fact, truth))
@@ -221,3 +226,23 @@ class SimulatedPart:
         self.timeline.advance(self.now)
         if self._events and self._events[0][0] <= self.now:
             heapq.heappop(self._events)[2]()
+
+
+def _command(order: Order, at: float, known: Mapping[str, PlainValue], timeline: PartTimeline) -> None:
+    timeline.command(order, at, known, known)
+
+
+def _send(command: str, at: float, timeline: PartTimeline) -> None:
+    _progress(timeline, command).send(at)
+
+
+def _report(at: float, capability: str, value: PlainValue, timeline: PartTimeline) -> None:
+    timeline.report(at, at, capability, value)
+
+
+def _decide(command: str, outcome: Outcome, at: float, timeline: PartTimeline) -> None:
+    timeline.decide(_progress(timeline, command), outcome, at)
+
+
+def _progress(timeline: PartTimeline, command: str) -> CommandProgress:
+    return next(one for one in timeline.commands if one.order.id == command)

@@ -11,10 +11,8 @@ import pytest
 from tests.control.timeline.simulated_parts import Kind, Report, Result, SimulatedPart
 
 from homebot.control.timeline.cause import Cause
-from homebot.control.timeline.facts import Commanded, Decided, Reported, Sent
-from homebot.control.timeline.part_timeline import MOST_FACTS, PartTimeline
+from homebot.control.timeline.part_timeline import MOST_REPORTS, PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.value import PlainValue
 
 ON_OFF: tuple[PlainValue, ...] = (False, True)
@@ -147,26 +145,17 @@ def test_no_confirmed_command_of_an_honest_device_was_not_obeyed() -> None:
 def test_the_roles_are_a_function_of_the_facts(kind: Kind) -> None:
     part = SimulatedPart(kind, Random(1), Result())  # noqa: S311
     part.run(commands=5)
-    assert len(part.timeline.facts) < MOST_FACTS
-    again = rebuilt(part.timeline)
+    assert len(part.timeline.reports) < MOST_REPORTS
+    again = rebuilt(part)
     assert [one.roles for one in again.commands] == [one.roles for one in part.timeline.commands]
-    assert len(again.facts) == len(part.timeline.facts)
+    assert len(again.reports) == len(part.timeline.reports)
 
 
-def rebuilt(timeline: PartTimeline) -> PartTimeline:
+def rebuilt(part: SimulatedPart) -> PartTimeline:
     """Return a timeline that was fed with the facts of another one."""
     again = PartTimeline(DeviceProfile(), 10.0, 10.0)
-    progress: dict[str, CommandProgress] = {}
-    for fact in timeline.facts:
-        again.advance(fact.at)
-        match fact:
-            case Commanded():
-                progress[fact.order.id] = again.command(fact)
-            case Sent():
-                again.send(progress[fact.command], fact.at)
-            case Reported():
-                again.report(fact.at, fact.stamp, fact.capability, fact.value)
-            case Decided():
-                again.decide(progress[fact.command], fact)
-    again.advance(timeline.facts[-1].at + 1000.0)
+    for at, feed in part.inputs:
+        again.advance(at)
+        feed(again)
+    again.advance(part.inputs[-1][0] + 1000.0)
     return again

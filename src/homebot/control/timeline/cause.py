@@ -100,4 +100,4 @@ def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause 
 def _last_sign(command: CommandProgress) -> float:
     """Return when the command was last known to be at work."""
     moved_at = -float("inf") if command.moved_at is None else command.moved_at
-    return max(command.sent_at, moved_at, *command.fitting.values(), *command.accepted.values(), command.given_at)
+    return max(command.sent_at, moved_at, *command.met_times, *command.accepted.values(), command.given_at)

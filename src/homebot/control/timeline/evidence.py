@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 from homebot.control import durations
+from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
@@ -86,7 +87,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
     if progress.is_met:
         if not progress.wanted:
             return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
-        latency = max(progress.fitting.values()) - progress.given_at
+        latency = max(progress.met_times) - progress.given_at
         return Confirmed(latency, Evidence.REPORTED, command_id=name)
     if others := progress.others:
         if not progress.has_faded and all(map(progress.is_stale, others)):
@@ -102,10 +103,10 @@ def weakly_met_at(progress: CommandProgress) -> float:
     if not progress.wanted or not progress.has_echo:
         return math.inf
     latest = -math.inf
-    for name in progress.wanted:
-        at = progress.fitting.get(name)
-        if at is None and name not in progress.seen:
-            at = progress.echoed.get(name, progress.sent_at if name in order.echoed else None)
+    for name, wanted in progress.wanted.items():
+        at = wanted.met_at
+        if at is None and wanted.seen is NOTHING:
+            at = progress.sent_at if wanted.echoed_at is None and name in order.echoed else wanted.echoed_at
         latest = max(latest, math.inf if at is None else at)
     return latest
 

@@ -1,27 +1,14 @@
-"""Facts of a part: commands, sendings, answers and reports, each with its time on the monotonic clock. Pure."""
+"""Facts of a part: orders, and reports with their time on the monotonic clock. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
-from typing import TypeAlias
 
-from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue
 
-__all__ = [
-    "Acknowledged",
-    "Commanded",
-    "Decided",
-    "Fact",
-    "Order",
-    "RefusedByDevice",
-    "ReportRole",
-    "Reported",
-    "Sent",
-    "Witnessed",
-]
+__all__ = ["Order", "ReportRole", "Reported"]
 
 
 class ReportRole(Enum):
@@ -78,70 +65,6 @@ class Order:
 
 
 @dataclass(slots=True, eq=False)
-class Commanded:
-    """A command was given.
-
-    Attributes:
-        at: Seconds.
-        order: The command.
-        known: The values of the part that are certain.
-        last: The values that the part reported last, certain or not.
-        is_raw: Whether it is a raw text, of which no outcome is awaited.
-    """
-
-    at: float
-    order: Order
-    known: Mapping[str, PlainValue] = field(default_factory=dict)
-    last: Mapping[str, PlainValue] = field(default_factory=dict)
-    is_raw: bool = False
-
-
-@dataclass(slots=True, eq=False)
-class Sent:
-    """A gateway began to send a command."""
-
-    at: float
-    command: str
-
-
-@dataclass(slots=True, eq=False)
-class Acknowledged:
-    """The network accepted one setting of a command."""
-
-    at: float
-    command: str
-    capability: str
-
-
-@dataclass(slots=True, eq=False)
-class RefusedByDevice:
-    """The device refused a command."""
-
-    at: float
-    command: str
-    reason: str
-
-
-@dataclass(slots=True, eq=False)
-class Witnessed:
-    """A second device observed the effect of a command, or its absence."""
-
-    at: float
-    command: str
-    agrees: bool
-    witness: str
-
-
-@dataclass(slots=True, eq=False)
-class Decided:
-    """The outcome of a command became known."""
-
-    at: float
-    command: str
-    outcome: Outcome
-
-
-@dataclass(slots=True, eq=False)
 class Reported:
     """A live report of one value.
 
@@ -169,6 +92,3 @@ class Reported:
     def is_change(self) -> bool:
         """True if the value is known to have been another one before."""
         return not self.is_first and self.value != self.previous
-
-
-Fact: TypeAlias = Commanded | Sent | Acknowledged | RefusedByDevice | Witnessed | Decided | Reported

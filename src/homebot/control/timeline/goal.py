@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import Enum
 from typing import Final, final
 
 from homebot.control.timeline.facts import Order
@@ -10,9 +11,16 @@ from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.values import END_POSITIONS, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
-__all__ = ["Motion", "WantedValues"]
+__all__ = ["NOTHING", "Motion", "Nothing", "WantedValue"]
 
-_NOTHING: Final = object()
+
+class Nothing(Enum):
+    """No value: None is one."""
+
+    NOTHING = "nothing"
+
+
+NOTHING: Final = Nothing.NOTHING
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
 _STEP: Final = 0.5
@@ -20,59 +28,92 @@ _STEP: Final = 0.5
 
 
 @final
-class WantedValues:
-    """Comparison of reports with the values that a part is to report, as its device rounds.
+class WantedValue:
+    """Value that a part is to report for one command, and its reports since.
 
     Args:
         order: The command.
-        known: The values that were certain before.
-        profile: Knowledge of the device.
+        capability: The capability.
+        value: The wanted value.
+        known: The value that was certain before; :data:`NOTHING` if none was.
+        profile: Knowledge of the device, which rounds.
 
     Attributes:
-        by_capability: The wanted values.
+        value: The wanted value.
+        seen: The value that the device reported since; :data:`NOTHING` if it reported none.
+        met_at: When the wanted value was reported first, if it still is; None if it is not.
+        echoed_at: When its last echo came; None if none did.
+        fast_at: When it was reported so fast that it may be an echo; None if it was not.
+        returned_after: After how many seconds another value followed a fast report, before the outcome; None if none.
+        sending_echoed_at: When the echo of the last sending came; None if none did.
+        is_answered: Whether the device reported by itself after an echo.
+        is_from_before: Whether *seen* was reported before the last sending.
+        is_step: Whether *seen* is a value on the way.
+        is_overruled: Whether *seen* is a new value that is not the wanted one.
     """
 
-    def __init__(self, order: Order, known: Mapping[str, PlainValue], profile: DeviceProfile) -> None:
-        self._order = order
-        self._known = known
-        self._profile = profile
-        self.by_capability = dict(order.wanted)
-        self._slack = {one: slack for one in order.wanted if (slack := profile.rounding(one))}
-        if order.turns_on:  # that it has the wanted colour, or level, does not show that it is on
-            self.by_capability["on_off"] = True
+    __slots__ = (
+        "_capability",
+        "_known",
+        "_order",
+        "_profile",
+        "_slack",
+        "echoed_at",
+        "fast_at",
+        "is_answered",
+        "is_from_before",
+        "is_overruled",
+        "is_step",
+        "met_at",
+        "returned_after",
+        "seen",
+        "sending_echoed_at",
+        "value",
+    )
+
+    def __init__(
+        self, order: Order, capability: str, value: PlainValue, known: PlainValue | Nothing, profile: DeviceProfile
+    ) -> None:
+        self._order, self._capability, self._known, self._profile = order, capability, known, profile
+        self._slack = profile.rounding(capability)
+        self.value = value
+        self.seen: PlainValue | Nothing = NOTHING
+        self.met_at: float | None = None
+        self.echoed_at: float | None = None
+        self.fast_at: float | None = None
+        self.returned_after: float | None = None
+        self.sending_echoed_at: float | None = None
+        self.is_answered = self.is_from_before = self.is_step = self.is_overruled = False
 
     @property
-    def were_so(self) -> bool:
-        """True if the wanted values were certain before."""
-        for name, value in (self.by_capability or self._order.settings).items():
-            if name not in self._known:
-                return False
-            before = self._known[name]
-            if not (is_same(name, value, before) or self._is_answer(name, before)):
-                return False
-        return not self._order.opens_further
+    def was_so(self) -> bool:
+        """True if the wanted value was certain before."""
+        known = self._known
+        return known is not NOTHING and (is_same(self._capability, self.value, known) or self._is_answer(known))
 
-    def fits(self, capability: str, value: PlainValue) -> bool:
+    @property
+    def reported(self) -> PlainValue | Nothing:
+        """The reported value if it is the wanted one; else :data:`NOTHING`."""
+        return NOTHING if self.met_at is None else self.seen
+
+    def fits(self, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, as the device rounds."""
-        wanted = self.by_capability[capability]
-        if fits(capability, wanted, value):
+        wanted = self.value
+        if fits(self._capability, wanted, value):
             return True
-        slack = self._slack.get(capability)
-        if not slack or not (isinstance(wanted, float) and isinstance(value, float)):
+        if not self._slack or not (isinstance(wanted, float) and isinstance(value, float)):
             return False
-        return abs(wanted - value) <= slack and not is_other_end(capability, wanted, value)
+        return abs(wanted - value) <= self._slack and not is_other_end(self._capability, wanted, value)
 
-    def shows_obedience(self, capability: str, value: PlainValue) -> bool:
+    def shows_obedience(self, value: PlainValue) -> bool:
         """Return whether the device obeyed: a value that it had before shows that only if it is the exact one."""
-        if not self.fits(capability, value):
+        if not self.fits(value):
             return False
-        if self._known.get(capability, _NOTHING) != value:
-            return True
-        return is_same(capability, self.by_capability[capability], value) or self._is_answer(capability, value)
+        return self._known != value or is_same(self._capability, self.value, value) or self._is_answer(value)
 
-    def _is_answer(self, capability: str, value: PlainValue) -> bool:
-        wanted = self._order.settings.get(capability)
-        return fits(capability, wanted, value) and self._profile.is_answer(capability, wanted, value)
+    def _is_answer(self, value: PlainValue) -> bool:
+        wanted = self._order.settings.get(self._capability)
+        return fits(self._capability, wanted, value) and self._profile.is_answer(self._capability, wanted, value)
 
 
 @final

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
-
+from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import fits
 from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome
 
 __all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]
-
-_NOTHING: Final = object()
 
 
 def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
@@ -48,26 +45,28 @@ def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
     """Learn from a confirmed value that ended or held."""
     settling = progress.settling
     undoing = None if settling is None else settling.undoing
-    for capability in progress.wanted:
+    for capability, wanted in progress.wanted.items():
         is_undone = undoing is not None and undoing.capability == capability
         if undoing is not None and not is_undone:
             continue
-        is_fast = capability in progress.fast and not progress.is_witnessed
+        is_fast = wanted.fast_at is not None and not progress.is_witnessed
         profile.learn_return(capability, undoing.after if undoing is not None else None, is_fast=is_fast)
-        if is_undone and capability in progress.echoed:
+        if is_undone and wanted.echoed_at is not None:
             profile.learn_echo(capability, is_answered=True)
 
 
 def _learn_times(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
-    for name, at in progress.fitting.items():
-        is_change = progress.last.get(name, _NOTHING) != progress.seen[name]
-        seconds = at - progress.given_at
-        profile.learn_time(name, seconds, first, sendings=progress.sendings, is_change=is_change)
+    for name, wanted in progress.wanted.items():
+        if wanted.met_at is not None:
+            is_change = progress.last.get(name, NOTHING) != wanted.seen
+            seconds = wanted.met_at - progress.given_at
+            profile.learn_time(name, seconds, first, sendings=progress.sendings, is_change=is_change)
 
 
 def _learn_answers(progress: CommandProgress, profile: DeviceProfile) -> None:
-    for capability, seen in progress.seen.items():
-        if progress.known.get(capability, _NOTHING) != seen and capability in progress.order.settings:
+    for capability, wanted in progress.wanted.items():
+        seen, is_set = wanted.seen, capability in progress.order.settings
+        if seen is not NOTHING and is_set and progress.known.get(capability, NOTHING) != seen:
             profile.learn_answer(capability, progress.order.settings[capability], seen)
 
 
@@ -75,12 +74,11 @@ def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
     order = progress.order
     if not progress.has_echo:
         return
-    for capability in progress.wanted:
-        if capability in progress.echoed or capability in order.echoed:
-            profile.learn_echo(capability, is_answered=capability in progress.seen)
-    for capability, seconds in progress.returned.items():
-        if capability not in progress.fitting:
-            profile.learn_return(capability, seconds, is_fast=True)
+    for capability, wanted in progress.wanted.items():
+        if wanted.echoed_at is not None or capability in order.echoed:
+            profile.learn_echo(capability, is_answered=wanted.seen is not NOTHING)
+        if wanted.returned_after is not None and wanted.met_at is None:
+            profile.learn_return(capability, wanted.returned_after, is_fast=True)
 
 
 def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
@@ -89,7 +87,7 @@ def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
     if not was_sent or progress.is_over or not progress.wanted or progress.order.is_momentary:
         return False
     last = progress.last
-    return not all(name in last and fits(name, value, last[name]) for name, value in progress.wanted.items())
+    return not all(name in last and fits(name, one.value, last[name]) for name, one in progress.wanted.items())
 
 
 def _set_told_once(profile: DeviceProfile, *, is_told_once: bool) -> None:

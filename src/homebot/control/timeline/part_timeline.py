@@ -4,30 +4,31 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline import facts
 from homebot.control.timeline.cause import Attribution, cause_of
+from homebot.control.timeline.facts import Order, Reported
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.devices.outcomes import NoAnswer
+from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
-__all__ = ["MOST_FACTS", "PartTimeline"]
+__all__ = ["MOST_REPORTS", "PartTimeline"]
 
-MOST_FACTS: Final = 128
+MOST_REPORTS: Final = 128
 _MOST_WHILE_OPEN: Final = 256
+_NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
 @final
 class PartTimeline:
-    """The facts of one part, at most 128 of the last 15 minutes; 256 while a command is open.
+    """The commands and reports of one part, at most 128 each of the last 15 minutes; 256 reports while one is open.
 
-    Facts are appended once, when they arrive. The progress of each command beside them is a function of the later
-    facts.
+    Reports are appended once, when they arrive. The progress of each command is a function of the later reports.
 
     Args:
         profile: Knowledge of the device.
@@ -35,23 +36,23 @@ class PartTimeline:
         settle: Seconds for which a confirmed value has to hold.
 
     Attributes:
-        facts: The facts, oldest first.
-        commands: The commands among them, and those that still may have an effect, oldest first.
+        reports: The reports, oldest first.
+        commands: The commands, also older ones that still may have an effect, oldest first.
         profile: Knowledge of the device.
         unsure_since: Since when each capability may have another value than the reported one.
-        dropped_change: The newest unexplained change that is no longer among the facts; None if there is none.
+        dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_report: Called with each report for each command that it may be due to.
         on_end: Called with a command that a newer one replaced, or that was answered.
         on_undone: Called with a command when its confirmed value ended.
     """
 
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
-        self.facts: deque[facts.Fact] = deque()
+        self.reports: deque[Reported] = deque()
         self.commands: deque[CommandProgress] = deque()
         self.profile = profile
         self.unsure_since: dict[str, float] = {}
-        self.dropped_change: facts.Reported | None = None
-        self.on_report: Callable[[CommandProgress, facts.Reported], None] = _ignore
+        self.dropped_change: Reported | None = None
+        self.on_report: Callable[[CommandProgress, Reported], None] = _ignore
         self.on_end: Callable[[CommandProgress], None] = _ignore
         self.on_undone: Callable[[CommandProgress], None] = _ignore
         self._first = first
@@ -64,56 +65,61 @@ class PartTimeline:
         """Record a value that was reported live before the timeline began: it is no change."""
         self._latest.setdefault(capability, (value, at))
 
-    def command(self, fact: facts.Commanded) -> CommandProgress:
-        """Append a command, which supersedes the older ones for the same; return its progress."""
+    def command(
+        self,
+        order: Order,
+        at: float,
+        known: Mapping[str, PlainValue] = _NONE,
+        last: Mapping[str, PlainValue] = _NONE,
+        *,
+        is_raw: bool = False,
+    ) -> CommandProgress:
+        """Append a command, which supersedes the older ones for the same; return its progress.
+
+        Args:
+            order: The command.
+            at: The time.
+            known: The values of the part that are certain.
+            last: The values that the part reported last, certain or not.
+            is_raw: Whether it is a raw text, of which no outcome is awaited.
+        """
         for older in self._active:
-            older.supersede(fact.order, fact.at)
+            older.supersede(order, at)
             if older.superseded_by:
                 self.on_end(older)
-        progress = CommandProgress(fact, self.profile)
-        if fact.is_raw:
-            progress.send(fact.at)
-            progress.decide(NoAnswer(0.0, command_id=fact.order.id), fact.at, self._settle)
+        progress = CommandProgress(order, at, known, last, self.profile, is_raw=is_raw)
+        if is_raw:
+            progress.send(at)
+            progress.decide(NoAnswer(0.0, command_id=order.id), at, self._settle)
         self.commands.append(progress)
         self._active.append(progress)
-        self._append(fact)
+        if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
+            self._drop_commands(at - durations.REMEMBERED)
         return progress
 
-    def send(self, progress: CommandProgress, at: float) -> None:
-        """Append the sending of a command."""
-        progress.send(at)
-        self._append(facts.Sent(at, progress.order.id))
-
     def accept(self, command: str, capability: str, problem: str, at: float) -> None:
-        """Append the answer of the network or the device to a command; a *problem* is a refusal."""
+        """Record the answer of the network or the device to a command; a *problem* is a refusal."""
         progress = next((one for one in self.commands if one.order.id == command), None)
         if progress is None or capability not in progress.order.settings:
             return
         if problem:
             progress.refuse(problem)
-            self._append(facts.RefusedByDevice(at, command, problem))
         else:
             progress.accept(capability, at)
-            self._append(facts.Acknowledged(at, command, capability))
         self.on_end(progress)
 
-    def decide(self, progress: CommandProgress, fact: facts.Decided) -> None:
-        """Append the outcome of a command, and learn from it."""
-        progress.decide(fact.outcome, fact.at, self._settle)
+    def decide(self, progress: CommandProgress, outcome: Outcome, at: float) -> None:
+        """Record the outcome of a command, and learn from it."""
+        progress.decide(outcome, at, self._settle)
         if progress.settling is not None:
-            self._replace_settling(progress, fact.at)
+            self._replace_settling(progress, at)
             learn_outcome(progress, self.profile, self._first)
         else:
             learn_failure(progress, self.profile)
-        self._append(fact)
-
-    def witness(self, fact: facts.Witnessed) -> None:
-        """Append the observation of a second device."""
-        self._append(fact)
 
     def report(
         self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
-    ) -> facts.Reported | None:
+    ) -> Reported | None:
         """Append a live report, or None if it is a repetition that no command waits for.
 
         Args:
@@ -130,7 +136,7 @@ class PartTimeline:
             return None
         self._number += 1
         previous, before = (None, math.inf) if known is None else known
-        fact = facts.Reported(at, stamp, self._number, capability, value, previous, known is None, before < lost_at)
+        fact = Reported(at, stamp, self._number, capability, value, previous, known is None, before < lost_at)
         self._append(fact)
         for one in active:
             one.report(fact)
@@ -142,8 +148,11 @@ class PartTimeline:
     @property
     def next_at(self) -> float:
         """The time at which :meth:`advance` has something to do; inf for never."""
-        settlings = [one.settling for one in self._active if one.settling is not None]
-        return min((one.next_at for one in settlings if not one.is_over), default=math.inf)
+        next_at = math.inf
+        for one in self._active:
+            if one.settling is not None and not one.settling.is_over:
+                next_at = min(next_at, one.settling.next_at)
+        return next_at
 
     def advance(self, now: float) -> None:
         """End the commands that waited in vain for a further report."""
@@ -157,24 +166,24 @@ class PartTimeline:
         known = self._latest.get(capability)
         return None if known is None else known[0]
 
-    def cause_of(self, fact: facts.Reported) -> Attribution:
+    def cause_of(self, fact: Reported) -> Attribution:
         """Return the cause of a report."""
         return cause_of(fact, reversed(self.commands))
 
-    def find(self, capability: str, value: PlainValue, stamp: float) -> facts.Reported | None:
-        """Return the report of *value* with that *stamp*; None if it is not among the facts."""
-        for fact in reversed(self.facts):
-            if isinstance(fact, facts.Reported) and fact.stamp == stamp and fact.capability == capability:
+    def find(self, capability: str, value: PlainValue, stamp: float) -> Reported | None:
+        """Return the report of *value* with that *stamp*; None if it is not among the reports."""
+        for fact in reversed(self.reports):
+            if fact.stamp == stamp and fact.capability == capability:
                 return fact if fact.value == value else None
         return None
 
-    def unexplained(self, since: float) -> facts.Reported | None:
+    def unexplained(self, since: float) -> Reported | None:
         """Return the newest change since then that may be a person's; None if there is none."""
-        for fact in reversed(self.facts):
+        for fact in reversed(self.reports):
             if fact.at < since:
                 break
             if self._is_unexplained(fact):
-                return fact if isinstance(fact, facts.Reported) else None
+                return fact
         kept = self.dropped_change
         return kept if kept is not None and kept.at >= since else None
 
@@ -208,23 +217,28 @@ class PartTimeline:
             if older is not progress and older.settling is not None:
                 older.settling.release(own, at)
 
-    def _is_unexplained(self, fact: facts.Fact) -> bool:
-        return isinstance(fact, facts.Reported) and fact.is_change and self.cause_of(fact).cause.may_be_person
+    def _is_unexplained(self, fact: Reported) -> bool:
+        return fact.is_change and self.cause_of(fact).cause.may_be_person
 
-    def _append(self, fact: facts.Fact) -> None:
-        known = self.facts
+    def _append(self, fact: Reported) -> None:
+        known, oldest = self.reports, fact.at - durations.REMEMBERED
         known.append(fact)
-        while len(known) > MOST_FACTS or known[0].at < fact.at - durations.REMEMBERED:
+        while len(known) > MOST_REPORTS or known[0].at < oldest:
             is_needed = len(known) <= _MOST_WHILE_OPEN and any(one.covers(fact.at) for one in self._active)
-            if is_needed and known[0].at >= fact.at - durations.REMEMBERED:
+            if is_needed and known[0].at >= oldest:
                 break
-            self._drop(known.popleft())
+            dropped = known.popleft()
+            if self._is_unexplained(dropped):
+                self.dropped_change = dropped
+            self._drop_commands(dropped.at)
 
-    def _drop(self, fact: facts.Fact) -> None:
-        if self._is_unexplained(fact) and isinstance(fact, facts.Reported):
-            self.dropped_change = fact
-        while self.commands and not self.commands[0].is_open and self.commands[0].ended_at < fact.at:
-            self.commands.popleft()
+    def _drop_commands(self, before: float) -> None:
+        """Drop the commands that ended *before* then, and the oldest if there are too many."""
+        commands = self.commands
+        while commands and not commands[0].is_open:
+            if commands[0].ended_at >= before and len(commands) <= MOST_REPORTS:
+                break
+            commands.popleft()
 
 
 def _ignore(*_: object) -> None:

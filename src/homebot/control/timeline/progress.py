@@ -7,11 +7,12 @@ depend on the number of earlier ones.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Commanded, Order, Reported, ReportRole
-from homebot.control.timeline.goal import Motion, WantedValues
+from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.goal import NOTHING, Motion, WantedValue
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.settling import Settling
 from homebot.control.values import POWERS, STOPPED, changes, is_intermediate, related
@@ -20,11 +21,11 @@ from homebot.devices.value import PlainValue
 
 __all__ = ["CommandProgress"]
 
-_NOTHING: Final = object()
 _TURNED: Final = POWERS | {"fan_mode"}
 """Capabilities by which a person turns a part on or off against a command."""
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
+_NONE: Final[frozenset[str]] = frozenset()
 
 
 @final
@@ -32,21 +33,21 @@ class CommandProgress:
     """Progress of one command: the reports since, and their roles.
 
     Args:
-        fact: The command.
+        order: The command.
+        at: When it was given.
+        known: The values of the part that were certain before.
+        last: The values that the part reported last before, certain or not.
         profile: Knowledge of the device before this command.
+        is_raw: Whether it is a raw text, of which no outcome is awaited.
 
     Attributes:
         order: The command.
         given_at: When it was given.
-        wanted: The values that the part is to report.
+        wanted: The values that the part is to report, and its reports of them.
         known: The values that were certain before.
         last: The values that were reported last before.
         roles: The role of each report, by its number.
-        seen: The values that the device reported since, by capability.
-        fitting: When each wanted value was reported first, if it still is.
-        echoed: When the last echo of each capability came.
-        fast: When each capability was reported so fast that it may be an echo.
-        returned: After how many seconds another value followed a fast report, before the outcome.
+        accepted: When the network accepted each setting.
         sendings: How often it was sent.
         first_sent_at: When it was first sent.
         sent_at: When it was last sent.
@@ -62,22 +63,61 @@ class CommandProgress:
         learns_late: Whether an answer after its failure teaches how long the device takes.
         is_witnessed: Whether a second device observed the effect.
         is_learnt: Whether the profile knows how the confirmed value ended.
-        is_raw: Whether it is a raw text, of which no outcome is awaited.
+        suspected: The capabilities with fast reports that were taken back before, as a bridge's echoes are.
+        usual_returns: The seconds after which the device goes back by itself, where it is known to.
     """
 
-    def __init__(self, fact: Commanded, profile: DeviceProfile) -> None:
-        order = fact.order
-        self.order: Order = order
-        self.given_at = self.first_sent_at = self.sent_at = fact.at
-        self.known, self.last = fact.known, fact.last
-        self._values = WantedValues(order, fact.known, profile)
-        self.wanted = self._values.by_capability
+    __slots__ = (
+        "_is_fade",
+        "_motion",
+        "_opposed",
+        "_profile",
+        "accepted",
+        "ended_at",
+        "first_sent_at",
+        "given_at",
+        "is_learnt",
+        "is_raw",
+        "is_witnessed",
+        "known",
+        "last",
+        "learns_late",
+        "moved_at",
+        "must_answer",
+        "order",
+        "outcome",
+        "refusal",
+        "roles",
+        "sendings",
+        "sent_at",
+        "settling",
+        "stopped_at",
+        "superseded_by",
+        "suspected",
+        "told_otherwise_at",
+        "usual_returns",
+        "wanted",
+    )
+
+    def __init__(
+        self,
+        order: Order,
+        at: float,
+        known: Mapping[str, PlainValue],
+        last: Mapping[str, PlainValue],
+        profile: DeviceProfile,
+        *,
+        is_raw: bool = False,
+    ) -> None:
+        self.order, self.known, self.last, self.is_raw = order, known, last, is_raw
+        self.given_at = self.first_sent_at = self.sent_at = at
+        self.wanted = {
+            name: WantedValue(order, name, value, known.get(name, NOTHING), profile)
+            for name, value in order.wanted.items()
+        }
+        if order.turns_on:  # that it has the wanted colour, or level, does not show that it is on
+            self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
         self.roles: dict[int, ReportRole] = {}
-        self.seen: dict[str, PlainValue] = {}
-        self.fitting: dict[str, float] = {}
-        self.echoed: dict[str, float] = {}
-        self.fast: dict[str, float] = {}
-        self.returned: dict[str, float] = {}
         self.accepted: dict[str, float] = {}
         self.sendings = 0
         self.moved_at: float | None = None
@@ -87,25 +127,28 @@ class CommandProgress:
         self.ended_at = math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
-        self.suspected = frozenset([one for one in order.settings if one not in order.echoed and profile.is_echo(one)])
-        self.usual_returns = {one: after for one in self.wanted if (after := profile.usual_return(one)) is not None}
-        self.is_raw = fact.is_raw
+        self.suspected, self.usual_returns = _NONE, {}
+        if profile.returns:
+            self.suspected = frozenset(
+                [one for one in order.settings if one not in order.echoed and profile.is_echo(one)]
+            )
+            self.usual_returns = {one: end for one in self.wanted if (end := profile.usual_return(one)) is not None}
         self._profile = profile
-        self._motion = Motion(order, fact.last)
+        self._motion = Motion(order, last)
         self._is_fade = False
-        self._echoed_since_sent: dict[str, float] = {}
-        self._answered: set[str] = set()
-        self._seen_before: set[str] = set()  # by the last sending
-        self._stepping: set[str] = set()
-        self._overruled: set[str] = set()  # capabilities with a new value that is not the wanted one
-        self._opposed: set[str] = set()  # further ones with a new value that the command contradicts
+        self._opposed = _NONE  # capabilities beside the wanted ones with a new value that the command contradicts
 
     @property
     def is_met(self) -> bool:
         """True if the device reported all wanted values; at once if it reports none of them."""
         if self.must_answer and not self.wanted:
             return self.is_accepted
-        return len(self.fitting) == len(self.wanted)
+        return len(self.met_times) == len(self.wanted)
+
+    @property
+    def met_times(self) -> list[float]:
+        """When each of the wanted values was reported first that still are."""
+        return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property
     def is_over(self) -> bool:
@@ -125,7 +168,9 @@ class CommandProgress:
     @property
     def was_so(self) -> bool:
         """True if the values were certain to be the wanted ones before."""
-        return self._values.were_so
+        wanted = self.wanted
+        were_so = all(one.was_so for one in wanted.values()) if wanted else self._settings_were_so()
+        return were_so and not self.order.opens_further
 
     @property
     def has_echo(self) -> bool:
@@ -145,19 +190,19 @@ class CommandProgress:
     @property
     def is_overruled(self) -> bool:
         """True if the newest report is neither the wanted value nor that from before: a person, or its own answer."""
-        is_suspect = any(one not in self.order.echoed for one in self.echoed)
-        return is_suspect or bool(self._opposed) or not self._overruled <= self.order.echoed
+        undeclared = [one for name, one in self.wanted.items() if name not in self.order.echoed]
+        return bool(self._opposed) or any(one.is_overruled or one.echoed_at is not None for one in undeclared)
 
     @property
     def others(self) -> dict[str, PlainValue]:
         """The reported values that are not the wanted ones."""
-        return {name: value for name, value in self.seen.items() if name not in self.fitting}
+        return {name: one.seen for name, one in self.wanted.items() if one.met_at is None and one.seen is not NOTHING}
 
     def is_stale(self, capability: str) -> bool:
         """Return whether a value is from before the last sending, or a word on the way."""
-        value = self.seen[capability]
-        is_word = isinstance(value, str) and is_intermediate(capability, self.wanted[capability], value)
-        return is_word or capability in self._seen_before
+        wanted = self.wanted[capability]
+        is_word = isinstance(wanted.seen, str) and is_intermediate(capability, wanted.value, wanted.seen)
+        return is_word or wanted.is_from_before
 
     def covers(self, at: float) -> bool:
         """Return whether a report at that time may be due to it."""
@@ -174,8 +219,9 @@ class CommandProgress:
         self.sent_at = now
         self.first_sent_at = now if self.sendings == 0 else self.first_sent_at
         self.sendings += 1
-        self._seen_before.update(self.seen)
-        self._echoed_since_sent.clear()
+        for one in self.wanted.values():
+            one.is_from_before = one.seen is not NOTHING
+            one.sending_echoed_at = None
 
     def accept(self, capability: str, at: float) -> None:
         """Record that the network accepted one setting."""
@@ -216,12 +262,12 @@ class CommandProgress:
 
     def fits(self, capability: str, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, as the device rounds."""
-        return self._values.fits(capability, value)
+        return self.wanted[capability].fits(value)
 
     def refine(self, capability: str, value: PlainValue) -> None:
         """Record that a confirmed value is now reported as *value*: the device's own answer."""
-        self.seen[capability] = value
-        self._profile.learn_answer(capability, self.wanted[capability], value)
+        self.wanted[capability].seen = value
+        self._profile.learn_answer(capability, self.wanted[capability].value, value)
 
     def side_role(self, capability: str, value: PlainValue) -> ReportRole:
         """Return the role of a report of a capability that is not wanted."""
@@ -232,71 +278,61 @@ class CommandProgress:
         is_against = any(changes(capability, value, one, settings[one]) for one in own)
         return ReportRole.ASIDE if is_against else ReportRole.AGREES
 
+    def _settings_were_so(self) -> bool:
+        """Return whether the settings were certain before, of which the part reports none."""
+        known, settings = self.known, self.order.settings
+        return all(
+            name in known and WantedValue(self.order, name, value, known[name], self._profile).was_so
+            for name, value in settings.items()
+        )
+
     def _role_of(self, fact: Reported) -> ReportRole:
         if fact.value == STOPPED:
             self.stopped_at = fact.at
+        wanted = self.wanted.get(fact.capability)
         if self.superseded_by:
-            return self._superseded_role(fact)
+            return _superseded_role(wanted, fact)
         if self.settling is not None:
             return self.settling.report(fact)
-        if fact.capability in self.wanted:
-            return self._wanted_role(fact)
-        return self._other_role(fact)
+        return self._other_role(fact) if wanted is None else self._wanted_role(wanted, fact)
 
-    def _superseded_role(self, fact: Reported) -> ReportRole:
-        capability = fact.capability
-        if capability in self.wanted and capability not in self.fitting and self.fits(capability, fact.value):
-            self.fitting[capability] = fact.at
-            return ReportRole.EFFECT
-        return ReportRole.ASIDE
+    def _wanted_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        if not wanted.shows_obedience(fact.value):
+            return self._not_met(wanted, fact)
+        if not (self.has_echo and self._is_echo(wanted, fact)):
+            return self._met(wanted, fact)
+        if not wanted.is_answered and wanted.met_at is None:
+            wanted.seen = NOTHING  # it was reported before the bridge had the command
+        return ReportRole.ECHO
 
-    def _wanted_role(self, fact: Reported) -> ReportRole:
-        capability, value = fact.capability, fact.value
-        if self._values.shows_obedience(capability, value):
-            if self.has_echo and self._is_echo(capability, fact.at):
-                if capability not in self._answered and capability not in self.fitting:
-                    self.seen.pop(capability, None)  # it was reported before the bridge had the command
-                return ReportRole.ECHO
-            return self._met(fact)
-        return self._not_met(fact)
-
-    def _met(self, fact: Reported) -> ReportRole:
-        capability = fact.capability
-        self._see(fact)
-        if fact.at - self.sent_at <= durations.FAST and capability not in self.fitting:
-            self.fast[capability] = fact.at
-        self.fitting.setdefault(capability, fact.at)
-        self._stepping.discard(capability)
-        self._overruled.discard(capability)
+    def _met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        _see(wanted, fact)
+        if wanted.met_at is None:
+            wanted.met_at = fact.at
+            if fact.at - self.sent_at <= durations.FAST:
+                wanted.fast_at = fact.at
+        wanted.is_step = wanted.is_overruled = False
         return ReportRole.EFFECT
 
-    def _not_met(self, fact: Reported) -> ReportRole:
-        capability, value = fact.capability, fact.value
-        before, is_nearer = self.seen.get(capability, _NOTHING), self._is_nearer(capability, value)
-        was_met = self.fitting.pop(capability, None) is not None
-        self._see(fact)
-        if capability in self.fast:
-            self.returned.setdefault(capability, fact.at - self.fast[capability])
-        if is_nearer or is_intermediate(capability, self.wanted[capability], value):
+    def _not_met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        capability, value, before = fact.capability, fact.value, wanted.seen
+        is_nearer, was_met = self._is_nearer(capability, value), wanted.met_at is not None
+        wanted.met_at = None
+        _see(wanted, fact)
+        if wanted.fast_at is not None and wanted.returned_after is None:
+            wanted.returned_after = fact.at - wanted.fast_at
+        if is_nearer or is_intermediate(capability, wanted.value, value):
             self.moved_at = fact.at
-            self._stepping.add(capability)
-            self._overruled.discard(capability)
-            return ReportRole.ASTRAY if self._is_astray(capability, value, before) else ReportRole.STEP
+            wanted.is_step, wanted.is_overruled = True, False
+            return ReportRole.ASTRAY if self._is_astray(wanted, fact, before) else ReportRole.STEP
         self.told_otherwise_at = fact.at
         is_repeated = before == value
         if not is_repeated:
-            is_new = capability in self._stepping or self.last.get(capability, value) != value
-            self._stepping.discard(capability)
-            (self._overruled.add if is_new else self._overruled.discard)(capability)
-        if was_met or (capability in self._echoed_since_sent and not is_repeated):
+            wanted.is_overruled = wanted.is_step or self.last.get(capability, value) != value
+            wanted.is_step = False
+        if was_met or (wanted.sending_echoed_at is not None and not is_repeated):
             return ReportRole.UNDONE
         return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
-
-    def _see(self, fact: Reported) -> None:
-        if fact.capability in self.echoed:
-            self._answered.add(fact.capability)
-        self.seen[fact.capability] = fact.value
-        self._seen_before.discard(fact.capability)
 
     def _other_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value
@@ -305,7 +341,8 @@ class CommandProgress:
             return ReportRole.STEP
         role = self.side_role(capability, value)
         is_against = role is ReportRole.ASIDE and capability in _TURNED and self.last.get(capability, value) != value
-        (self._opposed.add if is_against else self._opposed.discard)(capability)
+        if is_against or self._opposed:
+            self._opposed = self._opposed | {capability} if is_against else self._opposed - {capability}
         return role
 
     def _is_nearer(self, capability: str, value: PlainValue) -> bool:
@@ -314,25 +351,36 @@ class CommandProgress:
             self._is_fade = self._is_fade or is_nearer
         return is_nearer
 
-    def _is_astray(self, capability: str, value: PlainValue, before: object) -> bool:
-        wanted = self.wanted[capability]
+    def _is_astray(self, wanted: WantedValue, fact: Reported, before: object) -> bool:
         if not isinstance(before, float):
-            before = self.last.get(capability)
-        if capability not in _POSITIONS or not (
-            isinstance(wanted, float) and isinstance(value, float) and isinstance(before, float)
+            before = self.last.get(fact.capability)
+        goal, value = wanted.value, fact.value
+        if fact.capability not in _POSITIONS or not (
+            isinstance(goal, float) and isinstance(value, float) and isinstance(before, float)
         ):
             return False
-        return abs(value - wanted) > abs(before - wanted)
+        return abs(value - goal) > abs(before - goal)
 
-    def _is_echo(self, capability: str, now: float) -> bool:
+    def _is_echo(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a report of the wanted value is the bridge's; each sending has one."""
-        echoed_at = self._echoed_since_sent.get(capability)
-        if echoed_at is not None:
-            return now - echoed_at <= durations.SAME_MESSAGE
-        is_fast = now - self.sent_at <= durations.FAST
-        if capability not in self.order.echoed and not (is_fast and capability in self.suspected):
+        if wanted.sending_echoed_at is not None:
+            return fact.at - wanted.sending_echoed_at <= durations.SAME_MESSAGE
+        is_fast = fact.at - self.sent_at <= durations.FAST
+        if fact.capability not in self.order.echoed and not (is_fast and fact.capability in self.suspected):
             return False
         if is_fast:
-            self.fast[capability] = now
-        self.echoed[capability] = self._echoed_since_sent[capability] = now
+            wanted.fast_at = fact.at
+        wanted.echoed_at = wanted.sending_echoed_at = fact.at
         return True
+
+
+def _superseded_role(wanted: WantedValue | None, fact: Reported) -> ReportRole:
+    if wanted is None or wanted.met_at is not None or not wanted.fits(fact.value):
+        return ReportRole.ASIDE
+    wanted.met_at = fact.at
+    return ReportRole.EFFECT
+
+
+def _see(wanted: WantedValue, fact: Reported) -> None:
+    wanted.is_answered = wanted.is_answered or wanted.echoed_at is not None
+    wanted.seen, wanted.is_from_before = fact.value, False

@@ -8,6 +8,7 @@ from typing import Final, Literal, NamedTuple, Protocol, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.goal import WantedValue
 from homebot.control.values import departs, is_intermediate
 from homebot.devices.value import PlainValue
 
@@ -40,8 +41,12 @@ class SettledCommand(Protocol):
     order: Order
     known: Mapping[str, PlainValue]
     last: Mapping[str, PlainValue]
-    wanted: dict[str, PlainValue]
     roles: dict[int, ReportRole]
+
+    @property
+    def wanted(self) -> Mapping[str, WantedValue]:
+        """The values that the part is to report."""
+        ...
 
     def fits(self, capability: str, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one."""
@@ -66,11 +71,28 @@ class Settling:
         seconds: How long values have to hold.
 
     Attributes:
-        watched: The capabilities that no newer command is about.
         until: When it ends, unless further steps come.
         undoing: The end of a value; None if all held so far.
         has_held: Whether the values held until the end.
     """
+
+    __slots__ = (
+        "_confirmed_at",
+        "_fade",
+        "_fades_until",
+        "_is_fading",
+        "_level_until",
+        "_progress",
+        "_released",
+        "_seconds",
+        "_step",
+        "_step_value",
+        "_steps",
+        "_steps_until",
+        "has_held",
+        "undoing",
+        "until",
+    )
 
     def __init__(self, progress: SettledCommand, at: float, seconds: float) -> None:
         order = progress.order
@@ -85,7 +107,7 @@ class Settling:
         self._step_value: PlainValue = None
         self._level_until = math.inf
         self._steps: list[int] = []
-        self.watched = set(order.settings)
+        self._released: frozenset[str] = frozenset()  # newer commands are about them
         self.until = at + seconds + order.transition
         self.undoing: Undoing | None = None
         self.has_held = False
@@ -93,7 +115,7 @@ class Settling:
     @property
     def is_over(self) -> bool:
         """True if nothing can undo it any more, or something did."""
-        return self.undoing is not None or self.has_held or not self.watched
+        return self.undoing is not None or self.has_held or self._released >= self._progress.order.settings.keys()
 
     @property
     def next_at(self) -> float:
@@ -102,8 +124,8 @@ class Settling:
 
     def release(self, capabilities: set[str], at: float) -> None:
         """Watch *capabilities* no more: a newer command is about them."""
-        self.watched -= capabilities
-        if not self.watched:
+        self._released |= capabilities
+        if self._released >= self._progress.order.settings.keys():
             self.until = min(self.until, at)
 
     def advance(self, now: float) -> None:
@@ -144,16 +166,16 @@ class Settling:
         """Return whether *value* is not the wanted one, nor on the way there."""
         progress = self._progress
         is_commanded = capability in progress.order.settings
-        if capability not in progress.wanted or (is_commanded and capability not in self.watched):
+        if capability not in progress.wanted or (is_commanded and capability in self._released):
             return False
         if capability == _ON and not is_commanded:
             return False  # a newer command may have turned it off
-        return departs(capability, progress.wanted[capability], value) and not progress.fits(capability, value)
+        return departs(capability, progress.wanted[capability].value, value) and not progress.fits(capability, value)
 
     def _may_move_on(self, fact: Reported) -> bool:
         """Return whether a dimmer or a motor that reported the wanted value may still be on its way there."""
         progress, capability, value = self._progress, fact.capability, fact.value
-        before, wanted = progress.known.get(capability), progress.wanted.get(capability)
+        before, wanted = progress.known.get(capability), progress.wanted[capability].value
         if not (isinstance(wanted, float) and isinstance(value, float)):
             return False
         if is_intermediate(capability, wanted, value):
