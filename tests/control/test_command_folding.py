@@ -64,7 +64,7 @@ def test_others_and_what_has_no_issuer_pass() -> None:
         stored(folding, command(number))
     assert stored(folding, command(FLOOD, issuer="/app")) == in_full(FLOOD)
     changed = JournalNote("changed", NOW, "lamp")
-    assert folding.add(changed) == [changed]
+    assert list(folding.add(changed)) == [changed]
 
 
 def test_a_flood_of_leases_is_folded_too() -> None:

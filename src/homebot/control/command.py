@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order
-from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_on
+from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
 
 __all__ = [
-    "POWER",
     "IssuedCommand",
     "KnownState",
     "commanded_part",
@@ -44,12 +43,7 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 _LEVELS: Final = ("level", "fan_speed")
 """Of these 0 is off."""
 
-POWER: Final = "power_state"
-"""Name for the power of a part, by whichever capability it is switched."""
-
 _NO_ECHO: Final[frozenset[str]] = frozenset()
-
-_Place: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(slots=True, eq=False)
@@ -69,13 +63,10 @@ class IssuedCommand:
         code: The code of an alarm or a lock.
         scope: The rights of a client of the door, by its token.
         is_client: Whether a client of the door gave it.
-        is_by_person: Whether a client gave it, or an app answers a press or a scan of the last minute.
         is_momentary: Whether a second sending would act twice: a press.
         place: The ids of the device and of the part.
         states: The states of the part at the time of the command, by capability.
         why_it_asks: Why the part is of those that always ask; empty if it is not.
-        effects: The place with each capability, and the value; for a power :data:`POWER` too, with True for on.
-        target: The id of the device, with ``#`` and the id of the part if it has one.
         moves: Whether it starts a motor.
     """
 
@@ -92,30 +83,29 @@ class IssuedCommand:
     code: str = field(default="", repr=False)
     scope: tuple[str, ...] = ()
     is_client: bool = field(init=False)
-    is_by_person: bool = field(init=False)
     is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
     why_it_asks: str = field(init=False)
-    effects: list[tuple[_Place, PlainValue]] = field(init=False)
-    target: str = field(init=False)
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        device, part = self.place = self.device.id, self.part.id
-        self.states = {one.capability: one for one in self.device.states if one.part == part}
+        self.place = self.device.id, self.part.id
+        self.states = {one.capability: one for one in self.device.states if one.part == self.part.id}
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
-        self.is_by_person = self.is_client or _is_by_hand(self.trigger, self.issued_at)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
-        self.effects, self.moves = [], False
-        for capability, value in self.settings.items():
-            self.effects.append(((device, part, capability), value))
-            if capability in _MOTIONS and value != STOPPED:
-                self.moves = True
-            if capability in POWERS:
-                self.effects.append(((device, part, POWER), is_on(value)))
-        self.target = f"{device}#{part}" if part else device
+        self.moves = any([one in _MOTIONS and value != STOPPED for one, value in self.settings.items()])  # noqa: C419
+
+    @property
+    def target(self) -> str:
+        """The id of the device, with ``#`` and the id of the part if it has one."""
+        return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id
+
+    @property
+    def is_by_person(self) -> bool:
+        """True if a client gave it, or an app answers a press or a scan of the last minute."""
+        return self.is_client or _is_by_hand(self.trigger, self.issued_at)
 
     @property
     def label(self) -> str:

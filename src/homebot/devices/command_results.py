@@ -19,7 +19,7 @@ _FIELDS: Final = {
 def result_of(outcome: Outcome, reported: tuple[Setting, ...] = ()) -> CommandResult:
     """Return the message that carries *outcome*, and the reported values of the device."""
     facts = {wire: getattr(outcome, name) for name, wire in _FIELDS[type(outcome)]}
-    return CommandResult(outcome=outcome.kind, text=outcome.text, reported=reported, **facts)
+    return CommandResult(outcome=outcome.kind, text=outcome.text, reported=reported, **facts).slimmed()
 
 
 def outcome_of(result: CommandResult) -> Outcome:

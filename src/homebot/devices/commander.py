@@ -88,7 +88,7 @@ class Commander:
         except ServiceUnavailableError:
             if self._control.service_is_ready() or self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
-            return await self._send(view.device, part, settings, transition, code)
+            return await self._send(view.device, part, request)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
         for reported in result.reported:
@@ -150,13 +150,13 @@ class Commander:
     def _text_sender(self) -> TextSender:
         return TextSender(self._node)
 
-    async def _send(
-        self, device: Device, part: DevicePart, settings: tuple[Setting, ...], transition: float, code: str
-    ) -> Outcome:
+    async def _send(self, device: Device, part: DevicePart, request: CommandRequest) -> Outcome:
         began = self._clock.monotonic()
         try:
-            for setting in settings:
-                await self._sender.send(device, part, setting.capability, setting.value.plain(), transition, code)
+            for one in request.settings:
+                await self._sender.send(
+                    device, part, one.capability, one.value.plain(), request.transition, request.code
+                )
         except LinkError as exc:
             return NoAnswer(0.0, str(exc))
         except RefusedError as exc:

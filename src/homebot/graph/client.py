@@ -170,7 +170,7 @@ class Client(Generic[RequestT, ResponseT]):
         limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))
         try:
             if is_bound:
-                await run.serve(is_callers_task=True)
+                await run.serve_caller()
             return await run.outcome
         except BaseException:
             run.abandon()

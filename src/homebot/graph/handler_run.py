@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from contextlib import suppress
 from contextvars import ContextVar
+from functools import partial
 from inspect import iscoroutine
 from typing import Any, Final, Protocol, TypeAlias, final
 
@@ -63,29 +65,41 @@ class HandlerRun:
         loop = asyncio.get_running_loop()
         self.server = server
         self.began = loop.time()
-        self.scope = anyio.CancelScope()
         self.outcome: asyncio.Future[object] = loop.create_future()
         self.task: asyncio.Task[Any] | None = None
         self._handler = handler
         self._parent = _run_of_current_task()
         self.has_ended = False
         self._is_answered = False
+        self._is_cancelled = False
+        self._stop: Callable[[], object] | None = None
         self._end_event: anyio.Event | None = None
         server.add_run(self)
 
-    async def serve(self, *, is_callers_task: bool = False) -> None:
-        """Run the handler in the current task: one of the serving node, or the caller's, with which it is cancelled."""
+    async def serve(self) -> None:
+        """Run the handler in the current task, one of the serving node."""
+        with anyio.CancelScope() as scope:
+            self._stop = scope.cancel
+            await self._run(is_callers_task=False)
+
+    async def serve_caller(self) -> None:
+        """Run the handler in the task of its caller, with which it is cancelled."""
+        with suppress(TimeoutError):  # a failure of the handler is no error here
+            async with asyncio.timeout(None) as limit:  # a cancel scope would cost four times as much
+                self._stop = partial(limit.reschedule, 0.0)
+                await self._run(is_callers_task=True)
+
+    async def _run(self, *, is_callers_task: bool) -> None:
         self.task = asyncio.current_task()
         token = _current.set(self)
         outcome: object = _UNSERVED
         try:
-            with self.scope:
-                if self.server.is_closed or self.scope.cancel_called:
-                    self._discard_handler()
-                else:
-                    outcome = await self._handler
+            if self.server.is_closed or self._is_cancelled:
+                self._discard_handler()
+            else:
+                outcome = await self._handler
         except BaseException as exc:
-            if is_end_of(self.task, exc) or (is_callers_task and _is_cancelled_by_asyncio(exc)):
+            if self._is_end(exc, is_callers_task=is_callers_task):
                 raise
             if isinstance(exc, asyncio.CancelledError):
                 uncancel()
@@ -93,6 +107,18 @@ class HandlerRun:
         finally:
             _current.reset(token)
             self._end(outcome)
+
+    def _is_end(self, error: BaseException, *, is_callers_task: bool) -> bool:
+        """Return whether *error* ends this run: its cancellation, or that of its task."""
+        is_cancelled = self._is_cancelled and isinstance(error, asyncio.CancelledError)
+        return is_cancelled or is_end_of(self.task, error) or (is_callers_task and _is_cancelled_by_asyncio(error))
+
+    def cancel(self) -> None:
+        """Cancel the handler."""
+        self._is_cancelled = True
+        stop, self._stop = self._stop, None
+        if stop is not None:
+            stop()
 
     def abandon(self) -> None:
         """Drop the outcome: the caller was cancelled; the handler continues."""
@@ -105,7 +131,7 @@ class HandlerRun:
         if not self.outcome.done():
             self.outcome.set_result(error)
         if cancels:
-            self.scope.cancel()
+            self.cancel()
 
     def discard(self) -> None:
         """Drop a handler that no task runs."""
@@ -126,7 +152,7 @@ class HandlerRun:
     def _end(self, outcome: object) -> None:
         if outcome is _UNSERVED:
             outcome = ServiceGoneError(self.server.service_name)
-        self.has_ended = True
+        self.has_ended, self._stop = True, None
         self.task = None  # the loop holds this run in the context of each cancelled timer of the handler for a while
         if self._end_event is not None:
             self._end_event.set()

@@ -184,7 +184,7 @@ class Service(Generic[RequestT, ResponseT]):
     def cancel_handlers(self) -> None:
         """Cancel all handlers at work."""
         for run in tuple(self._runs):
-            run.scope.cancel()
+            run.cancel()
 
     def close(self, *, finish: bool = False) -> None:
         """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.

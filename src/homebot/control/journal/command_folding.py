@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
@@ -12,6 +12,9 @@ __all__ = ["IN_FULL", "CommandFolding"]
 
 IN_FULL: Final = 10
 """Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
+
+_COUNTED: Final = frozenset({"requested", "published", "outcome"})
+"""Steps of commands that count for a minute."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
@@ -59,17 +62,18 @@ class CommandFolding:
     def __init__(self) -> None:
         self._minutes: dict[_Key, _Minute] = {}
         self._open: dict[str, list[JournalNote]] = {}
+        self._first: _Minute | None = None
 
-    def add(self, note: JournalNote) -> list[JournalNote]:
+    def add(self, note: JournalNote) -> Sequence[JournalNote]:
         """Return the entries to store after *note*."""
-        stored = list(self._ended(note.at))
+        ended = () if self._are_current(note.at) else tuple(self._ended(note.at))
         if note.command in self._open:
-            stored += self._continue(note)
-        elif note.issuer and (note.kind != "denied" or note.settings):  # denials of the door are bounded already
-            stored += self._begin(note)
+            stored = self._continue(note)
+        elif note.issuer and (note.kind in _COUNTED or not note.command) and (note.kind != "denied" or note.settings):
+            stored = self._begin(note)
         else:
-            stored.append(note)
-        return stored
+            stored = (note,)  # a step of a stored command; denials of the door, without settings, are bounded already
+        return (*ended, *stored) if ended else stored
 
     def waiting(self) -> list[JournalNote]:
         """Return the entries that are not stored yet, oldest first."""
@@ -80,26 +84,31 @@ class CommandFolding:
         """Return the rest of the entries to store."""
         left = self.waiting()
         self._minutes.clear()
+        self._first = None
         self._open.clear()
         return left
 
-    def _begin(self, note: JournalNote) -> Iterable[JournalNote]:
-        minute = self._minutes.setdefault((note.issuer, note.device, note.part), _Minute(note.at))
-        if note.command and note.kind not in {"requested", "published"}:  # a step of a stored command
-            if note.kind == "outcome":
-                minute.outcomes.add(_outcome(note))
+    def _begin(self, note: JournalNote) -> Sequence[JournalNote]:
+        key = note.issuer, note.device, note.part
+        minute = self._minutes.get(key)
+        if minute is None:
+            minute = self._minutes[key] = _Minute(note.at)
+            self._first = self._first or minute
+        if note.kind == "outcome":  # of a stored command
+            minute.outcomes.add(_outcome(note))
             return (note,)
+        is_command = note.kind == "requested"
         if minute.stored < IN_FULL:
             minute.stored += 1
-            if note.kind != "requested":
+            if not is_command:
                 minute.outcomes.add(note.kind)
             return (note,)
-        if note.kind != "requested":
+        if not is_command:
             return () if minute.fold(note.kind, [note]) else (note,)
         self._open[note.command] = [note]
         return self._open.pop(next(iter(self._open))) if len(self._open) > _MOST_OPEN else ()
 
-    def _continue(self, note: JournalNote) -> Iterable[JournalNote]:
+    def _continue(self, note: JournalNote) -> Sequence[JournalNote]:
         notes = self._open[note.command]
         notes.append(note)
         if note.kind != "outcome":
@@ -108,14 +117,17 @@ class CommandFolding:
         minute = self._minutes.get((note.issuer, note.device, note.part))
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
+    def _are_current(self, now: float) -> bool:
+        """Return whether no minute has ended, of which there are not too many."""
+        first = self._first
+        return first is None or (0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES)
+
     def _ended(self, now: float) -> Iterator[JournalNote]:
         """Remove the ended minutes, and yield their folded entries."""
-        while self._minutes:
-            key, first = next(iter(self._minutes.items()))
-            if 0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES:
-                return
-            del self._minutes[key]
-            for notes in first.folded.values():
+        while not self._are_current(now):
+            ended = self._minutes.pop(next(iter(self._minutes)))
+            self._first = next(iter(self._minutes.values()), None)
+            for notes in ended.folded.values():
                 yield from notes
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
-from homebot.control.command import POWER, IssuedCommand
+from homebot.control.command import IssuedCommand
 from homebot.control.values import POWERS, is_on
 from homebot.devices.value import PlainValue
 from homebot.support.bounded_map import BoundedMap
@@ -16,6 +17,9 @@ __all__ = ["TurnCounter"]
 
 _MOST_TURNS: Final = 1000
 _MOST: Final = 10_000
+
+_POWER: Final = "power_state"
+"""Name for the power of a part, by whichever capability it is switched."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -59,7 +63,7 @@ class TurnCounter:
 
         A turn counts from the last recording of its command: the device may have received it only then.
         """
-        for place, value in command.effects:
+        for place, value in _effects(command):
             sent = self._sent.get(place)
             if sent is None:
                 self._sent[place] = _Sent(value, now, command.id, command.id)
@@ -70,18 +74,28 @@ class TurnCounter:
     def count(self, command: IssuedCommand, now: float, seconds: float) -> int:
         """Return how often the values that *command* turns turned within *seconds*; 0 if it turns none."""
         most = 0
-        for place, value in command.effects:
+        for place, value in _effects(command):
             sent = self._sent.get(place)
             if sent is None or not sent.turns:
                 continue
-            if _is_turn(sent, value) or (place[2] == POWER and _is_undone(sent, command, now)):
+            if _is_turn(sent, value) or (place[2] == _POWER and _is_undone(sent, command, now)):
                 most = max(most, len(sent.turns) - bisect_right(sent.turns, now - seconds))
         return most
 
 
+def _effects(command: IssuedCommand) -> Iterator[tuple[_Place, PlainValue]]:
+    """Yield the place and the value of each setting; for a power :data:`_POWER`, with True for on."""
+    device, part = command.place
+    for capability, value in command.settings.items():
+        if capability in POWERS:
+            yield (device, part, _POWER), is_on(value)
+        if capability != "on_off":
+            yield (device, part, capability), value
+
+
 def _record(sent: _Sent, place: _Place, value: PlainValue, command: IssuedCommand, now: float) -> None:
     is_same = value == sent.value
-    is_undone = is_same and place[2] == POWER and _is_undone(sent, command, now)
+    is_undone = is_same and place[2] == _POWER and _is_undone(sent, command, now)
     sent.command, sent.at = command.id, now
     if is_same and not is_undone:
         if sent.is_turn and sent.turned_by == command.id:
