@@ -66,7 +66,9 @@ class CommandFolding:
 
     def add(self, note: JournalNote) -> Sequence[JournalNote]:
         """Return the entries to store after *note*."""
-        ended = () if self._are_current(note.at) else tuple(self._ended(note.at))
+        first = self._first
+        is_current = first is None or (0 <= note.at - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES)
+        ended = () if is_current else tuple(self._ended(note.at))
         if note.command in self._open:
             stored = self._continue(note)
         elif note.issuer and (note.kind in _COUNTED or not note.command) and (note.kind != "denied" or note.settings):
@@ -117,17 +119,14 @@ class CommandFolding:
         minute = self._minutes.get((note.issuer, note.device, note.part))
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
-    def _are_current(self, now: float) -> bool:
-        """Return whether no minute has ended, of which there are not too many."""
-        first = self._first
-        return first is None or (0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES)
-
     def _ended(self, now: float) -> Iterator[JournalNote]:
-        """Remove the ended minutes, and yield their folded entries."""
-        while not self._are_current(now):
-            ended = self._minutes.pop(next(iter(self._minutes)))
+        """Remove the ended minutes, the oldest too if there are too many, and yield their folded entries."""
+        while (first := self._first) is not None:
+            if 0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES:
+                return
+            del self._minutes[next(iter(self._minutes))]
             self._first = next(iter(self._minutes.values()), None)
-            for notes in ended.folded.values():
+            for notes in first.folded.values():
                 yield from notes
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
@@ -78,19 +77,21 @@ class TurnCounter:
             sent = self._sent.get(place)
             if sent is None or not sent.turns:
                 continue
-            if _is_turn(sent, value) or (place[2] == _POWER and _is_undone(sent, command, now)):
+            if _turn(sent, value)[0] or (place[2] == _POWER and _is_undone(sent, command, now)):
                 most = max(most, len(sent.turns) - bisect_right(sent.turns, now - seconds))
         return most
 
 
-def _effects(command: IssuedCommand) -> Iterator[tuple[_Place, PlainValue]]:
-    """Yield the place and the value of each setting; for a power :data:`_POWER`, with True for on."""
+def _effects(command: IssuedCommand) -> list[tuple[_Place, PlainValue]]:
+    """Return the place and the value of each setting; for a power :data:`_POWER`, with True for on."""
     device, part = command.place
+    effects: list[tuple[_Place, PlainValue]] = []
     for capability, value in command.settings.items():
         if capability in POWERS:
-            yield (device, part, _POWER), is_on(value)
+            effects.append(((device, part, _POWER), is_on(value)))
         if capability != "on_off":
-            yield (device, part, capability), value
+            effects.append(((device, part, capability), value))
+    return effects
 
 
 def _record(sent: _Sent, place: _Place, value: PlainValue, command: IssuedCommand, now: float) -> None:
@@ -101,10 +102,11 @@ def _record(sent: _Sent, place: _Place, value: PlainValue, command: IssuedComman
         if sent.is_turn and sent.turned_by == command.id:
             sent.turns[-1] = now
         return
-    sent.is_turn = is_undone or _is_turn(sent, value)
+    is_turn, direction = _turn(sent, value)
+    sent.is_turn = is_undone or is_turn
     if sent.is_turn:
         sent.turns.append(now)
-    sent.direction = _direction(sent, value) or sent.direction
+    sent.direction = direction or sent.direction
     sent.value, sent.turned_by = value, command.id
 
 
@@ -112,21 +114,17 @@ def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:
     """Return whether the part reported the opposite power after another command, *sent*, switched it."""
     if sent.command == command.id:
         return False
-    states = [one for one in command.device.states if one.part == command.part.id and one.capability in POWERS]
+    states = [one for name, one in command.states.items() if name in POWERS]
     if not states:
         return False
-    state = next((one for one in states if one.capability == "on_off"), states[0])
+    state = command.states.get("on_off", states[0])
     is_older = command.issued_at - state.told_at.to_seconds() >= now - sent.at
     return not is_older and is_on(state.value.plain()) is not sent.value
 
 
-def _is_turn(sent: _Sent, value: PlainValue) -> bool:
-    direction = _direction(sent, value)
-    return value != sent.value and (not direction or direction * sent.direction < 0)
-
-
-def _direction(sent: _Sent, value: PlainValue) -> float:
-    """Return above 0 for a number that grows, below 0 for one that shrinks, 0 for any other value."""
-    if isinstance(value, float) and isinstance(sent.value, float):
-        return value - sent.value
-    return 0.0
+def _turn(sent: _Sent, value: PlainValue) -> tuple[bool, float]:
+    """Return whether *value* is a turn; and its direction: of a number above 0 if it grows, else 0."""
+    before, direction = sent.value, 0.0
+    if isinstance(value, float) and isinstance(before, float):
+        direction = value - before
+    return value != before and (not direction or direction * sent.direction < 0), direction

@@ -75,7 +75,7 @@ class WantedValue:
         self, order: Order, capability: str, value: PlainValue, known: PlainValue | Nothing, profile: DeviceProfile
     ) -> None:
         self._order, self._capability, self._known, self._profile = order, capability, known, profile
-        self._slack = profile.rounding(capability)
+        self._slack = profile.rounding(capability) if profile.answers else 0.0
         self.value = value
         self.seen: PlainValue | Nothing = NOTHING
         self.met_at: float | None = None
