@@ -167,7 +167,8 @@ class CommandExecutor:
     def record_text(self, command: IssuedCommand) -> None:
         """Record that *command* is sent as a text: no outcome is awaited, and older commands for the same are over."""
         now = self._clock.monotonic()
-        self.leases.record_stop(command, now)
+        if command.place in self.leases.parts:
+            self.leases.record_stop(command, now)
         self._policies.record_sent(command)
         self.timelines.of(command.device, command.part).command(order_of(command), now, is_raw=True)
 

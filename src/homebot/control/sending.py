@@ -136,7 +136,8 @@ class Sending:
         began = clock.monotonic()
         self._journal.sent(command, plan.attempts - 1)
         sent.progress.send(began)
-        self._leases.record_stop(command, began)
+        if command.place in self._leases.parts:
+            self._leases.record_stop(command, began)
         self._policies.record_sent(command)  # before it waits: a check meanwhile needs it
         try:
             for capability, value in command.settings.items():

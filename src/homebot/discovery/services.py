@@ -116,7 +116,7 @@ class DirectoryServices:
         )
 
     def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
-        is_later = self._index.is_behind or asks_for_near(request.query)
+        is_later = self._index.is_behind or (request.query and asks_for_near(request.query))
         return self._find_later(request) if is_later else self._found(request)
 
     async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
