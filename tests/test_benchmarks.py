@@ -41,6 +41,13 @@ def test_the_room_of_a_position_is_found_in_each_size_of_house() -> None:
     assert rooms == ["12", "100", "1000"]
 
 
+def test_what_is_near_is_asked_in_each_size_of_house() -> None:
+    """By its kind, by a distance, and by the name of one."""
+    rooms = re.findall(r"^\| (\d+) +\| \d+ +\| .+? +\| [\d.]+ ms", run("near"), re.MULTILINE)
+
+    assert rooms == [size for size in ("12", "100", "1000") for _ in range(3)]
+
+
 def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed() -> None:
     """Of the gateway that needs no extra."""
     worker = PROGRAM.with_name("discovery_worker.py")

@@ -9,13 +9,14 @@ from functools import partial
 from typing import Any
 
 import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.bridges.rosbridge.services import parse_queries
-from homebot.clock import LoopClock
+from homebot.clock import Clock, LoopClock
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Devices, FindDevices, QueryDevices, Sighting
 from homebot.devices.command_messages import CommandResult
-from homebot.devices.gateway_messages import Report
+from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
@@ -117,8 +118,10 @@ def golden(announce: Announce, part: MakePart) -> Golden:
 
 
 @asynccontextmanager
-async def _house(announce: Announce, part: MakePart, closed_door: float = 3.0) -> AsyncIterator[House]:
-    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+async def _house(
+    announce: Announce, part: MakePart, closed_door: float = 3.0, clock: Clock | None = None
+) -> AsyncIterator[House]:
+    graph, names = Graph(clock or LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
         (name,): (OwnerFact("position", at, "configuration", 0.0),) for name, at in POSITIONS.items()
@@ -233,8 +236,9 @@ async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake(golden:
         devices = Devices(house.app)
         with pytest.raises(RefusedError, match=r"robi's pose is 14 s old \(limit 2 s\)"):
             await devices.find(Light, near="robi")
-        with pytest.raises(UsageError, match=r"there is no robot 'robbi'; did you mean robi\?"):
-            await devices.find(Light, near="robbi")
+        for ask in (devices.find(Light, near="robbi"), anext(devices.follow(Light, near="robbi"))):
+            with pytest.raises(UsageError, match=r"there is no robot 'robbi'; did you mean robi\?"):
+                await ask
 
 
 async def test_apps_find_the_nearest_first_and_by_values(golden: Golden, announce: Announce, tell: Tell) -> None:
@@ -294,6 +298,90 @@ async def test_a_live_query_yields_only_what_came_near_and_what_left(
                 ("appeared", "kitchen_lamp"),
             ]
             tasks.cancel_scope.cancel()
+
+
+class BusyClock:
+    """A clock by which each look at it takes 2 ms of work."""
+
+    def __init__(self) -> None:
+        self._idle = LoopClock(0.0)
+        self._worked = 0.0
+
+    def monotonic(self) -> float:
+        self._worked += 0.002
+        return self._idle.monotonic() + self._worked
+
+    def now(self) -> float:
+        return self._idle.now()
+
+
+async def test_the_first_question_lets_others_have_their_turn(announce: Announce, part: MakePart) -> None:
+    """It spots all devices."""
+    async with _house(announce, part, clock=BusyClock()) as house:
+        lamp = part("light", "on_off", id="l", writes=("x/set",))
+        for number in range(50):
+            await house.hears(announce(f"lamp {number}", lamp, ids=(f"id:{number}",), area="Hall", confirmed=True))
+        await house.robot_at(3.5, 1.0)
+        turns = 0
+
+        async def count_turns() -> None:
+            nonlocal turns
+            while True:
+                turns += 1
+                await anyio.lowlevel.checkpoint()
+
+        counts = []
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(count_turns)
+            for _ in range(2):
+                begin = turns
+                assert (await house.find("lamp near robi")).total == 52
+                counts.append(turns - begin)
+            tasks.cancel_scope.cancel()
+        assert counts[0] >= counts[1] + 15
+
+
+async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_answer_says_so(
+    golden: Golden, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        await house.hears(tell(announce("Hall lamp"), REACHABLE, False))
+        assert await house.why("lamp near robi") == {
+            "hall_lamp": "4.5 m = 2.5 path + 2.0 it is offline",
+            "kitchen_lamp": "7.1 m = 7.1 path by Hall-Kitchen (assumed open)",
+        }
+        await anyio.sleep(4000)
+        await house.robot_at(3.5, 1.0)
+        assert (await house.why("lamp near robi"))["hall_lamp"] == (
+            "9.5 m = 2.5 path + 5.0 it is stale: it has been silent for too long + 2.0 it is offline"
+        )
+
+
+async def test_a_device_that_fits_in_part_is_farther(golden: Golden, announce: Announce, part: MakePart) -> None:
+    async with golden() as house:
+        await house.robot_at(3.5, 1.0)
+        plug = part("plug", "on_off", id="p", writes=("Fan/set",))
+        light = part("light", "on_off", id="l", writes=("Fan/light/set",))
+        await house.hears(announce("Fan", plug, light, ids=("id:Fan",), name="Fan", area="Hall", confirmed=True))
+        assert await house.why("plug near robi") == {
+            "fan": "about 5.8 m = 2.1 path + 3.2 only its room is known + 0.5 it was announced as plug"
+        }
+
+
+async def test_what_waits_for_approval_is_left_out_and_named(
+    golden: Golden, announce: Announce, part: MakePart
+) -> None:
+    async with golden() as house:
+        lock = part("door_lock", "lock", id="k", writes=("Safe/set",))
+        await house.hears(announce("Safe", lock, ids=("id:Safe",), name="Safe", area="Hall", confirmed=True))
+        await house.robot_at(3.5, 1.0)
+
+        answer = await house.find("lock near robi")
+
+        assert "safe" not in [one.device.id for one in answer.results]
+        assert ("safe", "it waits for the owner's approval") in [(one.key, one.value) for one in answer.left_out]
+        assert "safe" in [one.device.id for one in (await house.find("unapproved lock near robi")).results]
 
 
 async def test_failed_commands_count_metres(golden: Golden) -> None:

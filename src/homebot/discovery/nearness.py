@@ -6,10 +6,9 @@ Loaded with the first query that asks for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable
 from functools import cache
-from itertools import chain, islice, starmap
+from itertools import starmap
 from typing import Final, NamedTuple, final
 
 from homebot.clock import TimeSlice
@@ -72,8 +71,9 @@ class Nearness:
         self._open_doors: dict[str, DoorState] = {}
         self._errors: dict[str, CostTerm] = {}
         self._rooms_alone: set[str] = set()
+        self._nowhere: set[str] = set()
         self._moved: dict[str, None] = {}
-        self._sequence = 0
+        self._sequence = -1
 
     async def find(self, near: IsNear, rest: Query, limit: int = 0) -> NearDevices:
         """Return the devices near a robot.
@@ -89,10 +89,7 @@ class Nearness:
             ServiceError: The node that knows it does not answer.
         """
         pose, age = await self._pose(near.robot)
-        work = TimeSlice(self._clock)
-        while self._spot_next():
-            if work.is_over:
-                await work.pause()
+        await self._prepare()
         return self._answer(near, rest, limit, pose, age)
 
     async def _pose(self, robot: str) -> tuple[RobotPose, float]:
@@ -111,10 +108,10 @@ class Nearness:
     def _answer(self, near: IsNear, rest: Query, limit: int, pose: RobotPose, age: float) -> NearDevices:
         start = self._start(pose)
         index, doors = self._index, cache(self._door)
-        found, waiting = index.find(rest), index.postings.unapproved
-        if any(term.kind == "unapproved" for term in query_terms(rest)):
-            waiting = frozenset()
-        wanted = found - waiting
+        wanted = index.find(rest)
+        asks_for_them = any(term.kind == "unapproved" for term in query_terms(rest))
+        forbidden = frozenset[str]() if asks_for_them else wanted & index.postings.unapproved
+        wanted = wanted - forbidden if forbidden else wanted
         locked = frozenset(one.name for one in self._doors.values() if one.lock and math.isinf(doors(one.name).metres))
 
         def terms(device_id: str) -> tuple[CostTerm, ...]:
@@ -125,25 +122,26 @@ class Nearness:
         def why(one: NearDevice) -> str:
             return cost_text(one, doors, is_exact=pose.has_position and one.device not in self._rooms_alone)
 
-        best, reached = nearest(
+        unreachable = sorted(wanted & (self._nowhere | self._finder.unreachable(start.room, locked)))
+        best, total = nearest(
             self._finder,
             start,
             doors,
             wanted,
             terms,
-            locked=locked,
+            total=len(wanted) - len(unreachable),
             within=near.within,
             least=least_shortcoming(wanted, index.postings),
             limit=limit,
         )
-        unapproved = ((one, "it waits for the owner's approval") for one in sorted(found & waiting))
-        left_out = islice(chain(unapproved, self._not_reached(wanted - reached, start, locked)), _MOST_LEFT_OUT)
+        left_out = [(one, "it waits for the owner's approval") for one in sorted(forbidden)]
+        left_out += [(one, self._no_way(one, locked)) for one in unreachable[:_MOST_LEFT_OUT]]
         answer = QueryDevicesResponse(
             success=True,
             message=_text(pose, start.room, age),
-            total=len(reached),
+            total=total,
             pose_age=age,
-            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in left_out),
+            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in left_out[:_MOST_LEFT_OUT]),
         )
         return NearDevices(best, why, answer)
 
@@ -161,15 +159,28 @@ class Nearness:
         centre = self._floor_plan.centre_of(name)
         return Spot(name, None if centre is None else (centre.x, centre.y))
 
-    def _spot_next(self) -> bool:
-        """Spot a device that is new or changed, any on a plan that did; return False if there is none."""
-        index, plan = self._index, self._index.owner.plan
-        recent = index.changes.recent
-        if plan is not self._plan or self._sequence < recent.forgotten:
-            self._plan, self._floor_plan = plan, FloorPlan.of(plan)
-            self._finder = self._floor_plan.path_finder()
+    async def _prepare(self) -> None:
+        """Spot the devices that are new or changed; all of them, and the doors, on a plan that did. In small steps."""
+        work = TimeSlice(self._clock)
+        while (plan := self._index.owner.plan) is not self._plan:
+            floor_plan, doorways = FloorPlan.of(plan), []
+            for one in floor_plan.doorways():
+                doorways.append(one)
+                if work.is_over:
+                    await work.pause()
+            self._plan, self._floor_plan = plan, floor_plan
+            self._finder = floor_plan.path_finder(doorways)
             self._doors = {door.name: door for door in plan.doors}
             self._open_doors.clear()
+            self._sequence = -1
+        while self._spot_next():
+            if work.is_over:
+                await work.pause()
+
+    def _spot_next(self) -> bool:
+        """Spot a device that is new or changed; return False if there is no other."""
+        index, recent = self._index, self._index.changes.recent
+        if self._sequence < recent.forgotten:
             self._moved = dict.fromkeys(index.ids)
         elif self._sequence != index.sequence:
             self._moved |= dict.fromkeys(change.device.id for change in recent.since(self._sequence))
@@ -184,6 +195,7 @@ class Nearness:
         self._finder.discard(device_id)
         self._errors.pop(device_id, None)
         self._rooms_alone.discard(device_id)
+        self._nowhere.discard(device_id)
         if device is None:
             return
         position = position_of(device.facts)
@@ -198,7 +210,9 @@ class Nearness:
             centre = plan.centre_of(place.room)
             error, reason = 0.0 if centre is None else centre.error, "only its room is known"
             self._rooms_alone.add(device_id)
-        if place is not None:
+        if place is None:
+            self._nowhere.add(device_id)
+        else:
             self._finder.put(device_id, place)
         if error:
             self._errors[device_id] = CostTerm(error, reason)
@@ -238,16 +252,11 @@ class Nearness:
             f"({capability}, {ago_text(self._clock.now() - newest.told_at.to_seconds())}{stale})",
         )
 
-    def _not_reached(self, devices: AbstractSet[str], start: Spot, locked: frozenset[str]) -> Iterator[tuple[str, str]]:
-        """Yield the devices without a way, with the reason; not those that are merely too far away."""
-        rooms = self._finder.reachable_rooms(start.room, locked)
-        reason = f": {', '.join(sorted(locked))} is locked" if len(locked) == 1 else ""
-        for one in devices:
-            place = self._finder.place_of(one)
-            if place is None:
-                yield one, "its room is not known"
-            elif place.room not in rooms:
-                yield one, f"no way leads to {place.room}{reason}"
+    def _no_way(self, device_id: str, locked: frozenset[str]) -> str:
+        """Return why no way leads to a device."""
+        place = self._finder.place_of(device_id)
+        reason = f": {', '.join(locked)} is locked" if len(locked) == 1 else ""
+        return "its room is not known" if place is None else f"no way leads to {place.room}{reason}"
 
 
 def _text(pose: RobotPose, room: str, age: float) -> str:

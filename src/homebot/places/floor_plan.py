@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple, final
 
@@ -150,9 +150,9 @@ class FloorPlan:
         distances = {one.room: self.distance(one.room, x, y) for one in self._near(x, y, floor)}
         return sorted((room for room in distances if distances[room] <= _REACH), key=lambda one: (distances[one], one))
 
-    def path_finder(self) -> PathFinder:
-        """Return a new finder of ways, without targets."""
-        return PathFinder(self._sights, self.doorways())
+    def path_finder(self, doorways: Iterable[Doorway] | None = None) -> PathFinder:
+        """Return a new finder of ways, without targets; by *doorways* where they are made already."""
+        return PathFinder(self._sights, self.doorways() if doorways is None else doorways)
 
     def doorways(self) -> Iterator[Doorway]:
         """Yield the ways through each door."""

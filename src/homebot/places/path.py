@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from itertools import count
+from itertools import chain, count
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.polygon import Point
@@ -124,69 +124,65 @@ class PathFinder:
         """Return the place of a target."""
         return self._targets.get(target)
 
-    def reachable_rooms(self, room: str, locked: frozenset[str] = frozenset()) -> AbstractSet[str]:
-        """Return the rooms to which a way leads from *room*, that itself included, but for the *locked* doors."""
+    def unreachable(self, room: str, locked: frozenset[str] = frozenset()) -> set[str]:
+        """Return the targets to which no way leads from *room*, but for the *locked* doors."""
         known, though_locked = self._reachable
-        if room in known and locked == though_locked:
-            return known
-        found, waiting = {room}, [room]
-        while waiting:
-            for node in self._nodes.get(waiting.pop(), ()):
-                other = node.other
-                if other is not None and other.spot.room not in found and node.door not in locked:
-                    found.add(other.spot.room)
-                    waiting.append(other.spot.room)
-        self._reachable = found, locked
-        return found
+        if room not in known or locked != though_locked:
+            found, waiting = {room}, [room]
+            while waiting:
+                for node in self._nodes.get(waiting.pop(), ()):
+                    other = node.other
+                    if other is not None and other.spot.room not in found and node.door not in locked:
+                        found.add(other.spot.room)
+                        waiting.append(other.spot.room)
+            known = found
+            self._reachable = found, locked
+        return set[str]().union(*(self._in_room[one] for one in self._in_room.keys() - known))
 
-    def reachable(self, targets: AbstractSet[str], room: str, locked: frozenset[str] = frozenset()) -> set[str]:
-        """Return those of *targets* to which a way leads from *room*."""
-        rooms = self.reachable_rooms(room, locked)
-        placed = targets & self._targets.keys()
-        if all(one in rooms for one, there in self._in_room.items() if there):
-            return placed
-        return {one for one in placed if self._targets[one].room in rooms}
-
-    def nearest(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Way]:
+    def nearest(
+        self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None, most: float = math.inf
+    ) -> Iterator[Way]:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
 
         Args:
             start: Where the ways begin.
             crossing: What going through each door costs.
             wanted: The only targets to look for; None for all.
+            most: The most metres.
         """
         order = count()
-        heap: list[tuple[float, str, int, Way, _Node | None, Spot]] = []
+        heap: list[tuple[float, str, int, float, float, tuple[str, ...], _Node | None, Spot]] = []
+        done: set[str | _Node] = set()
 
-        def push_all(begin: Way, spot: Spot, ways: Iterable[tuple[float, _Node]]) -> None:
+        def push_all(
+            spot: Spot, path: float, extra: float, doors: tuple[str, ...], ways: Iterable[tuple[float, _Node]]
+        ) -> None:
             """Queue what the room of *spot* has; only what is taken from the queue is looked at closely."""
             here = self._in_room.get(spot.room, set())
-            found: list[tuple[float, str, _Node | None]] = [(metres, "", node) for metres, node in ways]
-            found += [
-                (_metres(spot, self._targets[target], HALF_HOP), target, None)
-                for target in (here if wanted is None else here & wanted)
-            ]
-            for metres, target, node in found:
-                way = Way(target, begin.path + metres, begin.extra, begin.doors)
-                heappush(heap, (way.path + way.extra, target, next(order), way, node, spot))
+            nodes = ((metres, "", node) for metres, node in ways if node not in done)
+            targets = (here if wanted is None else here & wanted) - done
+            spots = ((_metres(spot, self._targets[one], HALF_HOP), one, None) for one in targets)
+            for metres, target, node in chain(nodes, spots):
+                way = path + metres
+                if way + extra <= most:
+                    heappush(heap, (way + extra, target, next(order), way, extra, doors, node, spot))
 
         begin = self._inside(start)
         nodes = self._nodes.get(start.room, ())
-        push_all(Way("", 0.0, 0.0, ()), begin, [(_metres(begin, node.spot, HALF_HOP), node) for node in nodes])
-        done: set[str | _Node] = set()
+        push_all(begin, 0.0, 0.0, (), [(_metres(begin, node.spot, HALF_HOP), node) for node in nodes])
         while heap:
-            _, target, _, way, node, origin = heappop(heap)
+            _, target, _, path, extra, doors, node, origin = heappop(heap)
             reached = target if node is None else node
             if reached in done or not self._sees(origin, self._targets[target] if node is None else node.spot):
                 continue
             done.add(reached)
             if node is None:
-                yield way
+                yield Way(target, path, extra, doors)
             elif node.other is None:
-                push_all(way, node.spot, self._ways(node))
+                push_all(node.spot, path, extra, doors, self._ways(node))
             elif not math.isinf(toll := crossing(node.door)):
-                doors = (*way.doors, node.door)
-                push_all(Way("", way.path, way.extra + toll, doors), node.other.spot, self._ways(node.other))
+                done.add(node.other)  # a way back through the door would be longer
+                push_all(node.other.spot, path, extra + toll, (*doors, node.door), self._ways(node.other))
 
     def _ways(self, node: _Node) -> list[tuple[float, _Node]]:
         if node.ways is None:

@@ -12,7 +12,6 @@ from bisect import insort
 from collections.abc import Callable, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cache
-from itertools import takewhile
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.path import PathFinder, Spot, Way
@@ -74,12 +73,12 @@ def nearest(
     wanted: AbstractSet[str],
     terms: Terms,
     *,
-    locked: frozenset[str] = frozenset(),
+    total: int,
     within: float = math.inf,
     least: float = 0.0,
     limit: int = 0,
-) -> tuple[list[NearDevice], AbstractSet[str]]:
-    """Return the best *limit* of the *wanted* devices, best first, and all of them that can be reached.
+) -> tuple[list[NearDevice], int]:
+    """Return the best *limit* of the *wanted* devices, best first, and how many are near enough.
 
     Args:
         finder: Finds the ways.
@@ -87,7 +86,7 @@ def nearest(
         doors: The state of each door.
         wanted: The ids of the devices that fit otherwise.
         terms: What speaks against each.
-        locked: The doors that are walls.
+        total: To how many of them a way leads.
         within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
         least: The metres that speak against each at least.
         limit: How many; 0 for all.
@@ -98,23 +97,21 @@ def nearest(
         return doors(door).metres
 
     def passing(door: str) -> float:
-        return math.inf if door in locked else 0.0
+        return math.inf if math.isinf(crossing(door)) else 0.0
 
-    if math.isinf(within):
-        near = finder.reachable(wanted, start.room, locked)
-    else:
-        routes = takewhile(lambda route: route.path <= within, finder.nearest(start, passing, wanted))
-        near = {route.target for route in routes}
+    if not math.isinf(within):
+        wanted = {route.target for route in finder.nearest(start, passing, wanted, within)}
+        total = len(wanted)
     found: list[NearDevice] = []
-    for route in finder.nearest(start, crossing, near):
+    for route in finder.nearest(start, crossing, wanted) if total else ():
         way = route.path + route.extra
         if limit and len(found) >= limit and way + least >= found[limit - 1].cost:
             break
         own = tuple(terms(route.target))
         insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))
-        if len(found) == len(near):
+        if len(found) == total:
             break
-    return (found[:limit] if limit else found), near
+    return (found[:limit] if limit else found), total
 
 
 def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str:

@@ -20,7 +20,6 @@ from homebot.support.similar import did_you_mean
 __all__ = ["check_words"]
 
 _SHOWN = 12
-_NAMES = (TypeIs, InArea, AreaIs, NameIs, FactIs, GatewayIs, HasText)
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS})
 
 
@@ -43,18 +42,20 @@ def check_words(
             room, a name or a word that no device has, where another is one typo away. It says what was probably meant.
         RefusedError: It has a type that is none, and that no device calls itself as yet.
     """
-    for term in _terms(query):
-        if (
-            isinstance(term, _NAMES)
-            and not postings.find(term)
-            and (problem := _problem(term, postings, plan, devices))
-        ):
+    for term in filter(_is_name, _terms(query)):
+        if not postings.find(term) and (problem := _problem(term, postings, plan, devices)):
             raise UsageError(problem)
+
+
+def _is_name(term: Query) -> bool:
+    if isinstance(term, TypeIs):
+        return term.by_word and not term.types
+    return isinstance(term, InArea | AreaIs | NameIs | FactIs | GatewayIs | HasText)
 
 
 def _problem(term: Query, postings: Postings, plan: HousePlan | None, devices: Callable[[], Iterable[Device]]) -> str:
     match term:
-        case TypeIs(word, types, _, by_word=True) if not types:
+        case TypeIs(word):
             return _unknown_type(word, {*TYPE_WORDS, *postings.values_of("advertised")})
         case InArea(area) | AreaIs(area) if area:
             return _unknown_area(area, postings, plan)
