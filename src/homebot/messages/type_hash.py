@@ -13,6 +13,7 @@ from typing import Any, Final, TypeAlias
 
 from homebot.messages.action import ActionType
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["type_hash"]
@@ -39,13 +40,6 @@ _PRIMITIVES: Final = {
     "string": 17,
 }
 _EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
-_EVENT_FIELDS: Final = (
-    FieldDefinition("event_type", "uint8"),
-    FieldDefinition("stamp", "builtin_interfaces/msg/Time"),
-    FieldDefinition("client_gid", "char", is_array=True, size=16),
-    FieldDefinition("sequence_number", "int64"),
-)
-_TIME_FIELDS: Final = (FieldDefinition("sec", "int32"), FieldDefinition("nanosec", "uint32"))
 
 
 def type_hash(interface: type[Message] | ServiceType[Any, Any] | ActionType[Any, Any, Any]) -> str:
@@ -81,8 +75,7 @@ def _add_service(types: dict[str, list[_Field]], service: ServiceType[Any, Any])
     names = {side: f"{service.ros_type}_{side.capitalize()}" for side in sides}
     for side, message in sides.items():
         _add_message(types, message, names[side])
-    types["builtin_interfaces/msg/Time"] = _described(_TIME_FIELDS)
-    types[_EVENT_INFO] = _described(_EVENT_FIELDS)
+    _add_message(types, find_message(_EVENT_INFO), _EVENT_INFO)
     event = f"{service.ros_type}_Event"
     kept = (FieldDefinition(side, name, is_array=True, bound=1) for side, name in names.items())
     types[event] = _described((FieldDefinition("info", _EVENT_INFO), *kept))

@@ -151,7 +151,7 @@ class Runtime:
     def _make_plan(self) -> Plan:
         config = self.config
         if self._house is not None:
-            config = config.model_copy(update={"gateways": {**self._house.gateways(), **config.gateways}})
+            config = config.model_copy(update={"gateways": {**self._house.network.gateways(), **config.gateways}})
         if self.is_dry_run:
             from homebot.runtime.dry_run import DryRun, MutedNode, observing  # noqa: PLC0415 - few runs are one
 
@@ -266,7 +266,7 @@ class Runtime:
         """Start each in-process peer that gateways need once, unless it was given."""
         running = dict(self._context.services)
         if self._house is not None:
-            for given in await stack.enter_async_context(self._house.running(self._context.random)):
+            for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
                 running[type(given)] = given
         for service in self._needed:
             if service.kind not in running:

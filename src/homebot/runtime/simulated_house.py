@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from functools import partial
-from random import Random
 from typing import final
 
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import ConfigError
 from homebot.gateways import GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
@@ -43,17 +41,17 @@ class HouseOfRun:
         world: The house as it is described.
         configured: The names of the gateways in the configuration.
         robot: The name of its robot with ROS; empty for none. A house of which no room has an extent has none.
+
+    Attributes:
+        robot: Likewise.
+        network: The networks of its devices.
     """
 
     def __init__(self, world: World, configured: Collection[str], robot: str = "") -> None:
         self._world = world
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
-        self._network = HouseNetwork(world.families())
-
-    def gateways(self) -> dict[str, dict[str, object]]:
-        """Return the tables of the gateways that find its devices, see :meth:`HouseNetwork.gateways`."""
-        return self._network.gateways()
+        self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
         """Return *plan* with the robot of the house, and with its floor plan where none is stated.
@@ -74,10 +72,6 @@ class HouseOfRun:
 
             plan = replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
         return plan
-
-    def running(self, random: Random | None) -> AbstractAsyncContextManager[tuple[object, ...]]:
-        """Run its networks, see :meth:`HouseNetwork.running`."""
-        return self._network.running(random)
 
     def may_meet_real_devices(self, plan: Plan) -> bool:
         """Return whether a gateway of the configuration may find devices outside the house."""
@@ -126,15 +120,11 @@ class HouseOfRun:
         Args:
             home: The first level of their topics.
             graph: The graph, on which its robot is.
-
-        Raises:
-            UsageError: There is no host.
         """
         host = context.service(SimulatedHouse.Host)
-        if host is None:
-            raise UsageError(SimulatedHouse.WITHOUT_HOST)
+        assert host is not None  # noqa: S101 - its plan has one
         house = SimulatedHouse.hosted_by(
-            host, home, self._world, graph.clock, random=context.random, network=self._network
+            host, home, self._world, graph.clock, random=context.random, network=self.network
         )
         if not self.robot:
             await house.serve(task_status=task_status)
