@@ -83,20 +83,20 @@ class RmfDoors(App):
                 await anyio.sleep(_EVERY)
 
     async def _find_doors(self) -> dict[str, _Part | None]:
-        """Return each door with its lock, motor or contact; None where that is not known yet."""
-        find = self.devices.find
-        parts: list[_Part] = [*await find(Closure), *await find(DoorLock), *await find(ContactSensor)]
-        by_name = {fold(name): part for part in parts for name in _names(part)}
-        plan = await self._places.call(GetPlacesRequest(), timeout=5.0)
-        planned = {
-            one.name: by_name.get(fold(one.lock or one.contact)) for one in plan.doors if one.lock or one.contact
-        }
-        used = {fold(name) for door in plan.doors for name in (door.lock, door.contact)}
-        doors: dict[str, _Part | None] = {}
+        """Return each door with its lock or motor, else its contact; None where that is not known yet."""
+        find, plan = self.devices.find, await self._places.call(GetPlacesRequest(), timeout=5.0)
+        planned = {fold(device): door.name for door in plan.doors for device in (door.contact, door.lock) if device}
+        doors: dict[str, _Part | None] = dict.fromkeys(planned.values())
+        parts: list[_Part] = [*await find(ContactSensor), *await find(Closure), *await find(DoorLock)]
         for part in parts:
-            if _is_door(part) and not {fold(name) for name in _names(part)} & used:
-                doors[part.name if part.device.name in doors else part.device.name] = part
-        return doors | planned
+            names = map(fold, (part.id, part.name, part.device.id, part.device.name))
+            name = next((planned[name] for name in names if name in planned), "")
+            if not name and _is_door(part):
+                same = doors.get(part.device.name)
+                name = part.device.name if same is None or same.device.id == part.device.id else part.id
+            if name:
+                doors[name] = part
+        return doors
 
     def _request(self, request: Message) -> None:
         """Begin, renew or end the hold of one requester."""
@@ -133,10 +133,6 @@ class RmfDoors(App):
 
     def _warn(self, message: str) -> None:
         self.node.log.warning("rmf_doors.refused", message=message)
-
-
-def _names(part: _Part) -> tuple[str, ...]:
-    return part.id, part.name, part.device.id, part.device.name
 
 
 def _is_door(part: _Part) -> bool:
