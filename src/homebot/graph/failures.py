@@ -82,8 +82,9 @@ class ServiceCounts:
     """Counters of all services of a graph.
 
     Attributes:
-        late_answers: Number of responses and errors that were dropped because their caller had left.
-        refused_calls: Number of calls refused because the waiting line was full.
+        late_answers: Number of responses and errors that were dropped because their caller had left, and
+            of results of goals that were not asked for in time.
+        refused_calls: Number of calls and goals refused because too many were waiting.
     """
 
     def __init__(self, clock: Clock) -> None:

@@ -378,24 +378,24 @@ async def test_goals_end_with_their_client(node: Node, graph: Graph, end: str) -
     assert not server.goals
 
 
-async def test_goals_at_once_are_bounded_and_refusals_counted(node: Node, other: Node) -> None:
-    server = ActionServer(node, Fibonacci, "fib", wait_long)
+async def test_goals_at_once_are_bounded_and_refusals_counted(node: Node, other: Node, graph: Graph) -> None:
+    ActionServer(node, Fibonacci, "fib", wait_long)
     client = client_of(other)
     for _ in range(256):
         await client.send_goal(Goal(order=1))
     with pytest.raises(GoalRejectedError):
         await client.send_goal(Goal(order=1))
-    assert server.refused == 1
+    assert graph.service_counts.refused_calls == 1
 
 
-async def test_unread_results_are_bounded_and_losses_counted(node: Node, other: Node) -> None:
-    server = ActionServer(node, Fibonacci, "fib", compute)
+async def test_unread_results_are_bounded_and_losses_counted(node: Node, other: Node, graph: Graph) -> None:
+    ActionServer(node, Fibonacci, "fib", compute)
     client = client_of(other)
     first = await client.send_goal(Goal(order=1))
     for _ in range(256):
         await client.send_goal(Goal(order=1))
         await anyio.sleep(0.01)
-    assert server.lost_results == 1
+    assert graph.service_counts.late_answers == 1
     assert (await first.result())[0] is GoalState.UNKNOWN
 
 

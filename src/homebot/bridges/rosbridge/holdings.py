@@ -125,7 +125,6 @@ class Holdings:
         self._shared.leases.release(self)
 
     def _act(self, op: ActionOperation) -> None:
-        """Carry out *op*; ``action_status``, which the server of the action knows, is ignored."""
         sent, provided = self._actions = self._actions or self._load_actions()
         match op:
             case SendActionGoal():

@@ -27,20 +27,19 @@ __all__ = [
     "Advertise",
     "AdvertiseAction",
     "AdvertiseService",
-    "AuthOperation",
     "CallService",
     "CancelActionGoal",
     "Compression",
     "Fragment",
     "FrameError",
     "Identifier",
+    "IgnoredOperation",
     "Level",
     "Operation",
     "PublishOperation",
     "SendActionGoal",
     "ServiceResponse",
     "SetLevel",
-    "Status",
     "SubscribeOperation",
     "Unadvertise",
     "UnadvertiseAction",
@@ -198,14 +197,8 @@ class SetLevel(Operation, ops=("set_level",)):
     level: Level
 
 
-class AuthOperation(Operation, ops=("auth",)):
-    """The login of rosauth; clients log in when they connect instead, so there is nothing to do."""
-
-
-class Status(Operation, ops=("status",)):
-    """A remark of the client."""
-
-    msg: str = ""
+class IgnoredOperation(Operation, ops=("auth", "status", "action_status")):
+    """There is nothing to do: clients log in when they connect, and the server of an action knows its goals."""
 
 
 class ActionOperation(Operation):
@@ -247,10 +240,6 @@ class ActionResult(ActionOperation, ops=("action_result",)):
     values: Any = None
     status: int = 0
     result: bool = False
-
-
-class ActionStatus(ActionOperation, ops=("action_status",)):
-    """The state of a goal that the client executes; the server of the action knows it."""
 
 
 class AdvertiseAction(ActionOperation, ops=("advertise_action",)):

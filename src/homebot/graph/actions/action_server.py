@@ -54,11 +54,11 @@ class Preemption(StrEnum):
 
 
 class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
-    """Executes the goals of one action; at most 256 are active at once.
+    """Executes the goals of one action; at most 256 are active at once, and those refused are counted as calls.
 
     *execute* ends its goal by ``succeed``, ``abort`` or ``canceled`` and returns the result. Without one of these the
     goal is ABORTED with a warning; after an exception it is ABORTED with an empty result, and the failure is counted.
-    The last 256 results are kept for *result_timeout*.
+    The last 256 results are kept for *result_timeout*; those dropped before are counted as late answers.
 
     Args:
         node: The node that executes the goals while it runs.
@@ -69,10 +69,6 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
             a cancellation is accepted and cancels the execution.
         preemption: The rule for a goal that arrives while another one is active; by default both are executed.
         result_timeout: Seconds after the end of a goal.
-
-    Attributes:
-        refused: Number of goals rejected because 256 were active.
-        lost_results: Number of results dropped before their time because 256 newer ones were kept.
 
     Raises:
         InvalidNameError: *name* is not a legal name.
@@ -92,8 +88,6 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         preemption: Preemption | None = None,
         result_timeout: float = 10.0,
     ) -> None:
-        self.refused = 0
-        self.lost_results = 0
         self._node = node
         self._type = action_type
         self._execute = execute
@@ -157,7 +151,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
     def _is_acceptable(self, goal_id: bytes) -> bool:
         active = len(self.goals)
         if active >= MAX_ACTIVE:
-            self.refused += 1
+            self._node.graph.service_counts.refused_calls += 1
             return False
         return goal_id not in self._goals and not (active and self._preemption is Preemption.REJECT)
 
@@ -241,7 +235,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         self._expiries.set(self._result_timeout, partial(self._forget, goal))
         ended = [one for one in self._goals.values() if not one.is_active]
         if len(ended) > MAX_ENDED:
-            self.lost_results += 1
+            self._node.graph.service_counts.late_answers += 1
             self._forget(ended[0])
 
     def _forget(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
