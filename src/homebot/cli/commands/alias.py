@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import ALIAS_DEVICE
@@ -36,17 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--undo", action="store_true", help="take the name back")
 
 
-def _alias(options: argparse.Namespace) -> int:
+@door_command
+def _alias(door: DoorClient, options: argparse.Namespace) -> int:
     """Give a device a further name, or take it back."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        request = {"device": device, "alias": options.name, "remove": options.undo}
-        answer = cast("AliasDeviceResponse", JsonMessage(door.call(ALIAS_DEVICE, request)))
-        if not answer.success:
-            raise PeerError(answer.message)
-        aliases = ", ".join(map(printable, answer.aliases)) or "none"
-        print(f"aliases of {printable(device)}: {aliases}")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id
+    request = {"device": device, "alias": options.name, "remove": options.undo}
+    answer = cast("AliasDeviceResponse", JsonMessage(door.call(ALIAS_DEVICE, request)))
+    if not answer.success:
+        raise PeerError(answer.message)
+    aliases = ", ".join(map(printable, answer.aliases)) or "none"
+    print(f"aliases of {printable(device)}: {aliases}")
+    return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device, unapproved
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import APPROVE_DEVICE
@@ -36,24 +36,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--undo", action="store_true", help="take the approval back")
 
 
-def _approve(options: argparse.Namespace) -> int:
+@door_command
+def _approve(door: DoorClient, options: argparse.Namespace) -> int:
     """Approve a device, or take that back."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        waited = device in unapproved(door, device)
-        request = {"device": device, "remove": options.undo}
-        answer = cast("ApproveDeviceResponse", JsonMessage(door.call(APPROVE_DEVICE, request)))
-        if not answer.success:
-            raise PeerError(answer.message)
-        print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
-        for change in answer.changes:
-            print(f"  changed: {printable(change)}")
-        for command in answer.commands:
-            print(f"  {printable(command)}")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id
+    waited = device in unapproved(door, device)
+    request = {"device": device, "remove": options.undo}
+    answer = cast("ApproveDeviceResponse", JsonMessage(door.call(APPROVE_DEVICE, request)))
+    if not answer.success:
+        raise PeerError(answer.message)
+    print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
+    for change in answer.changes:
+        print(f"  changed: {printable(change)}")
+    for command in answer.commands:
+        print(f"  {printable(command)}")
+    return 0
 
 
 def _told(*, waited: bool, undo: bool) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
@@ -39,27 +39,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _forget(options: argparse.Namespace) -> int:
+@door_command
+def _forget(door: DoorClient, options: argparse.Namespace) -> int:
     """Take a device out of the index, and on request its announcements off the broker."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)
-        publisher = GatewayPublisher(door)
-        if options.purge:  # before anything is done, so that nothing is done by halves
-            for gateway in sorted({one.gateway for one in device.endpoints}):
-                publisher.check(gateway)
-        answer = cast("ForgetDeviceResponse", JsonMessage(door.call(FORGET_DEVICE, {"device": device.id})))
-        if not answer.success:
-            raise PeerError(answer.message)
-        returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
-        print(f"forgot {printable(device.id)}{returns}")
-        for one in answer.announced_on:
-            topic = printable(one.topic)
-            if options.purge:
-                publisher.publish(one.gateway, one.topic, "", retain=True)
-                print(f"deleted the retained message on {topic}")
-            else:
-                print(f"it was announced on {topic}; --purge deletes the retained message there")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device)
+    publisher = GatewayPublisher(door)
+    if options.purge:  # before anything is done, so that nothing is done by halves
+        for gateway in sorted({one.gateway for one in device.endpoints}):
+            publisher.check(gateway)
+    answer = cast("ForgetDeviceResponse", JsonMessage(door.call(FORGET_DEVICE, {"device": device.id})))
+    if not answer.success:
+        raise PeerError(answer.message)
+    returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
+    print(f"forgot {printable(device.id)}{returns}")
+    for one in answer.announced_on:
+        topic = printable(one.topic)
+        if options.purge:
+            publisher.publish(one.gateway, one.topic, "", retain=True)
+            print(f"deleted the retained message on {topic}")
+        else:
+            print(f"it was announced on {topic}; --purge deletes the retained message there")
+    return 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Never, cast
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, entry_json
 from homebot.cli.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
 from homebot.cli.json_message import JsonMessage
@@ -49,31 +49,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print each entry as one line of JSON")
 
 
-def _journal(options: argparse.Namespace) -> int:
+@door_command
+def _journal(door: DoorClient, options: argparse.Namespace) -> int:
     """Print entries of the journal, oldest first."""
-
-    def run(door: DoorClient) -> int:
-        client = JournalClient(door)
-        about = options.about or options.device
-        device = named_device(door, about).id if about else ""
-        now = house_time(door)
-        if options.follow:
-            door.subscribe(JOURNAL_ENTRIES)
-        since = now - options.since if options.since is not None else 0.0
-        found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
-        printer = _EntryPrinter(client, now, as_json=options.json)
-        for entry in found.entries:
-            printer.print(entry)
-        if options.follow:
-            _follow(door, client, printer, device, options.command_id)
-        elif not options.json and not found.entries:
-            is_filtered = since or device or options.command_id
-            print("nothing in the journal fits" if is_filtered else "the journal is empty")
-        elif not options.json and not found.complete:
-            print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
-        return 0
-
-    return with_client(options, run)
+    client = JournalClient(door)
+    about = options.about or options.device
+    device = named_device(door, about).id if about else ""
+    now = house_time(door)
+    if options.follow:
+        door.subscribe(JOURNAL_ENTRIES)
+    since = now - options.since if options.since is not None else 0.0
+    found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
+    printer = _EntryPrinter(client, now, as_json=options.json)
+    for entry in found.entries:
+        printer.print(entry)
+    if options.follow:
+        _follow(door, client, printer, device, options.command_id)
+    elif not options.json and not found.entries:
+        is_filtered = since or device or options.command_id
+        print("nothing in the journal fits" if is_filtered else "the journal is empty")
+    elif not options.json and not found.complete:
+        print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
+    return 0
 
 
 def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, device: str, command: str) -> Never:

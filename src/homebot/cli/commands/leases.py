@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_words import issuer_text, settings_text
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
@@ -43,23 +43,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
-def _leases(options: argparse.Namespace) -> int:
+@door_command
+def _leases(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the holders of leases, with the held values and expiry times."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id if options.device else ""
-        parts = cast("LeasesResponse", JsonMessage(door.call(GET_LEASES, {"device": device}))).parts
-        if options.json:
-            print(list_text([json_text(_json(one)) for one in parts]))
-        elif parts:
-            now, labels = house_time(door), _labels(door, parts)
-            rows = [row for one in parts for row in _rows(labels[one.device, one.part], one, now)]
-            print_table(_HEAD, rows, if_any=("OUTRANKED",))
-        else:
-            print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id if options.device else ""
+    parts = cast("LeasesResponse", JsonMessage(door.call(GET_LEASES, {"device": device}))).parts
+    if options.json:
+        print(list_text([json_text(_json(one)) for one in parts]))
+    elif parts:
+        now, labels = house_time(door), _labels(door, parts)
+        rows = [row for one in parts for row in _rows(labels[one.device, one.part], one, now)]
+        print_table(_HEAD, rows, if_any=("OUTRANKED",))
+    else:
+        print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
+    return 0
 
 
 def _labels(door: DoorClient, parts: Iterable[HeldPart]) -> dict[tuple[str, str], str]:

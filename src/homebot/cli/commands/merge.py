@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import MERGE_DEVICES
@@ -38,18 +38,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _merge(options: argparse.Namespace) -> int:
+@door_command
+def _merge(door: DoorClient, options: argparse.Namespace) -> int:
     """Make several devices one."""
-
-    def run(door: DoorClient) -> int:
-        ids = [named_device(door, one).id for one in options.devices]
-        answer = cast("MergeDevicesResponse", JsonMessage(door.call(MERGE_DEVICES, {"devices": ids})))
-        if not answer.success:
-            raise PeerError(answer.message)
-        if len(ids) == 1:
-            print(f"all endpoints of {printable(answer.device)} may have its commands now")
-        else:
-            print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer.device)}")
-        return 0
-
-    return with_client(options, run)
+    ids = [named_device(door, one).id for one in options.devices]
+    answer = cast("MergeDevicesResponse", JsonMessage(door.call(MERGE_DEVICES, {"devices": ids})))
+    if not answer.success:
+        raise PeerError(answer.message)
+    if len(ids) == 1:
+        print(f"all endpoints of {printable(answer.device)} may have its commands now")
+    else:
+        print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer.device)}")
+    return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities, is_hidden, not_found
 
 __all__ = ["add_arguments"]
@@ -37,34 +37,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(command, _info, "  homebot node info /rosapi\n")
 
 
-def _list(options: argparse.Namespace) -> int:
+@door_command
+def _list(door: DoorClient, options: argparse.Namespace) -> int:
     """Print every node, one a line."""
-
-    def run(door: DoorClient) -> int:
-        for one in entities(door, kind="node"):
-            if options.all or not is_hidden(one):
-                print(one.name)
-        return 0
-
-    return with_client(options, run)
+    for one in entities(door, kind="node"):
+        if options.all or not is_hidden(one):
+            print(one.name)
+    return 0
 
 
-def _info(options: argparse.Namespace) -> int:
+@door_command
+def _info(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the topics and services that a node reads, publishes, serves and calls."""
-
-    def run(door: DoorClient) -> int:
-        name = options.node if options.node.startswith("/") else f"/{options.node}"
-        ends = entities(door, node=name)
-        if not ends:
-            known = [one.name for one in entities(door, kind="node")]
-            raise not_found("node", name, known)
-        print(name)
-        for kind, title in _SECTIONS.items():
-            print(f"  {title}:")
-            for line in sorted(
-                {f"    {one.name}: {one.type}" for one in ends if one.kind == kind and not is_hidden(one)}
-            ):
-                print(line)
-        return 0
-
-    return with_client(options, run)
+    name = options.node if options.node.startswith("/") else f"/{options.node}"
+    ends = entities(door, node=name)
+    if not ends:
+        known = [one.name for one in entities(door, kind="node")]
+        raise not_found("node", name, known)
+    print(name)
+    for kind, title in _SECTIONS.items():
+        print(f"  {title}:")
+        for line in sorted({f"    {one.name}: {one.type}" for one in ends if one.kind == kind and not is_hidden(one)}):
+            print(line)
+    return 0

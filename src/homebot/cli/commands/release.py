@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_words import issuer_text, settings_text
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
@@ -33,18 +33,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
-def _release(options: argparse.Namespace) -> int:
+@door_command
+def _release(door: DoorClient, options: argparse.Namespace) -> int:
     """End all leases of a device."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
-        for held in parts:
-            for one in held.holders:
-                who = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"
-                print(f"{printable(device)} is no longer held {settings_text([held.setting])} by {who}")
-        if not parts:
-            raise PeerError(f"nobody holds {printable(device)}")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id
+    parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
+    for held in parts:
+        for one in held.holders:
+            who = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"
+            print(f"{printable(device)} is no longer held {settings_text([held.setting])} by {who}")
+    if not parts:
+        raise PeerError(f"nobody holds {printable(device)}")
+    return 0

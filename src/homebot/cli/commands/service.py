@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import cast
 
 from homebot.cli.arguments import add_verb, add_verbs, positive, set_client_command
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
 from homebot.cli.graph_queries import MessageTypeRecord, response_schema
 from homebot.cli.table import printable
@@ -43,22 +43,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(command, _call, _CALL_EXAMPLES)
 
 
-def _call(options: argparse.Namespace) -> int:
+@door_command
+def _call(door: DoorClient, options: argparse.Namespace) -> int:
     """Call a service and print its response; return 1 where the response says that it did not work."""
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was left out
         expected, request = "", expected
-
-    def run(door: DoorClient) -> int:
-        ros_type = _type(door, options.service, expected)
-        response = door.call(options.service, request, options.timeout)
-        if options.json:
-            print(json.dumps(response))
-        else:
-            print(to_yaml(response_schema(door, ros_type).readable(response)), end="")
-        return _exit_code(options.service, response)
-
-    return with_client(options, run)
+    ros_type = _type(door, options.service, expected)
+    response = door.call(options.service, request, options.timeout)
+    if options.json:
+        print(json.dumps(response))
+    else:
+        print(to_yaml(response_schema(door, ros_type).readable(response)), end="")
+    return _exit_code(options.service, response)
 
 
 def _exit_code(service: str, response: Mapping[str, object]) -> int:

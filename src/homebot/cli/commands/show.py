@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved, why_it_asks
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.time_format import ago
@@ -44,25 +44,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_broker_option(parser)
 
 
-def _show(options: argparse.Namespace) -> int:
+@door_command
+def _show(door: DoorClient, options: argparse.Namespace) -> int:
     """Print everything that is known of a device."""
+    device = named_device(door, options.device)
+    if options.td:
+        from homebot.cli.thing_files import thing_text, to_device  # noqa: PLC0415 - for Thing Descriptions alone
 
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)
-        if options.td:
-            from homebot.cli.thing_files import thing_text, to_device  # noqa: PLC0415 - for Thing Descriptions alone
-
-            print(thing_text(to_device(device), options.broker))
-        elif options.json:
-            print(json_text(device_json(device, unapproved(door, device.id))))
-        else:
-            reasons = reasons_for(door, device)
-            asks, waits = why_it_asks(door, device.id)
-            rows = [("always asks", printable(asks))] if asks else []
-            _describe(device, reasons, house_time(door), [*rows, *([_WAITS] if waits else [])])
-        return 0
-
-    return with_client(options, run)
+        print(thing_text(to_device(device), options.broker))
+    elif options.json:
+        print(json_text(device_json(device, unapproved(door, device.id))))
+    else:
+        reasons = reasons_for(door, device)
+        asks, waits = why_it_asks(door, device.id)
+        rows = [("always asks", printable(asks))] if asks else []
+        _describe(device, reasons, house_time(door), [*rows, *([_WAITS] if waits else [])])
+    return 0
 
 
 def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:

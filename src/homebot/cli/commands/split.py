@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import SPLIT_DEVICE
@@ -36,17 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("key", nargs="?", default="", metavar="KEY", help="what that gateway calls it")
 
 
-def _split(options: argparse.Namespace) -> int:
+@door_command
+def _split(door: DoorClient, options: argparse.Namespace) -> int:
     """Make several devices of one."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        request = {"device": device, "gateway": options.gateway, "key": options.key}
-        answer = cast("SplitDeviceResponse", JsonMessage(door.call(SPLIT_DEVICE, request)))
-        if not answer.success:
-            raise PeerError(answer.message)
-        ids = [printable(one) for one in answer.devices]
-        print(f"{ids[0]} is {len(ids)} devices now: {', '.join(ids)}")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id
+    request = {"device": device, "gateway": options.gateway, "key": options.key}
+    answer = cast("SplitDeviceResponse", JsonMessage(door.call(SPLIT_DEVICE, request)))
+    if not answer.success:
+        raise PeerError(answer.message)
+    ids = [printable(one) for one in answer.devices]
+    print(f"{ids[0]} is {len(ids)} devices now: {', '.join(ids)}")
+    return 0

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command, with_client
 from homebot.cli.graph_queries import entities
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
@@ -99,43 +99,35 @@ def _tag(options: argparse.Namespace, *, remove: bool) -> int:
     return with_client(options, run)
 
 
-def _read(options: argparse.Namespace) -> int:
+@door_command
+def _read(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the device that a tag points to."""
-
-    def run(door: DoorClient) -> int:
-        request = {"reader": options.reader, "wait": options.wait}
-        timeout = options.wait + _GRACE
-        answer = cast(
-            "ReadTagResponse", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout)
-        )
-        if not answer.success:
-            return _failed(answer.problem, answer.message)
-        print(f"tag {printable(answer.tag)} ({printable(answer.tag_type)}): {printable(answer.message)}")
-        for what, text in (("device", answer.device), ("area", answer.area), ("reader", answer.reader)):
-            if text:
-                print(f"  {what}: {printable(text)}")
-        return 0
-
-    return with_client(options, run)
+    request = {"reader": options.reader, "wait": options.wait}
+    timeout = options.wait + _GRACE
+    answer = cast("ReadTagResponse", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout))
+    if not answer.success:
+        return _failed(answer.problem, answer.message)
+    print(f"tag {printable(answer.tag)} ({printable(answer.tag_type)}): {printable(answer.message)}")
+    for what, text in (("device", answer.device), ("area", answer.area), ("reader", answer.reader)):
+        if text:
+            print(f"  {what}: {printable(text)}")
+    return 0
 
 
-def _scan(options: argparse.Namespace) -> int:
+@door_command
+def _scan(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the device that a code points to, and have its room remembered."""
-
-    def run(door: DoorClient) -> int:
-        request = {"text": options.code}
-        found = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
-        if not found.success:
-            raise PeerError(found.message)
-        print(printable(found.message))
-        for what, text in (("device", found.device), ("area", found.area)):
-            if text:
-                print(f"  {what}: {printable(text)}")
-        if options.teach:
-            _teach(door, found, options.gateway)
-        return 0
-
-    return with_client(options, run)
+    request = {"text": options.code}
+    found = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
+    if not found.success:
+        raise PeerError(found.message)
+    print(printable(found.message))
+    for what, text in (("device", found.device), ("area", found.area)):
+        if text:
+            print(f"  {what}: {printable(text)}")
+    if options.teach:
+        _teach(door, found, options.gateway)
+    return 0
 
 
 def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
@@ -148,23 +140,20 @@ def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
     print(f"{printable(found.device)} is in {printable(answer.room)} now")
 
 
-def _write(options: argparse.Namespace) -> int:
+@door_command
+def _write(door: DoorClient, options: argparse.Namespace) -> int:
     """Have a tag written."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)
-        name, timeout = printable(device.name), options.wait + _GRACE
-        print(f"hold a tag to the reader; it will point to {name}", flush=True)
-        request = {"device": device.id, "area": options.area, "reader": options.reader, "wait": options.wait}
-        answer = cast(
-            "WriteTagResponse", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
-        )
-        if not answer.success:
-            return _failed(answer.problem, answer.message)
-        print(f"tag {printable(answer.tag)} points to {name} ({printable(answer.device)})")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device)
+    name, timeout = printable(device.name), options.wait + _GRACE
+    print(f"hold a tag to the reader; it will point to {name}", flush=True)
+    request = {"device": device.id, "area": options.area, "reader": options.reader, "wait": options.wait}
+    answer = cast(
+        "WriteTagResponse", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
+    )
+    if not answer.success:
+        return _failed(answer.problem, answer.message)
+    print(f"tag {printable(answer.tag)} points to {name} ({printable(answer.device)})")
+    return 0
 
 
 def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> JsonMessage:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_client_command, whole
 from homebot.cli.device_queries import find_devices
-from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.door_client import DoorClient, ReceivedMessage, door_command
 from homebot.cli.entity_verbs import add_entity_verbs
 from homebot.cli.flow import message
 from homebot.cli.graph_queries import (
@@ -98,24 +98,21 @@ def _add_pub(verbs: Commands) -> None:
     set_client_command(command, _pub, _PUB_EXAMPLES)
 
 
-def _info(options: argparse.Namespace) -> int:
+@door_command
+def _info(door: DoorClient, options: argparse.Namespace) -> int:
     """Print a topic's type and how many use it, or each of them."""
-
-    def run(door: DoorClient) -> int:
-        ros_type = topic_type(door, options.topic)
-        if not ros_type:
-            raise no_such_topic(door, options.topic)
-        name = options.topic if options.topic.startswith("/") else f"/{options.topic}"
-        ends = entities(door, name=name)
-        print(f"Type: {ros_type}")
-        for kind, title in _ENDS.items():
-            users = [one for one in ends if one.kind == kind]
-            print(f"{title} count: {len(users)}")
-            if options.verbose:
-                print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
-        return 0
-
-    return with_client(options, run)
+    ros_type = topic_type(door, options.topic)
+    if not ros_type:
+        raise no_such_topic(door, options.topic)
+    name = options.topic if options.topic.startswith("/") else f"/{options.topic}"
+    ends = entities(door, name=name)
+    print(f"Type: {ros_type}")
+    for kind, title in _ENDS.items():
+        users = [one for one in ends if one.kind == kind]
+        print(f"{title} count: {len(users)}")
+        if options.verbose:
+            print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
+    return 0
 
 
 def _details(end: EndpointDetails, title: str) -> str:
@@ -138,25 +135,22 @@ def _span(seconds: float) -> str:
     return f"{seconds:g} s" if seconds else "Infinite"
 
 
-def _echo(options: argparse.Namespace) -> int:
+@door_command
+def _echo(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the messages of a topic, until Ctrl-C or as the options say."""
-
-    def run(door: DoorClient) -> int:
-        door.subscribe(options.topic)
-        schema = _schema(door, options.topic)
-        while True:
-            try:
-                received = door.next(options.timeout)
-            except TimeoutError:
-                print(f"homebot: no message on {options.topic} within {options.timeout:g} s", file=sys.stderr)
-                return 1
-            if schema is None and not options.json:
-                schema = message_schema(door, topic_type(door, options.topic))
-            _show(received, schema, options)
-            if options.once:
-                return 0
-
-    return with_client(options, run)
+    door.subscribe(options.topic)
+    schema = _schema(door, options.topic)
+    while True:
+        try:
+            received = door.next(options.timeout)
+        except TimeoutError:
+            print(f"homebot: no message on {options.topic} within {options.timeout:g} s", file=sys.stderr)
+            return 1
+        if schema is None and not options.json:
+            schema = message_schema(door, topic_type(door, options.topic))
+        _show(received, schema, options)
+        if options.once:
+            return 0
 
 
 def _schema(door: DoorClient, topic: str) -> Schema | None:
@@ -190,38 +184,35 @@ def _field(fields: dict[str, object], path: str) -> object:
     return value
 
 
-def _pub(options: argparse.Namespace) -> int:
+@door_command
+def _pub(door: DoorClient, options: argparse.Namespace) -> int:
     """Publish a message as often as the options say; by default once a second until Ctrl-C."""
-
-    def run(door: DoorClient) -> int:
-        ros_type = options.type or topic_type(door, options.topic)
-        if not ros_type:
-            raise no_such_topic(door, options.topic)
-        gateway = _gateway_of(options.topic)
-        publisher = GatewayPublisher(door) if gateway else None
-        if publisher is not None:
-            publisher.check(gateway)
-        door.advertise(options.topic, ros_type)
-        door.settle()
-        shown = json.dumps(options.value)
-        number = 0
-        due = time.monotonic()
-        while True:
-            number += 1
-            if publisher is None:
-                door.publish(options.topic, options.value)
-                door.settle()
-            else:
-                publisher.send(gateway, options.value)
-                if number == 1:
-                    _warn_of_unknown_address(door, options.value)
-            print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
-            if number == options.times:
-                return 0
-            due = max(due + 1 / options.rate, time.monotonic())
-            time.sleep(max(0.0, due - time.monotonic()))
-
-    return with_client(options, run)
+    ros_type = options.type or topic_type(door, options.topic)
+    if not ros_type:
+        raise no_such_topic(door, options.topic)
+    gateway = _gateway_of(options.topic)
+    publisher = GatewayPublisher(door) if gateway else None
+    if publisher is not None:
+        publisher.check(gateway)
+    door.advertise(options.topic, ros_type)
+    door.settle()
+    shown = json.dumps(options.value)
+    number = 0
+    due = time.monotonic()
+    while True:
+        number += 1
+        if publisher is None:
+            door.publish(options.topic, options.value)
+            door.settle()
+        else:
+            publisher.send(gateway, options.value)
+            if number == 1:
+                _warn_of_unknown_address(door, options.value)
+        print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
+        if number == options.times:
+            return 0
+        due = max(due + 1 / options.rate, time.monotonic())
+        time.sleep(max(0.0, due - time.monotonic()))
 
 
 def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> None:
@@ -244,23 +235,20 @@ def _gateway_of(topic: str) -> str:
     return found[1] if found else ""
 
 
-def _hz(options: argparse.Namespace) -> int:
+@door_command
+def _hz(door: DoorClient, options: argparse.Namespace) -> int:
     """Print once a second how often a topic was published on, until Ctrl-C."""
-
-    def run(door: DoorClient) -> int:
-        door.subscribe(options.topic)
-        if not topic_type(door, options.topic):
-            print(not_yet(door, options.topic), file=sys.stderr)
-        door.skip_kept()  # it says nothing about the rate
-        times: deque[float] = deque(maxlen=options.window + 1)
-        while True:
-            before = len(times), times[-1] if times else 0.0
-            for _ in door.until(_INTERVAL):
-                times.append(time.monotonic())
-            is_new = (len(times), times[-1] if times else 0.0) != before
-            print(rate_text(times) if is_new and len(times) > 1 else "no new messages", flush=True)
-
-    return with_client(options, run)
+    door.subscribe(options.topic)
+    if not topic_type(door, options.topic):
+        print(not_yet(door, options.topic), file=sys.stderr)
+    door.skip_kept()  # it says nothing about the rate
+    times: deque[float] = deque(maxlen=options.window + 1)
+    while True:
+        before = len(times), times[-1] if times else 0.0
+        for _ in door.until(_INTERVAL):
+            times.append(time.monotonic())
+        is_new = (len(times), times[-1] if times else 0.0) != before
+        print(rate_text(times) if is_new and len(times) > 1 else "no new messages", flush=True)
 
 
 def rate_text(times: Sequence[float]) -> str:

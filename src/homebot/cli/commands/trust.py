@@ -7,7 +7,7 @@ from typing import cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.table import printable
 from homebot.devices.names import TRUST_DEVICE
 
@@ -27,16 +27,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
-def _trust(options: argparse.Namespace) -> int:
+@door_command
+def _trust(door: DoorClient, options: argparse.Namespace) -> int:
     """Forget that a sensor contradicted a device."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        witnesses = cast("list[str]", door.call(TRUST_DEVICE, {"device": device})["witnesses"])
-        for name in witnesses:
-            print(f"{printable(device)} is trusted again; {printable(name)} had measured no change")
-        if not witnesses:
-            print(f"{printable(device)} was trusted already")
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device).id
+    witnesses = cast("list[str]", door.call(TRUST_DEVICE, {"device": device})["witnesses"])
+    for name in witnesses:
+        print(f"{printable(device)} is trusted again; {printable(name)} had measured no change")
+    if not witnesses:
+        print(f"{printable(device)} was trusted already")
+    return 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.history_words import UNEXPLAINED, chain_lines, chains_of, reason_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text
@@ -47,21 +47,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
-def _why(options: argparse.Namespace) -> int:
+@door_command
+def _why(door: DoorClient, options: argparse.Namespace) -> int:
     """Print why a device is as it is."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device)
-        client = JournalClient(door)
-        client.names[device.id] = device.name
-        found = client.explain(device.id)
-        if options.json:
-            print(json_text(_json(device, found, client)))
-        else:
-            _print(device, found, client, house_time(door))
-        return 0
-
-    return with_client(options, run)
+    device = named_device(door, options.device)
+    client = JournalClient(door)
+    client.names[device.id] = device.name
+    found = client.explain(device.id)
+    if options.json:
+        print(json_text(_json(device, found, client)))
+    else:
+        _print(device, found, client, house_time(door))
+    return 0
 
 
 def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, now: float) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.history_words import Chain, chains_of, result_text
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.journal_words import ago_text, clock_text, issuer_text, trigger_text
@@ -46,36 +46,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
-def _why_not(options: argparse.Namespace) -> int:
+@door_command
+def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the commands that asked for a state, and their outcomes."""
-
-    def run(door: DoorClient) -> int:
-        if not options.state.strip():
-            raise UsageError("give the state that the device is not in, such as on, open or 40")
-        device = named_device(door, options.device)
-        client = JournalClient(door)
-        client.names[device.id] = device.name
-        found = client.explain_missing(device.id, options.state)
-        asked = chains_of(found.entries)
-        if options.json:
-            chains = [chain_json(one, client.names) for one in asked]
-            shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
-            print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
-            return 0
-        now = house_time(door)
-        state = state_text(device)
-        print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
-        if found.is_so:
-            print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
-        if asked:
-            _print_asked(asked, client, options, device, now)
-            if not found.is_so and _obeyed(asked[-1]):
-                print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
-        elif not found.is_so:
-            print(_unasked(device, options, found, now))
+    if not options.state.strip():
+        raise UsageError("give the state that the device is not in, such as on, open or 40")
+    device = named_device(door, options.device)
+    client = JournalClient(door)
+    client.names[device.id] = device.name
+    found = client.explain_missing(device.id, options.state)
+    asked = chains_of(found.entries)
+    if options.json:
+        chains = [chain_json(one, client.names) for one in asked]
+        shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
+        print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
         return 0
-
-    return with_client(options, run)
+    now = house_time(door)
+    state = state_text(device)
+    print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
+    if found.is_so:
+        print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
+    if asked:
+        _print_asked(asked, client, options, device, now)
+        if not found.is_so and _obeyed(asked[-1]):
+            print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
+    elif not found.is_so:
+        print(_unasked(device, options, found, now))
+    return 0
 
 
 def _print_asked(
