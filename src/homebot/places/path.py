@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from itertools import chain, count
+from itertools import count
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.polygon import Point
@@ -157,14 +157,9 @@ class PathFinder:
         def push_all(
             spot: Spot, path: float, extra: float, doors: tuple[str, ...], ways: Iterable[tuple[float, _Node]]
         ) -> None:
-            """Queue what the room of *spot* has; only what is taken from the queue is looked at closely."""
-            here = self._in_room.get(spot.room, set())
-            nodes = ((metres, "", node) for metres, node in ways if node not in done)
-            targets = (here if wanted is None else here & wanted) - done
-            spots = ((_metres(spot, self._targets[one], HALF_HOP), one, None) for one in targets)
-            for metres, target, node in chain(nodes, spots):
+            for metres, target, node in self._ahead(spot, ways, wanted):
                 way = path + metres
-                if way + extra <= most:
+                if way + extra <= most and (node or target) not in done:
                     heappush(heap, (way + extra, target, next(order), way, extra, doors, node, spot))
 
         begin = self._inside(start)
@@ -172,10 +167,9 @@ class PathFinder:
         push_all(begin, 0.0, 0.0, (), [(_metres(begin, node.spot, HALF_HOP), node) for node in nodes])
         while heap:
             _, target, _, path, extra, doors, node, origin = heappop(heap)
-            reached = target if node is None else node
-            if reached in done or not self._sees(origin, self._targets[target] if node is None else node.spot):
+            if (node or target) in done or not self._sees(origin, node.spot if node else self._targets[target]):
                 continue
-            done.add(reached)
+            done.add(node or target)
             if node is None:
                 yield Way(target, path, extra, doors)
             elif node.other is None:
@@ -183,6 +177,15 @@ class PathFinder:
             elif not math.isinf(toll := crossing(node.door)):
                 done.add(node.other)  # a way back through the door would be longer
                 push_all(node.other.spot, path, extra + toll, (*doors, node.door), self._ways(node.other))
+
+    def _ahead(
+        self, spot: Spot, ways: Iterable[tuple[float, _Node]], wanted: AbstractSet[str] | None
+    ) -> Iterator[tuple[float, str, _Node | None]]:
+        """Yield what the room of *spot* has, with metres through the air; only the nearest is looked at closely."""
+        yield from ((metres, "", node) for metres, node in ways)
+        here = self._in_room.get(spot.room, set())
+        for target in here if wanted is None else here & wanted:
+            yield _metres(spot, self._targets[target], HALF_HOP), target, None
 
     def _ways(self, node: _Node) -> list[tuple[float, _Node]]:
         if node.ways is None:

@@ -216,7 +216,7 @@ class HousePlan:
             return room.name
         if fold(name) != OUTSIDE:
             known = [one.name for one in self._rooms.values()]
-            hint = did_you_mean(name, known, f"rooms are {', '.join(known)}")
+            hint = did_you_mean(name, known, f"rooms are {', '.join(known) or 'none'}")
             raise ConfigError(self.source, key, f"there is no room {name!r}; {hint}")
         return OUTSIDE
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -196,29 +196,27 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         key = f"places.devices.{name}"
         if not name.strip():
             raise ConfigError(source, key, "is no device: the id is empty")
-        room = _room(device.room, plan, source, f"{key}.room") if device.room else ""
-        stated: list[tuple[FactName, Iterable[str]]] = [
-            ("area", (room,) if room else ()),
-            ("position", (_position(device.at, plan, source, f"{key}.at"),) if device.at else ()),
-            ("name", device.aliases),
-            ("tag", device.tags),
-        ]
         known_by = device.identifiers or (name,)
         for one in known_by:
             first = names.setdefault(one, name)
             if first != name:
                 raise ConfigError(source, key, f"{one!r} is the device {first!r} already")
-        devices[known_by] = tuple(
-            OwnerFact(kind, value, stated_by, now) for kind, values in stated for value in _distinct(values)
-        )
+        stated = _stated(device, plan, source, key)
+        devices[known_by] = tuple(OwnerFact(kind, value, stated_by, now) for kind, value in stated)
     return Places(rooms, devices, house_doors, settings.closed_door)
 
 
-def _position(text: str, plan: HousePlan, source: str, key: str) -> str:
-    try:
-        return stated_position(text, plan)
-    except UsageError as exc:
-        raise ConfigError(source, key, str(exc)) from exc
+def _stated(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> Iterator[tuple[FactName, str]]:
+    """Yield the facts that a table states of a device."""
+    if device.room:
+        yield "area", _room(device.room, plan, source, f"{key}.room")
+    if device.at:
+        try:
+            yield "position", stated_position(device.at, plan)
+        except UsageError as exc:
+            raise ConfigError(source, f"{key}.at", str(exc)) from exc
+    yield from (("name", name) for name in _distinct(device.aliases))
+    yield from (("tag", tag) for tag in _distinct(device.tags))
 
 
 def stated_position(text: str, plan: HousePlan) -> str:
