@@ -19,7 +19,7 @@ import structlog
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 
 from homebot.compat.messages import to_graph, to_program
-from homebot.errors import HomebotError, UsageError
+from homebot.errors import UsageError
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.log import configure_logging
 from homebot.support.logger import observed_lines
@@ -192,7 +192,7 @@ class Remote:
         async def run() -> None:
             try:
                 result = self.shown(await method(*given))
-            except HomebotError as exc:
+            except Exception as exc:  # noqa: BLE001 - raised where the result is asked for
                 future.set_exception(exc)
             else:
                 future.set_result(result)
