@@ -50,7 +50,7 @@ _MOST_CHARACTERS: Final = 1_048_576
 message is kept at any size."""
 
 
-class _Sent(NamedTuple):
+class _KeptMessage(NamedTuple):
     """A message as its client sent it: most streams are read by nobody, and need not be checked."""
 
     at: float
@@ -82,7 +82,7 @@ class Publications:
         self._access = access
         self._on_unfit = on_unfit
         self._now = node.graph.clock.monotonic
-        self._recent: deque[_Sent] = deque()
+        self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
         self._topics: dict[str, _Publication] = {}
         self._ids = 0
@@ -199,7 +199,7 @@ class Publications:
 
     def _keep(self, topic: str, message: PublishOperation | str, size: int) -> None:
         now, recent = self._now(), self._recent
-        recent.append(_Sent(now, size, topic, message))
+        recent.append(_KeptMessage(now, size, topic, message))
         self._recent_size += size
         while len(recent) > 1 and (recent[0].at <= now - _RECENT or self._recent_size > _MOST_CHARACTERS):
             self._recent_size -= recent.popleft().size
