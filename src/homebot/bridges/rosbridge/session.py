@@ -29,6 +29,7 @@ from homebot.bridges.rosbridge.protocol import (
     Level,
     Operation,
     PublishOperation,
+    SendActionGoal,
     SetLevel,
     SubscribeOperation,
     failure_frame,
@@ -211,7 +212,8 @@ class ClientSession:
                 self._level = op.level
             case _:
                 holdings.handle(op)
-                self._watch_over(holdings)
+                if isinstance(op, SendActionGoal):
+                    self._watch_over(holdings)
 
     def _publish(self, op: PublishOperation, holdings: Holdings, size: int) -> None:
         if op.topic not in holdings.publications:
