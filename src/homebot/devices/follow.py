@@ -13,7 +13,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, IsNear, Not, Or, Query, StateIs, TypeIs, facets_of, fits, split_near, type_is
+from homebot.devices.query import And, Not, Or, Query, StateIs, TypeIs, facets_of, fits, split_near, type_is
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -42,10 +42,10 @@ class LiveQuery(ABC, Generic[ItemT]):
         node: The node that asks; the query ends with it.
         names: The conditions with names that may be misspelt.
         text: The query as it is written in the app.
-        near: The condition to be near a robot, and the query by which the directory is asked for it; None for none.
+        near: The query by which the directory is asked for what is near a robot; None for none.
     """
 
-    def __init__(self, node: Node, names: Query, text: str, near: tuple[IsNear, Query] | None = None) -> None:
+    def __init__(self, node: Node, names: Query, text: str, near: Query | None = None) -> None:
         self._node = node
         self._names = names
         self._text = text
@@ -138,7 +138,7 @@ class LiveQuery(ABC, Generic[ItemT]):
             if self._asked_near is not None:
                 from homebot.devices.near_watch import NearWatch  # noqa: PLC0415 - few queries ask for it
 
-                self._near = NearWatch(self._node, view, *self._asked_near, self._compare_near, self._refuse)
+                self._near = NearWatch(self._node, view, self._asked_near, self._compare_near, self._refuse)
             view.add(self)
             if self._names != _ANY:
                 self._node.create_task(partial(self._check_names, view))
@@ -196,7 +196,7 @@ class Follow(LiveQuery[DeviceChange]):
         near, self._query = split_near(whole)
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = f"follow({query or service_type!r})"
-        super().__init__(node, _ANY if is_known else self._query, text, None if near is None else (near, near))
+        super().__init__(node, _ANY if is_known else self._query, text, near)
         self._asks_for_values = _has_states(self._query)
         self._matching: set[str] = set()
 

@@ -10,12 +10,11 @@ import anyio
 from homebot.devices.device import StateChange
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import ROBOT_POSES, ROBOTS_NODE
-from homebot.devices.query.terms import IsNear, Query
+from homebot.devices.query.terms import Query
 from homebot.devices.robot_messages import RobotPose
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.log import LogLimit
-from homebot.support.folding import fold
 
 __all__ = ["NearWatch"]
 
@@ -35,8 +34,7 @@ class NearWatch:
     Args:
         node: The node that asks.
         view: Its view of the house.
-        near: The robot and the distance.
-        query: The query for the directory, with *near*.
+        query: The query for the directory.
         changed: Called with the ids of the devices that came near or left.
         refuse: Called with the mistake in the query, such as an unknown robot.
 
@@ -48,7 +46,6 @@ class NearWatch:
         self,
         node: Node,
         view: HouseView,
-        near: IsNear,
         query: Query,
         changed: Callable[[Iterable[str]], None],
         refuse: Callable[[str], None],
@@ -57,7 +54,6 @@ class NearWatch:
         self._node = node
         self._clock = node.graph.clock
         self._view = view
-        self._robot = fold(near.robot)
         self._query = query
         self._changed = changed
         self._refuse = refuse
@@ -83,9 +79,8 @@ class NearWatch:
             self._due.set()
             self._urgent.set()
 
-    def _on_pose(self, pose: RobotPose) -> None:
-        if self._robot in {fold(pose.robot), "robot"}:
-            self._due.set()
+    def _on_pose(self, _: RobotPose) -> None:
+        self._due.set()
 
     async def _run(self) -> None:
         with self._scope:

@@ -63,8 +63,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     """
 
     def __init__(self, node: Node, query: HandleQuery[HandleT], text: str = "the live query") -> None:
-        near = None if query.near is None else (query.near, query.near_search)
-        super().__init__(node, And(query.names), text, near)
+        super().__init__(node, And(query.names), text, query.near_search)
         self._query = query
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, ready as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone, if no new value changes the matches

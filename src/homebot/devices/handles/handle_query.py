@@ -144,10 +144,10 @@ class HandleQuery(Generic[HandleT]):
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
 
     @property
-    def near_search(self) -> Query:
-        """The query for the devices of the kind that are near enough, whatever their values."""
+    def near_search(self) -> Query | None:
+        """The query for the devices of the kind that are near enough, whatever their values; None for any place."""
         kinds = [term for term in self._part_terms if isinstance(term, TypeIs)]
-        return And((*kinds, self.near) if self.near is not None else ())
+        return None if self.near is None else And((*kinds, self.near))
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.
