@@ -94,6 +94,12 @@ def test_a_way_in_a_room_goes_around_its_inward_corners(start: Point, end: Point
     assert way_in(L_SHAPE, start, end) == pytest.approx(metres)
 
 
+def test_between_areas_of_a_room_that_do_not_touch_a_straight_line_counts() -> None:
+    apart = RoomSight(Polygon(((0, 0), (2, 0), (2, 2), (0, 2))), Polygon(((5, 0), (7, 0), (7, 2), (5, 2))))
+
+    assert way_in(apart, (1.0, 1.0), (6.0, 1.0)) == pytest.approx(5.0)
+
+
 def test_a_way_goes_around_a_hole() -> None:
     ring = RoomSight(Polygon(((0, 0), (6, 0), (6, 6), (0, 6)), [((2, 2), (4, 2), (4, 4), (2, 4))]))
 

@@ -13,7 +13,8 @@ from typing import TypeAlias, cast
 from homebot.errors import ConfigError
 from homebot.places.facts import OWNER_ERROR, Position
 from homebot.places.floor_plan import FloorPlan
-from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom, Point, Rings
+from homebot.places.plan import OUTSIDE, HousePlan, Point
+from homebot.places.settings import read_places
 from homebot.support.strict_json import parse_strict
 
 __all__ = ["geojson_table"]
@@ -74,7 +75,9 @@ class _File:
         if corners and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES:
             hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
             raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
-        self._plan = HousePlan(self._source, [_room(name, one) for name, one in found.items()], self._source)
+        self._plan = HousePlan(
+            self._source, read_places({"rooms": found}, self._source, self._source, "").rooms, self._source
+        )
         return found
 
     def doors(self) -> Iterator[_Table]:
@@ -141,9 +144,3 @@ def _list(value: object) -> list[object]:
 
 def _floor(properties: _Table) -> str:
     return str(properties.get("floor", properties.get("level", "")))
-
-
-def _room(name: str, table: _Table) -> HouseRoom:
-    areas = cast("list[list[list[Point]]]", table["polygon"])
-    polygons: tuple[Rings, ...] = tuple(tuple(tuple(ring) for ring in one) for one in areas)
-    return HouseRoom(name, str(table["floor"]), polygons=polygons)
