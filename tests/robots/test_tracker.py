@@ -10,7 +10,9 @@ from itertools import pairwise
 import anyio
 import pytest
 from tests.devices.test_robot_owners import tf
+from tests.set_clock import SetClock
 
+from homebot.clock import Clock
 from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import RobotPose, RobotRoom, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
@@ -69,8 +71,10 @@ class House:
 
 
 @asynccontextmanager
-async def house(*robots: str, settings: dict[str, RobotSettings] | None = None) -> AsyncIterator[House]:
-    graph = Graph()
+async def house(
+    *robots: str, settings: dict[str, RobotSettings] | None = None, clock: Clock | None = None
+) -> AsyncIterator[House]:
+    graph = Graph(clock)
     owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()))
     async with Node(graph, "robots") as node, Node(graph, "a_robot") as robot, anyio.create_task_group() as tasks:
         tracker = RobotTracker(node, owners, lambda: HOUSE, settings)
@@ -250,6 +254,19 @@ async def test_a_stamp_far_ahead_of_our_clock_is_refused() -> None:
         ahead = tuple(each.model_copy(update={"header": header("map", now + 20)}) for each in chain.transforms[:1])
         await one.say("/tf", TFMessage(transforms=(*ahead, *chain.transforms[1:])))
         assert one.news() == []
+
+
+async def test_a_clock_that_is_set_makes_no_pose_old_and_refuses_none() -> None:
+    """A small computer without a clock of its own sets it some time after its start."""
+    clock = SetClock(1_700_000_000.0)
+    async with house(clock=clock) as one:
+        await one.say("/robot/pose", stamped(1, 1, stamp=clock.now()))
+        clock.wall += 3600
+        answer = await one.ask()
+        assert (answer.success, answer.age < 1) == (True, True)
+        await one.say("/robot/pose", stamped(2, 1, stamp=clock.now()))
+        [pose] = (await one.ask()).pose
+        assert (pose.x, clock.now() - pose.received_at.to_seconds() < 1) == (2.0, True)
 
 
 async def test_a_room_alone_is_no_position() -> None:

@@ -13,10 +13,7 @@ from homebot.places.rigid import MapPose, Rigid, yaw_of
 from homebot.places.transforms import TransformBuffer, TransformException, rigid_of
 from homebot.robots.robot import TrackedRobot
 
-__all__ = ["MOST_AHEAD", "RobotFrames"]
-
-MOST_AHEAD: Final = 5.0
-"""Seconds by which a stamp may be ahead of our clock: AMCL states transforms a second ahead."""
+__all__ = ["RobotFrames"]
 
 _NORM_TOLERANCE: Final = 0.01
 _BASES: Final = ("base_link", "base_footprint")
@@ -41,9 +38,6 @@ class RobotFrames:
             TransformException: It is refused; the message says why.
         """
         header, child = transform.header, self.name_of(transform.child_frame_id, robot)
-        ahead = header.stamp.to_seconds() - now
-        if ahead > MOST_AHEAD:
-            raise TransformException(f"the transform of {child[:100]!r} is {ahead:.0f} s ahead of our clock")
         owner = robot or self._owners.of_frame(child)
         parent = self.name_of(header.frame_id, robot)
         header = header.model_copy(update={"frame_id": parent, "stamp": Time.from_seconds(now)})

@@ -27,7 +27,7 @@ from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
 from homebot.places.transforms import TransformException
-from homebot.robots.frames import MOST_AHEAD, RobotFrames
+from homebot.robots.frames import RobotFrames
 from homebot.robots.robot import TAG_LIMIT, TrackedRobot
 
 __all__ = ["PACE", "PoseTopics"]
@@ -36,6 +36,9 @@ REFUSED = "robots.refused"
 
 PACE: Final = 0.1
 """Least seconds from one look at the messages of a topic to the next."""
+
+MOST_AHEAD: Final = 5.0
+"""Seconds by which a stamp may be ahead of our clock: AMCL states transforms a second ahead."""
 
 TF_LIMIT: Final = 2.0
 AMCL_LIMIT: Final = 10.0
@@ -135,6 +138,8 @@ class PoseTopics:
             else:
                 last.update({one.child_frame_id: one for one in message.transforms})
         for transform in last.values():
+            if self._is_ahead(topic, transform.header):
+                continue
             try:
                 owner = self._frames.add(transform, robot, self._now(), is_static=topic.endswith("/tf_static"))
                 self._robots[owner].add_life()
@@ -183,14 +188,20 @@ class PoseTopics:
     def _place(self, robot: str, topic: str, limit: float, error: float, pose: Pose, header: Header) -> bool:
         """Place *robot* by a pose, unless that is refused; return whether it was not."""
         frame = self._frames.name_of(header.frame_id, robot if topic.startswith(f"/{robot}/") else "")
-        position, ahead = self._frames.in_map(pose, frame), header.stamp.to_seconds() - self._now()
+        if self._is_ahead(topic, header):
+            return False
+        if (position := self._frames.in_map(pose, frame)) is None:
+            self._refuse(topic, f"no static transform joins its frame {frame[:100]!r} to map")
+            return False
+        self._robots[robot].place(topic, limit, position, error=error)
+        return True
+
+    def _is_ahead(self, topic: str, header: Header) -> bool:
+        """Return whether a message is refused, as its stamp is too far ahead."""
+        ahead = header.stamp.to_seconds() - self._node.graph.clock.now()
         if ahead > MOST_AHEAD:
             self._refuse(topic, f"it is {ahead:.0f} s ahead of our clock")
-        elif position is None:
-            self._refuse(topic, f"no static transform joins its frame {frame[:100]!r} to map")
-        else:
-            self._robots[robot].place(topic, limit, position, error=error)
-        return position is not None and ahead <= MOST_AHEAD
+        return ahead > MOST_AHEAD
 
     def _refuse(self, topic: str, problem: str) -> None:
         if self._log.allows(topic) is not None:

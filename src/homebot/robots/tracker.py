@@ -18,6 +18,7 @@ from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Node, qos_profile_latched
+from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
 from homebot.places.floor_plan import FloorPlan
 from homebot.robots.pose_topics import PACE, PoseTopics
@@ -111,7 +112,7 @@ class RobotTracker:
         if (best := robot.best()) is None:
             return WhereIsRobotResponse(success=False, message=f"nothing has told yet where {name} is")
         pose = self._completed(robot, best)
-        age = max(0.0, robot.now() - pose.received_at.to_seconds())
+        age = max(0.0, robot.now() - best.received_at.to_seconds())
         problem = robot.unsure_because and f"{name} is not sure where it is: {robot.unsure_because}"
         if not pose.counts:
             problem = f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
@@ -140,7 +141,9 @@ class RobotTracker:
         house, before = self._house(), self._published.get(robot.name)
         plan = FloorPlan.of(house)
         floor = plan.level(pose.floor or robot.settings.floor)
+        received_at = self._node.graph.clock.now() - (robot.now() - pose.received_at.to_seconds())
         known: dict[str, object] = {"floor": floor, "is_sure": not robot.unsure_because}
+        known["received_at"] = Time.from_seconds(received_at)
         if not pose.has_position:
             centre = plan.centre_of(house.locate(pose.room)[0])
             known["error"] = pose.error if centre is None else centre.error
