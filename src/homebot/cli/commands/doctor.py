@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, house_time
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
@@ -66,22 +66,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")
 
 
-def _doctor(options: argparse.Namespace) -> int:
+@door_command
+def _doctor(door: DoorClient, options: argparse.Namespace) -> int:
     """Print how everything is; return 1 where something is not as it should be."""
-
-    def run(door: DoorClient) -> int:
-        now = house_time(door)
-        is_well = True
-        for name, state in sorted(_gateways(door).items()):
-            is_well = print_gateway(name, state) and is_well
-        for name, health in sorted(_health(door).items()):
-            is_well = print_health(name, health, now, everything=options.counts) and is_well
-        is_well = _print_devices(door, now) and is_well
-        print()
-        print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
-        return 0 if is_well else 1
-
-    return with_client(options, run)
+    now = house_time(door)
+    is_well = True
+    for name, state in sorted(_gateways(door).items()):
+        is_well = print_gateway(name, state) and is_well
+    for name, health in sorted(_health(door).items()):
+        is_well = print_health(name, health, now, everything=options.counts) and is_well
+    is_well = _print_devices(door, now) and is_well
+    print()
+    print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
+    return 0 if is_well else 1
 
 
 def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:

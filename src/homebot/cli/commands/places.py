@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypedDict, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, door_command, with_client
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
@@ -123,26 +123,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _list(options: argparse.Namespace) -> int:
+@door_command
+def _list(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the rooms."""
-
-    def run(door: DoorClient) -> int:
-        answer = door.call(GET_PLACES, {})
-        places = cast("GetPlacesResponse", JsonMessage(answer))
-        devices = all_devices(door, lambda device: (device.id, device.area, _position(device)))
-        rooms = _rooms(places, [area for _, area, _ in devices])
-        positions = {device_id: position for device_id, _, position in devices if position}
-        if options.json:
-            absent = [{"device": one.key, "room": one.value} for one in places.absent]
-            doors = answer["doors"]
-            found = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
-            print(json_text(found))
-        else:
-            _print(rooms, places.absent)
-            print_rows([(printable(one), printable(at)) for one, at in positions.items()], "positions:")
-        return 0
-
-    return with_client(options, run)
+    answer = door.call(GET_PLACES, {})
+    places = cast("GetPlacesResponse", JsonMessage(answer))
+    devices = all_devices(door, lambda device: (device.id, device.area, _position(device)))
+    rooms = _rooms(places, [area for _, area, _ in devices])
+    positions = {device_id: position for device_id, _, position in devices if position}
+    if options.json:
+        absent = [{"device": one.key, "room": one.value} for one in places.absent]
+        doors = answer["doors"]
+        found = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
+        print(json_text(found))
+    else:
+        _print(rooms, places.absent)
+        print_rows([(printable(one), printable(at)) for one, at in positions.items()], "positions:")
+    return 0
 
 
 def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
@@ -189,23 +186,20 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     ]
 
 
-def _edit(options: argparse.Namespace) -> int:
+@door_command
+def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     """Rename or remove a room."""
-
-    def run(door: DoorClient) -> int:
-        answer = cast(
-            "ChangeRoomResponse", JsonMessage(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
-        )
-        if not answer.success:
-            raise PeerError(answer.message)
-        became = f"called {printable(answer.name)} now" if answer.name else "removed"
-        print(f"{printable(options.room)} is {became}")
-        if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):
-            named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
-            print(f"these announce {printable(options.room)} and stay there, until `homebot place` moves them: {named}")
-        return 0
-
-    return with_client(options, run)
+    answer = cast(
+        "ChangeRoomResponse", JsonMessage(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
+    )
+    if not answer.success:
+        raise PeerError(answer.message)
+    became = f"called {printable(answer.name)} now" if answer.name else "removed"
+    print(f"{printable(options.room)} is {became}")
+    if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):
+        named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
+        print(f"these announce {printable(options.room)} and stay there, until `homebot place` moves them: {named}")
+    return 0
 
 
 def _devices_in(door: DoorClient, room: str) -> list[str]:
@@ -213,46 +207,38 @@ def _devices_in(door: DoorClient, room: str) -> list[str]:
     return [device_id for device_id, area in devices if fold(area) == fold(room)]
 
 
-def _export(options: argparse.Namespace) -> int:
+@door_command
+def _export(door: DoorClient, options: argparse.Namespace) -> int:
     """Write the places file."""
-
-    def run(door: DoorClient) -> int:
-        text = cast("ExportPlacesResponse", JsonMessage(door.call(EXPORT_PLACES, {}))).text
-        if options.file == "-":
-            print(text, end="")
-            return 0
-        try:
-            Path(options.file).write_text(text, encoding="utf-8")
-        except OSError as exc:
-            raise UsageError(f"{options.file} cannot be written: {exc.strerror or exc}") from exc
-        print(f"wrote {options.file}")
+    text = cast("ExportPlacesResponse", JsonMessage(door.call(EXPORT_PLACES, {}))).text
+    if options.file == "-":
+        print(text, end="")
         return 0
+    try:
+        Path(options.file).write_text(text, encoding="utf-8")
+    except OSError as exc:
+        raise UsageError(f"{options.file} cannot be written: {exc.strerror or exc}") from exc
+    print(f"wrote {options.file}")
+    return 0
 
-    return with_client(options, run)
 
-
-def _check(options: argparse.Namespace) -> int:
+@door_command
+def _check(door: DoorClient, options: argparse.Namespace) -> int:
     """Compare the areas of rooms with a map."""
-
-    def run(door: DoorClient) -> int:
-        robot_map, rooms = (
-            _map(door, options.file),
-            cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).rooms,
+    robot_map, rooms = (
+        _map(door, options.file),
+        cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).rooms,
+    )
+    areas = {room.name: [(_points(one), one.is_hole) for one in room.areas] for room in rooms if room.areas}
+    taken = {name: 1 - robot_map.free_share(rings) for name, rings in areas.items()}
+    found = {name: share for name, share in taken.items() if share > _MOST_MISFIT}
+    for name, share in found.items():
+        print(f"{share:.0%} of {printable(name)} is not free in the map")
+    if not found:
+        print(
+            f"the areas of {len(areas)} rooms fit the map" if areas else "no room has an area; state a polygon of each"
         )
-        areas = {room.name: [(_points(one), one.is_hole) for one in room.areas] for room in rooms if room.areas}
-        taken = {name: 1 - robot_map.free_share(rings) for name, rings in areas.items()}
-        found = {name: share for name, share in taken.items() if share > _MOST_MISFIT}
-        for name, share in found.items():
-            print(f"{share:.0%} of {printable(name)} is not free in the map")
-        if not found:
-            print(
-                f"the areas of {len(areas)} rooms fit the map"
-                if areas
-                else "no room has an area; state a polygon of each"
-            )
-        return 1 if found else 0
-
-    return with_client(options, run)
+    return 1 if found else 0
 
 
 def _import(options: argparse.Namespace) -> int:
