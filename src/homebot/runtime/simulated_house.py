@@ -11,7 +11,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.errors import ConfigError
-from homebot.gateways import GatewayContext
+from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
 from homebot.house.faults import unwrap
@@ -20,7 +20,7 @@ from homebot.house.robot import Robot
 from homebot.house.rooms import DOOR_WIDTH
 from homebot.places import NO_PLACES, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
 from homebot.places.plan import door_name
-from homebot.runtime.plan import Plan
+from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
 __all__ = ["HouseOfRun"]
@@ -60,8 +60,7 @@ class HouseOfRun:
             ConfigError: The plan of the configuration *source* has no in-process peer for its devices, or they have
                 names that it has for others.
         """
-        needed = (one for gateway in plan.gateways for one in gateway.kind.host_services(gateway.settings))
-        if all(service.kind is not SimulatedHouse.Host for service in needed):
+        if not any(map(_is_host, plan.gateways)):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
         if self.robot and plan.places is NO_PLACES:
             places = self.places()
@@ -75,11 +74,7 @@ class HouseOfRun:
 
     def may_meet_real_devices(self, plan: Plan) -> bool:
         """Return whether a gateway of the configuration may find devices outside the house."""
-        return any(
-            one.name in self._configured
-            and all(service.kind is not SimulatedHouse.Host for service in one.kind.host_services(one.settings))
-            for one in plan.gateways
-        )
+        return any(one.name in self._configured and not _is_host(one) for one in plan.gateways)
 
     def places(self) -> Places:
         """Return its rooms with an extent, the doors between them, and its devices; by construction they fit."""
@@ -165,3 +160,7 @@ class HouseOfRun:
             message = f"the robot is in {read().room}; ask what is near it: homebot find 'light near {self.robot}'"
             node.log.info(ROBOT, message=message)
             await robot.serve()
+
+
+def _is_host(gateway: PlannedComponent[Gateway]) -> bool:
+    return any(one.kind is SimulatedHouse.Host for one in gateway.kind.host_services(gateway.settings))
