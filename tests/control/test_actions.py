@@ -134,6 +134,29 @@ async def test_a_hold_is_released_when_its_goal_is_cancelled(open_home: OpenHome
         assert await leases(home) == ()
 
 
+async def test_a_hold_names_its_device_as_people_do(open_home: OpenHome) -> None:
+    async with open_home(always_ask=False, rate_limit=False) as home:
+        await put_door(home)
+        (door,) = await home.devices.find("closure")
+        assert door.name != door.id
+        goal = hold_goal(seconds=1.0).model_copy(update={"device": door.name.upper()})
+        assert (await hold_client(home.app).perform(goal)).success
+
+
+async def test_a_hold_of_an_unknown_setting_is_refused_with_the_known_ones_and_sends_nothing(
+    open_home: OpenHome,
+) -> None:
+    async with open_home(always_ask=False, rate_limit=False) as home:
+        home.put("lamp", "light", "on_off", "level")
+        await anyio.sleep(0.01)
+        goal = HoldDeviceGoal(device="lamp", part="", setting=Setting.of("on", 1.0), by="me", issuer="/app")
+        with pytest.raises(GoalAbortedError) as caught:
+            await hold_client(home.app).perform(goal)
+        assert isinstance(caught.value.result, HoldDeviceResult)
+        assert "on of lamp: it has no such setting; it takes on_off, level" in caught.value.result.message
+        assert (await leases(home), list(home.commands)) == ((), [])
+
+
 async def test_a_hold_ends_after_its_seconds_which_it_counts_from_the_first_success(open_home: OpenHome) -> None:
     async with open_home(always_ask=False, rate_limit=False) as home:
         await put_door(home)

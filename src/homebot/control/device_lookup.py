@@ -8,10 +8,11 @@ from functools import lru_cache
 from typing import Final, TypeAlias, final
 
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.query import Query, query_terms
+from homebot.devices.query import NameIs, Query, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.support.folding import fold
 
 __all__ = ["DeviceLookup"]
 
@@ -39,6 +40,11 @@ class DeviceLookup:
         """Return a device by its id; None if there is none."""
         found = (await self._find.call(_request_for(device_id))).devices
         return found[0] if found else None
+
+    async def called(self, name: str) -> Device | None:
+        """Return the only device with that name; None if there is none, or several."""
+        found = await self.devices(NameIs(fold(name)))
+        return found[0] if len(found) == 1 else None
 
     async def devices(self, query: Query | None = None) -> tuple[Device, ...]:
         """Return the devices that fit *query*, or all."""

@@ -32,9 +32,10 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
 )
 from homebot.devices.outcomes import Contradicted, NoAnswer, Refused
+from homebot.devices.setting_check import check_setting
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
-from homebot.errors import ServiceError
+from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
 
@@ -82,13 +83,18 @@ class LeaseService:
     async def hold(self, request: HoldRequest) -> LeaseResponse:
         """Command a value and hold it; return when the outcome of the command is known."""
         try:
-            device = await self._lookup.device(request.device)
+            device = await self._lookup.device(request.device) or await self._lookup.called(request.device)
         except ServiceError as exc:
             return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
         part = None if device is None else commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseResponse(held=False, result=no_part_result(request.device, request.part, device))
-        request = request.model_copy(update={"part": part.id, "setting": _setting_of(request.setting, part)})
+        held = _setting_of(request.setting, part)
+        request = request.model_copy(update={"device": device.id, "part": part.id, "setting": held})
+        try:
+            check_setting(device.id, part.part, held.capability, held.value.plain())
+        except RefusedError as exc:
+            return self._refused(request, f"{exc.what}: {exc.reason}", "device")
         if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
             return self._refused(
                 request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"

@@ -48,7 +48,7 @@ class HoldDeviceGoal(Message, ros_type="homebot/action/HoldDevice_Goal"):
     """A value of a part, to be kept until the goal is cancelled.
 
     Attributes:
-        device: The id of the device.
+        device: The id or the name of the device.
         part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
         setting: The capability and the held value.
         by: The holder, in a word for people, such as ``robot``; not blank.

@@ -52,7 +52,7 @@ class HoldRequest(Message):
     """A wish to have one value of a part, and to keep it.
 
     Attributes:
-        device: The id of the device.
+        device: The id or the name of the device.
         part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
         setting: The capability and the held value.
         lease: A name for the lease that the holder chooses, such as a UUID, unique among its own.
