@@ -22,21 +22,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
-from contextlib import AsyncExitStack
 from functools import partial
 from types import TracebackType
 from typing import Literal, Self, TypeVar
 
-import anyio
-from anyio.abc import TaskGroup
 from structlog.typing import FilteringBoundLogger
 
-from homebot.errors import ClosedError, DuplicateNameError, UsageError
+from homebot.errors import ClosedError, DuplicateNameError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedAction
 from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
+from homebot.graph.node_tasks import NodeTasks
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import History, Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
@@ -47,7 +45,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.rcl_interfaces import ParameterEvent
 from homebot.names import expand_name, full_node_name
-from homebot.support.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
+from homebot.support.isolation import crash_of, uncancel
 from homebot.support.logger import get_logger
 
 __all__ = ["Node"]
@@ -82,11 +80,7 @@ class Node:
         self.full_name = full_node_name(name, namespace)
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
         self.log = get_logger(node=self.full_name)
-        self._tasks: TaskGroup | None = None
-        self._handlers: asyncio.TaskGroup | None = None  # of services, which have scopes of their own
-        self._exits = AsyncExitStack()
-        self._scopes: dict[anyio.CancelScope, None] = {}  # in order of start, for reproducible runs
-        self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
+        self._tasks = NodeTasks(self.full_name, self._cancel_handlers)
         self._entities: dict[int, GraphEntity] = {}
         self._closed = False
         graph.add_node(self)
@@ -181,7 +175,7 @@ class Node:
         self.add_entity(subscription)
         if callback is not None:
             run = subscription.run_concurrently if concurrent else subscription.run_in_turn
-            self._start(partial(run, callback))
+            self._tasks.start(partial(run, callback))
         return subscription
 
     def create_service(
@@ -227,7 +221,7 @@ class Node:
             callback,
             concurrent=concurrent,
             cancel_with_caller=cancel_with_caller,
-            start=self._start_handler,
+            start=self._tasks.start_handler,
             on_close=on_close,
             reports=ServiceReports(self.full_name, name, self.graph.failures, self.graph.service_counts),
         )
@@ -283,13 +277,13 @@ class Node:
             self._record_failure(f"timer of {timer.period:g} s", error, "it continues")
 
         timer = Timer(timer_period_sec, callback, self.graph.clock, on_failure)
-        self._start(timer.run)
+        self._tasks.start(timer.run)
         return timer
 
     def create_task(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         """Run *function* as a task of the node, from now or from the start of the node, until the node ends."""
         self._check_open()
-        self._start(function)
+        self._tasks.start(function)
 
     def declare_parameter(self, name: str, value: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
         """Declare a parameter with its default; see :meth:`homebot.graph.ParameterSet.declare`."""
@@ -342,54 +336,24 @@ class Node:
         for entity in reversed(list(self._entities.values())):
             entity.close()
         self.graph.remove_node(self)
-        for scope in tuple(self._scopes):
-            scope.cancel()
+        self._tasks.cancel()
 
     async def __aenter__(self) -> Self:
         self._check_open()
-        if self._tasks is not None:
-            raise UsageError(f"the node {self.full_name} is already running")
-        self._tasks = await self._exits.enter_async_context(anyio.create_task_group())
-        self._handlers = await asyncio.TaskGroup().__aenter__()
-        self._exits.push_async_callback(self._end_handlers, self._handlers)
-        waiting, self._waiting = self._waiting, []
-        for function in waiting:
-            self._tasks.start_soon(self._run, function, name=self.full_name)
+        await self._tasks.enter()
         return self
 
     async def __aexit__(
         self, exc_type: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
     ) -> bool | None:
-        tasks, self._tasks, self._handlers = self._tasks, None, None
-        if tasks is None:
+        if not self._tasks.are_running:
             return None
-        tasks.cancel_scope.cancel()
         try:
-            return await self._exits.__aexit__(exc_type, exc, traceback)
-        except BaseExceptionGroup as group:
-            only = only_cause(group)
-            if only is None:
-                raise
+            return await self._tasks.exit(exc_type, exc, traceback)
         finally:
             self.close()
-        if only is exc:
-            return False
-        raise only
 
-    def _start(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
-        if self._tasks is None:
-            self._waiting.append(function)
-        else:
-            self._tasks.start_soon(self._run, function, name=self.full_name)
-
-    def _start_handler(self, serve: Callable[[], Coroutine[object, object, None]]) -> bool:
-        """Start the task of a handler, which isolates itself; return False if the node does not run."""
-        if self._handlers is None:
-            return False
-        self._handlers.create_task(serve(), name=self.full_name)
-        return True
-
-    async def _end_handlers(self, handlers: asyncio.TaskGroup) -> None:
+    def _cancel_handlers(self) -> None:
         entities = tuple(self._entities.values())
         for entity in entities:
             if entity.info.kind in _ACTION_ENDS:
@@ -397,24 +361,6 @@ class Node:
         for entity in entities:
             if isinstance(entity, Service) and not entity.is_closed:
                 entity.cancel_handlers()
-        with anyio.CancelScope(shield=True):  # the group would cancel the handlers without regard to their shields
-            await handlers.__aexit__(None, None, None)
-
-    async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
-        """Run a task of the node in its own scope: closing the node ends its tasks, not the caller's."""
-        scope = anyio.CancelScope()
-        try:
-            with scope:
-                self._scopes[scope] = None
-                try:
-                    with isolated(self.full_name):
-                        await function()
-                finally:
-                    self._scopes.pop(scope, None)
-        except asyncio.CancelledError:
-            # A task that ends anyway returns normally: a cancellation that met the node's end must not end the block.
-            if not scope.cancel_called and not is_cancelled():
-                raise
 
     def _record_failure(self, callback: str, error: BaseException, cost: str) -> None:
         """Record the failure of a callback."""
