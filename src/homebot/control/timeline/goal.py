@@ -52,25 +52,6 @@ class WantedValue:
         is_overruled: Whether *seen* is a new value that is not the wanted one.
     """
 
-    __slots__ = (
-        "_capability",
-        "_known",
-        "_order",
-        "_profile",
-        "_slack",
-        "echoed_at",
-        "fast_at",
-        "is_answered",
-        "is_from_before",
-        "is_overruled",
-        "is_step",
-        "met_at",
-        "returned_after",
-        "seen",
-        "sending_echoed_at",
-        "value",
-    )
-
     def __init__(
         self, order: Order, capability: str, value: PlainValue, known: PlainValue | Nothing, profile: DeviceProfile
     ) -> None:

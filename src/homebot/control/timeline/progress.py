@@ -67,38 +67,6 @@ class CommandProgress:
         usual_returns: The seconds after which the device goes back by itself, where it is known to.
     """
 
-    __slots__ = (
-        "_is_fade",
-        "_motion",
-        "_opposed",
-        "_profile",
-        "accepted",
-        "ended_at",
-        "first_sent_at",
-        "given_at",
-        "is_learnt",
-        "is_raw",
-        "is_witnessed",
-        "known",
-        "last",
-        "learns_late",
-        "moved_at",
-        "must_answer",
-        "order",
-        "outcome",
-        "refusal",
-        "roles",
-        "sendings",
-        "sent_at",
-        "settling",
-        "stopped_at",
-        "superseded_by",
-        "suspected",
-        "told_otherwise_at",
-        "usual_returns",
-        "wanted",
-    )
-
     def __init__(
         self,
         order: Order,
@@ -147,7 +115,7 @@ class CommandProgress:
 
     @property
     def met_times(self) -> list[float]:
-        """When each of the wanted values was reported first that still are."""
+        """The times at which those wanted values were reported first that still are."""
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property

@@ -17,6 +17,7 @@ __all__ = ["Settling", "Undoing"]
 FadeSign: TypeAlias = Literal["fading", "back", "unknown"]
 
 _ON: Final = "on_off"
+_NONE: Final[frozenset[str]] = frozenset()
 _STEP: Final = 0.5
 """Percent by which a level changes at least while a lamp fades."""
 
@@ -76,24 +77,6 @@ class Settling:
         has_held: Whether the values held until the end.
     """
 
-    __slots__ = (
-        "_confirmed_at",
-        "_fade",
-        "_fades_until",
-        "_is_fading",
-        "_level_until",
-        "_progress",
-        "_released",
-        "_seconds",
-        "_step",
-        "_step_value",
-        "_steps",
-        "_steps_until",
-        "has_held",
-        "undoing",
-        "until",
-    )
-
     def __init__(self, progress: SettledCommand, at: float, seconds: float) -> None:
         order = progress.order
         self._progress = progress
@@ -107,7 +90,7 @@ class Settling:
         self._step_value: PlainValue = None
         self._level_until = math.inf
         self._steps: list[int] = []
-        self._released: frozenset[str] = frozenset()  # newer commands are about them
+        self._released = _NONE  # newer commands are about them
         self.until = at + seconds + order.transition
         self.undoing: Undoing | None = None
         self.has_held = False
