@@ -13,7 +13,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, Not, Or, Query, StateIs, TypeIs, facets_of, fits, split_near, type_is
+from homebot.devices.query import And, Not, Or, Query, StateIs, TypeIs, facets_of, fits, type_is
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -192,8 +192,12 @@ class Follow(LiveQuery[DeviceChange]):
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
-        whole = terms[0] if len(terms) == 1 else And(tuple(terms))
-        near, self._query = split_near(whole)
+        self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
+        near: Query | None = None
+        if query:
+            from homebot.devices.query.near import split_near  # noqa: PLC0415 - most queries are for a type
+
+            near, self._query = split_near(self._query)
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from collections.abc import Set as AbstractSet
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import anyio.lowlevel
@@ -23,7 +24,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
-from homebot.devices.query import And, Query, asks_for_near, read_terms, split_near, type_is
+from homebot.devices.query import And, Query, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     ExportIndex,
@@ -60,6 +61,8 @@ if TYPE_CHECKING:
 
 __all__ = ["DirectoryServices"]
 
+
+_KIND = attrgetter("kind")
 
 _FEW = 10
 """Changes published, and devices made findable, before others get their turn."""
@@ -116,15 +119,21 @@ class DirectoryServices:
         )
 
     def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
-        is_later = self._index.is_behind or (request.query and asks_for_near(request.query))
-        return self._find_later(request) if is_later else self._found(request)
+        if "near" in map(_KIND, request.query):
+            return self._find_near(request)
+        return self._find_later(request) if self._index.is_behind else self._found(request)
 
     async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
+        return self._found(request)
+
+    async def _find_near(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        from homebot.devices.query.near import split_near  # noqa: PLC0415 - few queries ask for it
+
+        await self._catch_up()
         near, rest = split_near(read_terms(request.query))
-        if near is None:
-            return self._found(request)
-        return self._found(request, {one.device for one in (await self._nearness.find(near, rest)).devices})
+        found = [] if near is None else (await self._nearness.find(near, rest)).devices
+        return self._found(request, {one.device for one in found})
 
     def _found(self, request: FindDevicesRequest, near: AbstractSet[str] | None = None) -> FindDevicesResponse:
         is_by_id = request.ids and not request.query and not request.service_type
@@ -146,7 +155,8 @@ class DirectoryServices:
         return sorted(found.intersection(request.ids) if request.ids else found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
-        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
+        from homebot.devices.query.near import split_near  # noqa: PLC0415 - for searches alone
+        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - likewise
 
         await self._catch_up()
         index, limit = self._index, request.offset + request.limit if request.limit else None

@@ -6,6 +6,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from homebot.devices.query.facets import Facets, facets_of
     from homebot.devices.query.matching import PartFacets, fits
+    from homebot.devices.query.near import split_near
     from homebot.devices.query.parse import parse_query
     from homebot.devices.query.terms import (
         And,
@@ -27,10 +28,8 @@ if TYPE_CHECKING:
         ReachableIs,
         StateIs,
         TypeIs,
-        asks_for_near,
         query_terms,
         read_terms,
-        split_near,
         type_is,
     )
     from homebot.devices.query.tokens import quoted
@@ -57,7 +56,6 @@ __all__ = [
     "ReachableIs",
     "StateIs",
     "TypeIs",
-    "asks_for_near",
     "facets_of",
     "fits",
     "parse_query",
@@ -74,11 +72,11 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
         {
             "homebot.devices.query.facets": "Facets facets_of",
             "homebot.devices.query.matching": "PartFacets fits",
+            "homebot.devices.query.near": "split_near",
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
                 And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsNear IsUnapproved NameIs Not
-                Or Query QueryTerm ReachableIs StateIs TypeIs asks_for_near query_terms read_terms
-                split_near type_is
+                Or Query QueryTerm ReachableIs StateIs TypeIs query_terms read_terms type_is
                 """,
             "homebot.devices.query.tokens": "quoted",
         },

@@ -28,6 +28,7 @@ from typing import TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.comparison import UNITS, comparison
+from homebot.devices.query.near import split_near
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -40,7 +41,6 @@ from homebot.devices.query.terms import (
     Query,
     StateIs,
     TypeIs,
-    split_near,
     type_is,
 )
 from homebot.devices.query.tokens import Token, tokens_of

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 from typing import Literal, TypeAlias, get_args
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -41,14 +40,10 @@ __all__ = [
     "ReachableIs",
     "StateIs",
     "TypeIs",
-    "asks_for_near",
     "query_terms",
     "read_terms",
-    "split_near",
     "type_is",
 ]
-
-_KIND = attrgetter("kind")
 
 MAX_TERMS = 1000
 """Terms of one query."""
@@ -182,8 +177,6 @@ class IsUnapproved:
 @dataclass(frozen=True, slots=True)
 class IsNear:
     """A device near a robot, with the best first. Only the directory knows; everybody else takes it as matching.
-
-    It is a condition of a whole query: alone, or in :class:`And`. See :func:`split_near`.
 
     Attributes:
         robot: The name of the robot; ``robot`` is the only one, too.
@@ -375,59 +368,7 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
     if len(read) > 1:
         extra = read[-2][2]
         raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
-    if "near" in map(_KIND, terms):
-        split_near(read[0][0])
     return read[0][0]
-
-
-def asks_for_near(terms: Sequence[QueryTerm]) -> bool:
-    """Return whether a query asks for what is near a robot."""
-    return "near" in map(_KIND, terms)
-
-
-def split_near(query: Query) -> tuple[IsNear | None, Query]:
-    """Return the term of *query* that asks for what is near a robot, None if there is none, and the rest.
-
-    Raises:
-        UsageError: It is beside ``or`` or after ``not``, or there are several.
-    """
-    found: list[IsNear] = []
-    rest = _without_near(query, found)
-    if len(found) > 1:
-        raise UsageError("the query asks twice for what is near; one robot and one distance is the limit")
-    return (found[0] if found else None), rest
-
-
-def _without_near(query: Query, found: list[IsNear]) -> Query:
-    """Return *query* without the terms for what is near, which are added to *found*."""
-    match query:
-        case IsNear():
-            found.append(query)
-            return And(())
-        case And(terms):
-            before = len(found)
-            rest = tuple(_without_near(term, found) for term in terms)
-            if len(found) == before:
-                return query
-            return And(tuple(term for term in rest if term != And(())))
-        case Or(terms) if any(map(_asks_for_near, terms)):
-            raise UsageError(f"what is near is asked of a whole query, not beside 'or'; {_BRACKETS}")
-        case Not(term) if _asks_for_near(term):
-            raise UsageError("what is near is asked of a whole query, not after 'not'")
-    return query
-
-
-_BRACKETS = "write for example '(lamp or plug) near robot'"
-
-
-def _asks_for_near(query: Query) -> bool:
-    match query:
-        case And(terms) | Or(terms):
-            return any(map(_asks_for_near, terms))
-        case Not(term):
-            return _asks_for_near(term)
-        case _:
-            return isinstance(query, IsNear)
 
 
 def _read_term(term: QueryTerm, number: int) -> Query:
@@ -440,7 +381,10 @@ def _read_term(term: QueryTerm, number: int) -> Query:
         case "fact":
             return FactIs(term.name, term.text)
         case "near":
-            return IsNear(term.text, _metres(term, number))
+            metres = math.inf if term.value == UNKNOWN else term.value.plain()
+            if not isinstance(metres, float) or not metres >= 0:
+                raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
+            return IsNear(term.text, metres)
         case "disputed":
             return IsDisputed()
         case "unapproved":
@@ -453,12 +397,3 @@ def _read_term(term: QueryTerm, number: int) -> Query:
             return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
         case _:
             return _TEXT_TERMS[term.kind](term.text)
-
-
-def _metres(term: QueryTerm, number: int) -> float:
-    metres = term.value.plain()
-    if metres is None:
-        return math.inf
-    if not isinstance(metres, float) or not metres >= 0:
-        raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
-    return metres
