@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from itertools import product
+
 import pytest
 
 from homebot.conventions.jinja import NotDefinedError, PayloadContext, TemplateError, compile_template
@@ -163,3 +166,37 @@ def test_a_huge_value_is_refused() -> None:
         compile_template("{{ value }}").render_value("x" * 70_000)
     with pytest.raises(TemplateError, match="more than"):
         compile_template("{{ value_json }}").render_value("[" + "1," * 30_000 + "1]")
+
+
+STEPS = (
+    "",
+    ".a",
+    ".if",
+    "._b",
+    "['a']",
+    '["b c"]',
+    "['']",
+    "[ 'a' ]",
+    ".items",
+    "[0]",
+    ".A1",
+    "['a-b']",
+    ".",
+    "['a', 'b']",
+)
+
+
+@pytest.mark.parametrize("path", ["".join(steps) for steps in product(STEPS, repeat=2)])
+def test_a_path_in_json_is_as_jinja_parses_it(path: str) -> None:
+    """In parentheses it is no mere path, and left to Jinja's parser."""
+
+    def rendered(template: str, content: object) -> str:
+        compiled = compile_template(template)
+        try:
+            return compiled.problem or compiled.render_value(json.dumps(content))
+        except TemplateError as error:
+            return f"{type(error).__name__}: {error}"
+
+    inner = {"a": "A", "if": 1, "_b": True, "b c": [], "": "none", "A1": None, "a-b": 2, "items": 3}
+    for content in ({**inner, "a": inner, "b c": inner, "items": inner}, [inner], None, "text"):
+        assert rendered(f"{{{{ value_json{path} }}}}", content) == rendered(f"{{{{ (value_json{path}) }}}}", content)

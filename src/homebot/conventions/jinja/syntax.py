@@ -11,6 +11,7 @@ Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 from __future__ import annotations
 
 import operator
+import re
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
@@ -45,6 +46,9 @@ _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 _MOST_SHOWN = 60
 _LARGEST_LITERAL = 64
+_LONGEST_PATH = 100
+_STEP = re.compile(r"""\.([A-Za-z_][A-Za-z_0-9]*)|\['([\w -]*)'\]|\["([\w -]*)"\]""", re.ASCII)
+_PATH = re.compile(rf"\{{\{{ *value_json((?:{_STEP.pattern})+) *\}}\}}", re.ASCII)
 
 
 def parse(source: str) -> Program:
@@ -54,8 +58,10 @@ def parse(source: str) -> Program:
         TemplateError: It is no template, or uses an unsupported feature; the problem names it, in a few
             words that follow "the template".
     """
-    _check_brackets(source)
-    tree = _tree(source)
+    tree = _path_tree(source)
+    if tree is None:
+        _check_brackets(source)
+        tree = _tree(source)
     compiler = _Compiler()
     try:
         body = compiler.block(tree.body)
@@ -374,6 +380,22 @@ def _tree(source: str) -> nodes.Template:
         raise TemplateError("is nested too deeply") from None
     except (ValueError, OverflowError) as error:
         raise TemplateError("has a number or text that cannot be read") from error
+
+
+def _path_tree(source: str) -> nodes.Template | None:
+    """Return the tree of a path in JSON, as nearly all templates are; None for any other.
+
+    Jinja's parser takes ten times as long: 0.2 ms, for each of the thousands of templates of a large house.
+    """
+    if len(source) > _LONGEST_PATH or (found := _PATH.fullmatch(source)) is None:
+        return None
+    path: nodes.Expr = nodes.Name("value_json", "load")
+    for attribute, *quoted in _STEP.findall(found[1]):
+        if attribute:
+            path = nodes.Getattr(path, attribute, "load")
+        else:
+            path = nodes.Getitem(path, nodes.Const("".join(quoted)), "load")
+    return nodes.Template([nodes.Output([path])])
 
 
 def _check_brackets(source: str) -> None:
