@@ -43,6 +43,23 @@ def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
     assert len(keys) == 10
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"a": 1, "a": 2, "b" : 3}',
+        '{"a": 1, "a": 2, "b"\n: 3}',
+        r'{"a": 1, "a": 2, "b\\": 3}',
+        r'{"c": "\":", "a": 1, "a": 2}',
+        r'{"a": 1, "\u0061": 2}',
+        '{"c": {}, "d": [{"a": 1, "b": {"a": 2, "a": 3}}]}',
+    ],
+)
+def test_a_key_that_is_there_twice_is_found_beside_any_other(text: str) -> None:
+    with DuplicateKeys() as keys:
+        parse_json(text.encode())
+    assert keys == ["a"]
+
+
 @given(json_values)
 def test_json_is_parsed(value: object) -> None:
     assert parse_json(json.dumps(value).encode()) == value

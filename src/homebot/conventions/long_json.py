@@ -14,7 +14,7 @@ from homebot.conventions.payload import (
     MAX_DEPTH,
     check_depth,
     check_surrogates,
-    json_decoder,
+    decode_json,
     parse_json,
     record_duplicate,
     shown,
@@ -123,7 +123,7 @@ def _parse(text: str, at: int, levels: int) -> Generator[int, None, _Place]:
 
 def _parse_name(text: str, at: int) -> tuple[str, int]:
     """Parse the name of a member; return it and the index of its value."""
-    name, at = json_decoder().raw_decode(text, at)
+    name, at = decode_json(text, at)
     at = _after_spaces(text, at)
     check_surrogates(name)
     if not isinstance(name, str) or text[at : at + 1] != ":":
@@ -144,7 +144,7 @@ def _object(names: list[str], values: list[object]) -> dict[str, object]:
 
 def _decode(text: str, at: int, levels: int) -> _Place:
     """Decode the value that begins at *at*, with at most *levels* lists and objects in one another."""
-    value, end = json_decoder().raw_decode(text, at)
+    value, end = decode_json(text, at)
     if text.count("[", at, end) + text.count("{", at, end) > levels:
         check_depth(value, levels)
     if text.find("\\u", at, end) >= 0:

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import NoReturn, TypeAlias, TypeVar
 
 from pydantic_core import from_json
+from pydantic_core import to_json as to_json_bytes
 
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
@@ -32,9 +33,9 @@ __all__ = [
     "check_surrogates",
     "clean_text",
     "compact_json",
+    "decode_json",
     "fields_of",
     "is_unknown",
-    "json_decoder",
     "meaning_reader",
     "number_of",
     "numbers_of",
@@ -63,6 +64,7 @@ MAX_LONG_STATE_BYTES = 1024 * 1024
 MAX_DEPTH = 64
 """Levels of lists and objects in JSON."""
 
+_SPACES = " \t\n\r"
 _ENDLESS = frozenset((math.inf, -math.inf))
 _MAX_SHOWN = 60
 
@@ -98,10 +100,10 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
     """Return the JSON value of *payload*, or raise the reason; records duplicate keys."""
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        decoder = _UNIQUE if unique else _DECODER if _recorded.get() is None else _RECORDING_DECODER
-        value, end = decoder.raw_decode(text) if text.startswith("{") else (None, -1)
-        if end != len(text):  # spaces around it, which nearly no payload has, or no object
-            value = decoder.decode(text)
+        start = len(text) - len(text.lstrip(_SPACES))
+        value, end = decode_json(text, start) if not unique else _UNIQUE.raw_decode(text, start)
+        if rest := text[end:].lstrip(_SPACES):
+            raise json.JSONDecodeError("Extra data", text, len(text) - len(rest))
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:
@@ -236,9 +238,29 @@ _UNIQUE = json.JSONDecoder(
 )
 
 
-def json_decoder() -> json.JSONDecoder:
-    """Return the decoder of :func:`parse_json`, which records duplicate keys in such a context."""
-    return _DECODER if _recorded.get() is None else _RECORDING_DECODER
+def decode_json(text: str, at: int) -> tuple[object, int]:
+    """Return the JSON value that begins at *at*, as :func:`parse_json`, and the index after it.
+
+    Raises:
+        ValueError: There is none.
+    """
+    value, end = _DECODER.raw_decode(text, at)
+    if _recorded.get() is None:
+        return value, end
+    # A hook for each object would take as long as all the rest: no key was lost if there are as many as were written.
+    for doubtful in _DOUBTFUL:
+        if text.find(doubtful, at, end) >= 0:
+            return _RECORDING_DECODER.raw_decode(text, at)
+    try:
+        if text.count('":', at, end) == to_json_bytes(value).count(b'":'):
+            return value, end
+    except ValueError:
+        pass  # nested too deeply, which is found later
+    return _RECORDING_DECODER.raw_decode(text, at)
+
+
+_DOUBTFUL = ('\\":', " :", "\t:", "\n:", "\r:", "\\u")
+"""A colon in a text, or perhaps not right behind the quote of a key; and what may be half of a surrogate pair."""
 
 
 def check_depth(value: object, levels: int = MAX_DEPTH) -> None:
