@@ -42,6 +42,13 @@ async def test_the_wait_in_a_burst_that_goes_on_doubles_up_to_a_minute() -> None
     assert [await seconds(burst) for _ in range(5)] == [10.0, 20.0, 40.0, 60.0, 60.0]
 
 
+async def test_the_more_devices_wait_the_longer_a_burst_is_waited_for_up_to_a_minute() -> None:
+    waiting = {400: 10.0, 2000: 40.0, 4000: 60.0}
+    for devices, longest in waiting.items():
+        burst = Burst(LoopClock(), EndlessAnnouncements(), partial(anyio.sleep, 0.5), lambda: range(devices))  # noqa: B023
+        assert await seconds(burst) == longest
+
+
 async def test_a_burst_ends_with_a_pause_and_the_next_one_is_waited_for_as_short_as_the_first() -> None:
     announcements = Announcements(1)
     burst = Burst(LoopClock(), announcements, partial(anyio.sleep, 0.5))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sized
 from functools import partial
 from itertools import islice
 from typing import Final, Protocol, final
@@ -52,6 +52,10 @@ _LONGEST: Final = 10.0
 _LONGEST_AGAIN: Final = 60.0
 """The same in a burst that goes on: the wait doubles up to this, as on a slow computer each description is dear."""
 
+_WAITING_PER_SECOND: Final = 50
+"""Devices that wait for each second in which the end of a burst is waited for, up to that: to describe a large house in
+the midst of it takes seconds, and each device is described again at the end."""
+
 _STATES_QOS = QoSProfile(depth=1)
 
 
@@ -72,22 +76,31 @@ class Burst:
         clock: The clock.
         counter: The number of announcements so far, as its attribute ``announced``.
         pause: Waits for the time without an announcement after which a burst is over.
+        waiting: The devices that wait for its end.
     """
 
-    def __init__(self, clock: Clock, counter: AnnouncementCounter, pause: Callable[[], Awaitable[object]]) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        counter: AnnouncementCounter,
+        pause: Callable[[], Awaitable[object]],
+        waiting: Callable[[], Sized] = tuple,
+    ) -> None:
         self._clock = clock
         self._counter = counter
         self._pause = pause
+        self._waiting = waiting
         self._seen = 0
         self._longest = _LONGEST
 
     async def wait(self, is_urgent: Callable[[], bool] = lambda: False) -> None:
         """Wait while announcements keep coming, unless that *is_urgent*; return at once if none came since."""
-        until = self._clock.monotonic() + self._longest
+        began = self._clock.monotonic()
         while (announced := self._counter.announced) != self._seen:
             if is_urgent():
                 return
-            if self._clock.monotonic() >= until:
+            waited = self._clock.monotonic() - began
+            if waited >= self._longest and waited >= min(len(self._waiting()) / _WAITING_PER_SECOND, _LONGEST_AGAIN):
                 self._longest = min(2 * self._longest, _LONGEST_AGAIN)
                 return
             self._seen = announced
@@ -116,8 +129,8 @@ class ChangePublisher:
         self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
         self._growing = asyncio.Event()
         self._settings_changed = asyncio.Event()
-        self._burst = Burst(clock, self._queue, _quiet_turns)
-        self._growth = Burst(clock, self._queue, partial(anyio.sleep, _GROWTH_PAUSE))
+        self._burst = Burst(clock, self._queue, _quiet_turns, lambda: self._queue.pending)
+        self._growth = Burst(clock, self._queue, partial(anyio.sleep, _GROWTH_PAUSE), lambda: self._queue.growing)
         self._limit = LogLimit(clock, burst=BURST)
 
     def collect(self) -> None:

@@ -248,7 +248,7 @@ class StoredAnnouncement:
         )
 
 
-@lru_cache(maxsize=16)  # a device is announced in dozens of messages, many of them in a row
+@lru_cache(maxsize=5000)  # a device is announced in dozens of messages, mixed with those of others
 def _sighting_of_device(
     gateway: str,
     name: str,
