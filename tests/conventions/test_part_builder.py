@@ -1,9 +1,12 @@
 """Builder of parts."""
 
+import pytest
+
 from homebot.conventions.description import AutoExpiry, Publication
-from homebot.conventions.part_builder import JsonPart, with_own_ids
+from homebot.conventions.part_builder import JsonPart, is_movable, moved, with_own_ids
 from homebot.conventions.payload import JsonMessage, Readings
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 ASK = Publication("t/get", b"")
 
@@ -13,6 +16,8 @@ def read_state(message: JsonMessage) -> Readings:
 
 
 def write(value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    if value is False:
+        raise RefusedError("a command on t/set", "no")
     return (Publication("t/set", f"{value} in {transition:g}".encode()),)
 
 
@@ -47,6 +52,33 @@ def test_a_part_reads_and_writes_by_its_tables() -> None:
     codec = part().build().codec
     assert codec.read("t", b'{"state":"ON"}', retained=True) == {"on_off": True}
     assert codec.write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
+
+
+def test_a_moved_part_reads_and_writes_on_its_own_topics() -> None:
+    described, topics = part().build(), {"t": "u", "t/event": "u/event", "t/set": "u/set", "t/get": "u/get"}
+    assert is_movable(described, topics)
+    other = moved(described, topics, part_id="other")
+    assert (other.part.id, other.part.name, other.part.capabilities) == ("other", "n", described.part.capabilities)
+    assert (other.part.reads, other.part.writes, other.codec.topics()) == (
+        ("u", "u/event"),
+        ("u/set",),
+        ("u", "u/event"),
+    )
+    assert (other.state_requests, other.expiries) == ((Publication("u/get", b""),), described.expiries)
+    assert other.codec.read("u", b'{"state":"ON"}', retained=True) == {"on_off": True}
+    assert other.codec.read("t", b'{"state":"ON"}', retained=True) == {}
+    assert other.codec.read("u/event", b'{"action":"x"}', retained=False) == {"press": "x"}
+    assert other.codec.write("on_off", value=True) == (Publication("u/set", b"True in 0"),)
+    with pytest.raises(RefusedError, match=r"^a command on u/set was refused: no$"):
+        other.codec.write("on_off", value=False)
+
+
+def test_a_part_that_remembers_or_uses_other_topics_is_not_moved() -> None:
+    remembering = part()
+    remembering.remembers()
+    topics = ("t", "t/event", "t/set", "t/get")
+    assert not is_movable(remembering.build(), topics)
+    assert not is_movable(part().build(), topics[:3])
 
 
 def test_equal_capabilities_are_one_value() -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
+from operator import attrgetter
 from typing import Generic, TypeVar
 
 from homebot.conventions.command_values import Writer
@@ -15,7 +16,7 @@ from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, 
 from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Capability, Category, Part
 
-__all__ = ["BytesPart", "JsonPart", "PartBuilder", "with_own_ids"]
+__all__ = ["BytesPart", "JsonPart", "PartBuilder", "is_movable", "moved", "with_own_ids"]
 
 MessageT = TypeVar("MessageT")
 
@@ -147,6 +148,40 @@ class BytesPart(PartBuilder[bytes]):
     """A part with readers of bytes."""
 
     parse_payload = staticmethod(raw_bytes)
+
+
+def is_movable(described: DescribedPart, topics: Iterable[str]) -> bool:
+    """Return whether *described* can be moved from *topics* to others: it uses no other ones, and remembers nothing."""
+    used = {*described.part.reads, *described.part.writes, *map(_TOPIC, described.state_requests)}
+    return not described.remembers and isinstance(described.codec, TableCodec) and used.issubset(topics)
+
+
+_TOPIC = attrgetter("topic")
+
+
+def moved(
+    described: DescribedPart, topics: Mapping[str, str], *, part_id: str | None = None, name: str | None = None
+) -> DescribedPart:
+    """Return a part as the movable one *described*, on other topics.
+
+    Args:
+        topics: The other topics, by those of *described*.
+        part_id: Its id; by default the same.
+        name: Its name; by default the same.
+    """
+    part, codec = described.part, described.codec
+    assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
+    return DescribedPart(
+        part.with_checked(
+            id=part.id if part_id is None else part_id,
+            name=part.name if name is None else name,
+            reads=tuple([topics[one] for one in part.reads]),
+            writes=tuple([topics[one] for one in part.writes]),
+        ),
+        codec.moved(topics),
+        tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
+        described.expiries,
+    )
 
 
 def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:

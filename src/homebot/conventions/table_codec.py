@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
-from typing import Generic, Never, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, Never, Protocol, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publications
@@ -121,7 +122,52 @@ class TableCodec(Generic[MessageT]):
             raise RefusedError(shown(capability), "it takes no code")
         return self._coded_writers[capability](value, code)
 
+    def moved(self, topics: Mapping[str, str]) -> TableCodec[MessageT]:
+        """Return a codec with the same readers and writers on other topics.
+
+        Args:
+            topics: The other topics, by those of this codec; no filters.
+        """
+        tables = self._parse_payload, _moved(self._readers, topics), _moved(self._event_readers, topics)
+        if not self._writers and not self._coded_writers:
+            return TableCodec(*tables, _NONE)
+        return _MovedCodec(topics, *tables, self._writers, self._coded_writers)
+
     def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
         matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
         tables = (self._readers,) if retained else (self._readers, self._event_readers)
         return tuple(reader for wild in matching for table in tables for reader in table.get(wild, ()))
+
+
+class _MovedCodec(TableCodec[MessageT]):
+    """A codec with the writers of another one, on other topics."""
+
+    __slots__ = ("_topics",)
+
+    def __init__(self, topics: Mapping[str, str], *tables: Any) -> None:
+        super().__init__(*tables)
+        self._topics = topics
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
+        """Return the command that sets *capability*."""
+        return self._moved(partial(super().write, capability, value, transition=transition))
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
+        """Return the command that sets *capability* with a *code*."""
+        return self._moved(partial(super().write_with_code, capability, value, code))
+
+    def _moved(self, write: Callable[[], Publications]) -> Publications:
+        """Return the publications on its own topics; an error that ends with a topic names its own."""
+        try:
+            return tuple([one._replace(topic=self._topics[one.topic]) for one in write()])
+        except RefusedError as error:
+            for other, own in self._topics.items():
+                if error.what.endswith(f" {other}"):
+                    raise type(error)(f"{error.what.removesuffix(other)}{own}", error.reason, error.code) from None
+            raise
+
+
+def _moved(
+    readers: Mapping[str, tuple[Reader[MessageT], ...]], topics: Mapping[str, str]
+) -> Mapping[str, tuple[Reader[MessageT], ...]]:
+    return {topics[one]: its_readers for one, its_readers in readers.items()} if readers else _NONE

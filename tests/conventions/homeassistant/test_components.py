@@ -9,15 +9,16 @@
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 
 from homebot.conventions.description import DescribedPart, Publication, TakesCode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.reader import builder_of
+from homebot.conventions.homeassistant.shapes import PartShapes
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -31,6 +32,15 @@ def name(line: Mapping[str, Any]) -> str:
 def build(line: Mapping[str, Any]) -> DescribedPart:
     config = DiscoveryConfig(line["component"], line.get("id", "node_1"), line["config"])
     return builder_of(line["component"])(config)
+
+
+def build_second(line: Mapping[str, Any]) -> DescribedPart:
+    """Build the part after that of another device, which has other names and topics alone."""
+    shapes = PartShapes()
+    own = {key: f"other/{value}" for key, value in line["config"].items() if key.endswith("topic") and value}
+    both = ({**line["config"], **own, "name": "Other", "unique_id": "other"}, line["config"])
+    configs = [DiscoveryConfig(line["component"], line.get("id", "node_1"), fields) for fields in both]
+    return [shapes.part(config, builder_of(line["component"])) for config in configs][-1]
 
 
 def shape(described: DescribedPart) -> dict[str, Any]:
@@ -61,6 +71,7 @@ def shape(described: DescribedPart) -> dict[str, Any]:
 
 OPTIONAL = {"tag", "category", "pictures", "expiries"}
 DESCRIBED = [line for line in LINES if "part" in line]
+Build: TypeAlias = Callable[[Mapping[str, Any]], DescribedPart]
 STEPS = [
     pytest.param(line, steps, id=f"{name(line)} {sentence}")
     for line in DESCRIBED
@@ -69,8 +80,9 @@ STEPS = [
 ]
 
 
+@pytest.mark.parametrize("build", [build, build_second])
 @pytest.mark.parametrize("line", DESCRIBED, ids=name)
-def test_a_config_is_described(line: Mapping[str, Any]) -> None:
+def test_a_config_is_described(line: Mapping[str, Any], build: Build) -> None:
     assert json.loads(json.dumps(shape(build(line)))) == line["part"]
 
 
@@ -90,8 +102,11 @@ def write(part: DescribedPart, step: Mapping[str, Any]) -> tuple[Publication, ..
     return part.codec.write_with_code(capability, wanted, step["code"])
 
 
+@pytest.mark.parametrize("build", [build, build_second])
 @pytest.mark.parametrize(("line", "steps"), STEPS)
-def test_states_are_read_and_commands_are_written(line: Mapping[str, Any], steps: list[Mapping[str, Any]]) -> None:
+def test_states_are_read_and_commands_are_written(
+    line: Mapping[str, Any], steps: list[Mapping[str, Any]], build: Build
+) -> None:
     part = build(line)
     for step in steps:
         if "read" in step:
@@ -108,6 +123,31 @@ def test_states_are_read_and_commands_are_written(line: Mapping[str, Any], steps
                 Publication(topic, text.encode("latin-1"), *how) for topic, text, *how in step["publishes"]
             )
             assert write(part, step) == published, step
+
+
+def test_a_part_is_built_once_for_all_devices_that_have_it() -> None:
+    built: list[str] = []
+
+    def build_and_count(config: DiscoveryConfig) -> DescribedPart:
+        built.append(config.part_id)
+        return builder_of("sensor")(config)
+
+    shapes = PartShapes()
+    for number in range(3):
+        fields = {"unique_id": f"{number}", "name": f"Battery {number}", "state_topic": f"s/{number}", "~": 1}
+        part = shapes.part(DiscoveryConfig("sensor", "", {**fields, "device_class": "battery"}), build_and_count)
+        assert (part.part.id, part.part.name, part.part.reads) == (f"{number}", f"Battery {number}", (f"s/{number}",))
+        assert part.codec.read(f"s/{number}", b"7", retained=False) == {"battery": 7.0}
+    assert built == ["0"]
+
+
+def test_equal_parts_differ_if_their_topics_are_equal_or_not() -> None:
+    """A state on the command topic may only repeat the command."""
+    shapes = PartShapes()
+    for states, commands, is_echoed in (("a", "b", False), ("c", "c", True), ("d", "e", False)):
+        config = DiscoveryConfig("switch", "", {"state_topic": states, "command_topic": commands})
+        (capability,) = shapes.part(config, builder_of("switch")).part.capabilities
+        assert capability.echoed is is_echoed
 
 
 def test_a_template_that_fails_with_a_code_does_not_show_it() -> None:

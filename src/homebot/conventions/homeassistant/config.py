@@ -26,6 +26,7 @@ MAX_OPTIONS = 2_000
 
 _MAX_TEXT = 8 * 1024
 _MAX_OPTION = 255
+_MAX_ID = 255
 _TELLS_TEXTS = frozenset({"number", "sensor", "text"})
 _HAS_MEANING = frozenset({"device_class", "state_class", "unit_of_measurement"})
 
@@ -66,9 +67,15 @@ class DiscoveryConfig:
         named = self.text("name") or self.text("unique_id") or self.discovery_id
         return names_secret(named) or names_secret(self.text("value_template"))
 
+    @property
+    def part_id(self) -> str:
+        """The id of its part: its ``unique_id``, or else its id in the announcement."""
+        return clean_text(self.text("unique_id") or self.discovery_id, _MAX_ID)
+
     def of_commands(self) -> list[tuple[str, object]]:
         """Return the fields that may determine the payloads of commands, sorted, without topics."""
-        return sorted([(key, value) for key, value in self.values.items() if _is_of_commands(key)])
+        keys = sorted(filter(_is_of_commands, self.values))
+        return list(zip(keys, map(self.values.__getitem__, keys), strict=True))
 
     def has(self, key: str) -> bool:
         """Return whether the field exists and is not null."""

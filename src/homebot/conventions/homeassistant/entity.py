@@ -29,7 +29,6 @@ ValueT = TypeVar("ValueT")
 _UNKNOWN: Mapping[str, str | None] = {"None": None}
 _WIDE = (-1e15, 1e15)
 _MAX_RAW = 255
-_MAX_ID = 255
 _FAR = 1e100
 """Beyond all values of devices, and still finite after multiplication."""
 
@@ -50,7 +49,7 @@ class Entity(PartBuilder[StateMessage]):
         if category not in _CATEGORIES:
             raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
         super().__init__(
-            clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
+            config.part_id,
             service_type,
             name=config.clean_text("name"),
             advertised=config.component,

@@ -24,6 +24,7 @@ from homebot.conventions.homeassistant.announcement import Announced, read_annou
 from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.device import cached_availability, device_in, read_availability
+from homebot.conventions.homeassistant.shapes import SHAPED, PartShapes
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
@@ -37,6 +38,7 @@ class HomeAssistantReader:
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0
         self._prefixes = prefixes
+        self._shapes = PartShapes()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
         """Return the description in a config."""
@@ -65,7 +67,8 @@ class HomeAssistantReader:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = builder_of(component.platform)(config)
+                build = builder_of(component.platform)
+                part = self._shapes.part(config, build) if component.platform in SHAPED else build(config)
                 if config_topic.component == DEVICE:
                     part = replace(part, availability=cached_availability(config))
             except WireError as error:

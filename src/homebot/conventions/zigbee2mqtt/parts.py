@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import with_own_ids
+from homebot.conventions.part_builder import is_movable, moved, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
@@ -48,6 +48,7 @@ def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
 
 _MOST_PARTS = 500
 _MOST_RAW = 20
+_MOST_SHAPES = 8
 _MAX_RAW = 255
 _FEATURES: Mapping[str, frozenset[str]] = {
     "light": FEATURES_OF_LIGHT,
@@ -99,10 +100,10 @@ class _PartsBuilder:
 
     def parts(self) -> Iterable[DescribedPart]:
         """Describe each expose as a part, or several."""
-        around = tuple([expose.of_commands() for expose in self._auxiliary.values()])
         for expose in map(_key_lock_as_setting, self._exposes):
-            for part in self._parts_of(expose):
-                yield _with_payloads(part, (expose.of_commands(), around)) if part.part.writes else part
+            topics = self._topics.of(expose)
+            depends_on_others = self._auxiliary or expose.type in SPECIFIC_TYPES
+            yield from self._parts_of(topics, expose) if depends_on_others else self._moved_parts_of(topics, expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
 
@@ -124,8 +125,24 @@ class _PartsBuilder:
         is_of_endpoint = role == "effect" and expose.endpoint
         return role if role in self._possible_roles and expose.is_settable and not is_of_endpoint else ""
 
-    def _parts_of(self, expose: Expose) -> Iterable[DescribedPart]:
-        topics = self._topics.of(expose)
+    def _moved_parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
+        """Return :meth:`_parts_of`, described once for all devices that have the expose."""
+        own = topics.below()
+        shape = replace(topics, state="")
+        if shape not in expose.shapes:
+            parts = tuple(self._parts_of(shape, expose))
+            if len(expose.shapes) >= _MOST_SHAPES or not all(is_movable(part, own) for part in parts):
+                return self._parts_of(topics, expose)
+            expose.shapes[shape] = parts
+        return [moved(part, own) for part in expose.shapes[shape]]
+
+    def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
+        """Describe *expose*, with a digest of all that its commands follow from."""
+        around = [one.of_commands() for one in self._auxiliary.values()]
+        for part in self._built(topics, expose):
+            yield _with_payloads(part, (expose.of_commands(), tuple(around))) if part.part.writes else part
+
+    def _built(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         if expose.type not in SPECIFIC_TYPES:
             part = self._whole(topics, expose)
             if part is None and expose is not self._auxiliary.get("effect"):
