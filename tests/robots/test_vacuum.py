@@ -12,10 +12,10 @@ from tests.gateways.mqtt.conftest import House, _house
 from tests.robots.test_tracker import ALL, HOUSE
 
 from homebot.devices.devices import Devices
-from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
-from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
+from homebot.errors import RefusedError
 from homebot.graph import Node, Subscription
 from homebot.robots.settings import RobotSettings
 from homebot.robots.tracker import RobotTracker
@@ -136,18 +136,17 @@ async def test_a_pose_by_mqtt_counts_as_long_as_it_says_also_after_the_link_was_
         assert (pose.room, pose.has_position, pose.limit) == ("Hall", False, 60.0)
 
 
-async def test_a_topic_that_no_device_says_is_for_nodes_alone_and_no_device() -> None:
-    async with _house() as house:
-        await house.say("valetudo/dusty/MapData/map-data", DREAME, retain=True)
+async def test_a_topic_that_no_device_says_is_for_the_tracker_of_robots_alone_and_no_device() -> None:
+    topic = "valetudo/dusty/MapData/map-data"
+    async with _house() as house, Node(house.graph, "robots") as node:
+        await house.say(topic, DREAME, retain=True)
         heard: list[bytes] = []
-        devices = Devices(house.watcher)
-        subscribe = house.watcher.create_client(SubscribeToTopic, GatewayNames("mqtt").subscribe)
-        refused = await subscribe.call(SubscribeToTopicRequest(topic="valetudo/dusty/MapData/map-data"))
-        assert (refused.success, "no device publishes" in refused.message) == (False, True)
-        await devices.listen_to("valetudo/dusty/MapData/map-data", lambda message: heard.append(message.payload))
+        with pytest.raises(RefusedError, match="no device publishes"):
+            await Devices(house.watcher).listen_to(topic, lambda message: heard.append(message.payload))
+        await Devices(node).listen_to(topic, lambda message: heard.append(message.payload))
         await anyio.sleep(1)
         assert heard == [DREAME]
-        await house.say("valetudo/dusty/MapData/map-data", VIOMI, retain=True)
+        await house.say(topic, VIOMI, retain=True)
         await anyio.sleep(1)
         assert heard == [DREAME, VIOMI]
         assert house.sighted() == []

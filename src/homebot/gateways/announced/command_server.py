@@ -56,7 +56,7 @@ class RawMessages(Protocol):
     def find_source(self, address: str, listener: str) -> tuple[str, str]:
         """Return key and name of the device that reports raw messages on *address*, known or not yet.
 
-        A *listener*, which is a node of homebot, may listen to other addresses too, where the protocol has them.
+        The *listener* that reads where robots are may listen to other addresses too, where the protocol has them.
 
         Raises:
             RefusedError, WireError: Listening there is not allowed.

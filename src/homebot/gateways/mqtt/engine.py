@@ -23,6 +23,7 @@ from homebot.conventions.convention import (
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.health import Count, HealthResponse
+from homebot.devices.names import ROBOTS_NODE
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.engine import GatewayEngine
@@ -237,12 +238,11 @@ class AnnouncedDevices:
         """Return key and name of the device that speaks on the topic *address*, which it need not have done yet.
 
         Raises:
-            WireError: No device speaks there and no *listener* is named, or the topic breaks a rule.
+            WireError: No device speaks there and the *listener* reads no robots, or the topic breaks a rule.
             InvalidNameError: It is none.
         """
         validate_topic(address)
-        route = self.route(address)
-        if route is not None:
+        if (route := self.route(address)) is not None:
             for announced_part in (route.text, *route.announced_parts):
                 if announced_part is not None:
                     return announced_part.stored.key, announced_part.stored.described.name
@@ -250,7 +250,7 @@ class AnnouncedDevices:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
                     return device.full_key, device.name
-        if not listener:
+        if listener != ROBOTS_NODE:
             raise WireError(f"no device publishes on topic {address!r}")
         self._subscriber.wake()
         return self._registry.put_address(address)
