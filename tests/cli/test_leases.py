@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from tests.cli.test_approve import index_node
 from tests.cli.test_places import NOW
+from tests.patience import PATIENCE
+from websockets.sync.client import connect
 
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
@@ -31,37 +34,57 @@ HOLD = {
 
 
 @pytest.fixture
-def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs a command against a home whose lamp nobody answers for; returns its exit code and what it printed."""
+def door(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> str:
+    """Return the address of a home whose lamp nobody answers for."""
     made: Homebot = homebot_with(index_node, ManualClock(NOW))
+    return made.door
+
+
+@contextmanager
+def holding(door: str, **changes: object) -> Iterator[None]:
+    """Hold the lamp inside the block."""
+    with connect(f"ws://{door}", proxy=None) as peer:
+        peer.send(json.dumps({"op": "call_service", "service": "/control/hold", "args": HOLD | changes}))
+        assert json.loads(peer.recv(timeout=PATIENCE))["values"]["held"]
+        yield
+
+
+@pytest.fixture
+def run(door: str, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs a command; returns its exit code and what it printed."""
 
     def homebot(*arguments: str) -> tuple[int, str, str]:
-        code = main(["--door", made.door, *arguments])
+        capsys.readouterr()  # the log of what came before
+        code = main(["--door", door, *arguments])
         out, err = capsys.readouterr()
         return code, "\n".join(" ".join(line.split()) for line in out.splitlines()), err
 
     return homebot
 
 
-def test_a_lease_of_one_gang_of_several_says_which(run: Run) -> None:
-    gang = {**HOLD, "device": "double_switch", "part": "left"}
-    assert "held: true" in run("service", "call", "/control/hold", json.dumps(gang))[1]
-    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\ndouble_switch#left on robot the client local 1 min"
+def test_a_lease_of_one_gang_of_several_says_which(run: Run, door: str) -> None:
+    with holding(door, device="double_switch", part="left"):
+        assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\ndouble_switch#left on robot the client local 1 min"
 
 
-def test_a_lease_is_listed_and_ended(run: Run) -> None:
+def test_a_lease_ends_with_the_connection_that_took_it(run: Run) -> None:
+    assert "held: true" in run("service", "call", "/control/hold", json.dumps(HOLD))[1]
+    assert run("leases")[1].endswith("nobody holds anything")
+
+
+def test_a_lease_is_listed_and_ended(run: Run, door: str) -> None:
     assert run("leases") == (0, "nobody holds anything", "")
     assert run("release", "Lamp") == (1, "", "homebot: nobody holds lamp\n")
-    assert "held: true" in run("service", "call", "/control/hold", json.dumps(HOLD))[1]
-    assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\nlamp on robot the client local 1 min"
-    assert run("leases", "Front door")[1] == "nobody holds Front door"
-    (held,) = json.loads(run("leases", "Lamp", "--json")[1])
-    (holder,) = held["holders"]
-    assert (held["device"], held["capability"], held["value"]) == ("lamp", "on_off", True)
-    assert held["outranked_until"] is None
-    assert (holder["by"], holder["issuer"], holder["until"][-1]) == ("robot", "client:local", "Z")
-    code, printed, _ = run("release", "Lamp")
-    assert (code, printed.splitlines()[-1]) == (0, "lamp is no longer held on by robot (the client local)")
-    assert run("leases")[1] == "nobody holds anything"
-    assert "ended the lease by which robot held Lamp" in run("journal")[1]
-    assert run("journal", "--json")[1].count('"kind": "ended"') == 1
+    with holding(door):
+        assert run("leases")[1] == "DEVICE HELD BY ISSUER FOR\nlamp on robot the client local 1 min"
+        assert run("leases", "Front door")[1] == "nobody holds Front door"
+        (held,) = json.loads(run("leases", "Lamp", "--json")[1])
+        (holder,) = held["holders"]
+        assert (held["device"], held["capability"], held["value"]) == ("lamp", "on_off", True)
+        assert held["outranked_until"] is None
+        assert (holder["by"], holder["issuer"], holder["until"][-1]) == ("robot", "client:local", "Z")
+        code, printed, _ = run("release", "Lamp")
+        assert (code, printed.splitlines()[-1]) == (0, "lamp is no longer held on by robot (the client local)")
+        assert run("leases")[1] == "nobody holds anything"
+        assert "ended the lease by which robot held Lamp" in run("journal")[1]
+        assert run("journal", "--json")[1].count('"kind": "ended"') == 1

@@ -148,8 +148,8 @@ def test_a_door_is_never_closed_on_a_robot_and_free_when_the_last_was_killed(tmp
         assert json.loads(person.recv(timeout=PATIENCE))["values"]["outcome"] == "confirmed"
         assert door.heard == ["OPEN", "CLOSE"]
         told = kinds(owner)
-        assert sorted(told) == sorted((kind, name) for kind in ("held", "expired") for name in ("first", "second"))
-        assert told.index(("expired", "first")) < told.index(("expired", "second"))
+        assert sorted(told) == sorted((kind, name) for kind in ("held", "released") for name in ("first", "second"))
+        assert told.index(("released", "first")) < told.index(("released", "second"))
 
 
 def test_a_person_ends_the_lease_of_a_robot_that_lives(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.owned_leases import OwnedLeases
 from homebot.devices.command_messages import Setting
-from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse, ReleaseLease
+from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, LeaseResponse, ReleaseLease, RenewLease
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import Value
 from homebot.errors import RefusedError
@@ -79,42 +79,65 @@ def hold(ttl: float = 10.0) -> HoldRequest:
 MINE, OTHER = (HolderRequest(lease=name, by="robot", issuer="client:robot") for name in ("l", "another"))
 
 
-async def test_a_lease_counts_until_it_is_released_or_over() -> None:
-    leases = OwnedLeases(Node(Graph(), "door"))
-    leases.record("me", HOLD_PART, hold())
-    await anyio.sleep(6)
-    leases.record("me", RENEW_LEASE, MINE)
-    leases.record("me", RENEW_LEASE, OTHER)
-    await anyio.sleep(6)
-    assert leases.has("me")
-    assert not leases.has("somebody else")
-    await anyio.sleep(6)
-    assert not leases.has("me")
-    leases.record("me", HOLD_PART, hold())
-    leases.record("me", RELEASE_LEASE, MINE)
-    assert not leases.has("me")
+class Control:
+    """Takes leases a second after it is asked, and records what is released."""
 
+    def __init__(self, node: Node) -> None:
+        self.steps: list[str] = []
+        self.hold_client = node.create_client(HoldPart, HOLD_PART)
+        self.renew_client = node.create_client(RenewLease, RENEW_LEASE)
+        self.release_client = node.create_client(ReleaseLease, RELEASE_LEASE)
+        node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
+        node.create_service(ReleaseLease, RELEASE_LEASE, self.release)
 
-async def test_the_leases_of_a_connection_end_ten_seconds_after_it_unless_another_one_renews_them() -> None:
-    graph, released = Graph(), list[HolderRequest]()
+    async def hold(self, request: HoldRequest) -> LeaseResponse:
+        await anyio.sleep(1)
+        self.steps.append(f"held {request.lease}")
+        raise RefusedError("the hold", "this is a test")
 
-    def release(request: HolderRequest) -> LeaseResponse:
-        released.append(request)
+    def release(self, request: HolderRequest) -> LeaseResponse:
+        self.steps.append(f"released {request.lease}")
         raise RefusedError("the release", "this is a test")
 
-    async with Node(graph, "door") as door, Node(graph, "control") as control:
-        control.create_service(ReleaseLease, RELEASE_LEASE, release)
-        leases = OwnedLeases(door)
-        leases.record("first", HOLD_PART, hold(3600))
-        leases.record("other", HOLD_PART, hold(3600).model_copy(update={"lease": "another"}))
+
+async def test_a_lease_counts_until_it_is_released_or_over() -> None:
+    async with Node(Graph(), "door") as door:
+        leases, control = OwnedLeases(door), Control(door)
+        leases.record("me", control.hold_client, hold())
+        await anyio.sleep(6)
+        leases.record("me", control.renew_client, MINE)
+        leases.record("me", control.renew_client, OTHER)
+        await anyio.sleep(6)
+        assert leases.has("me")
+        assert not leases.has("somebody else")
+        await anyio.sleep(6)
+        assert not leases.has("me")
+        leases.record("me", control.hold_client, hold())
+        leases.record("me", control.release_client, MINE)
+        assert not leases.has("me")
+
+
+async def test_a_lease_ends_with_the_connection_that_held_or_renewed_it_last() -> None:
+    async with Node(Graph(), "door") as door:
+        leases, control = OwnedLeases(door), Control(door)
+        leases.record("first", control.hold_client, hold(3600))
+        leases.record("other", control.hold_client, hold(3600).model_copy(update={"lease": "another"}))
+        leases.record("second", control.renew_client, MINE)
         leases.release("first")
-        await anyio.sleep(9)
-        leases.record("second", RENEW_LEASE, MINE)
-        await anyio.sleep(20)
-        assert (released, leases.has("second"), leases.has("other")) == ([], True, True)
+        await anyio.sleep(1)
+        assert control.steps == []
         leases.release("second")
-        await anyio.sleep(9.9)
-        assert released == []
-        await anyio.sleep(0.2)
-        assert released == [MINE]
+        await anyio.sleep(0.1)
+        assert set(control.steps) == {"released l"}
         assert leases.has("other")
+
+
+async def test_a_lease_that_begins_after_its_client_left_ends_too() -> None:
+    async with Node(Graph(), "door") as door:
+        leases, control = OwnedLeases(door), Control(door)
+        leases.record("me", control.hold_client, hold(3600))
+        with anyio.move_on_after(0.5):
+            await control.hold_client.call(hold(3600))
+        leases.release("me")
+        await anyio.sleep(2)
+        assert control.steps == ["released l", "held l", "released l"]

@@ -291,7 +291,7 @@ async def test_a_value_is_written_as_it_is_in_json(open_house: OpenHouse) -> Non
 
 
 async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(open_house: OpenHouse) -> None:
-    """Then its leases end soon."""
+    """Then its leases end."""
     async with open_house() as house, house.node("control") as control, house.peer() as peer:
 
         async def hold(_request: HoldRequest) -> LeaseResponse:

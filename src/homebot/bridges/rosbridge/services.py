@@ -79,7 +79,7 @@ async def call_service(
     turns: ServerTurns,
     access: ClientAccess,
     answer: Callable[[str], None],
-    on_request: Callable[[str, Message], None] = lambda *_: None,
+    on_request: Callable[[Client[Any, Any], Message], None] = lambda *_: None,
 ) -> None:
     """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
 
@@ -87,14 +87,14 @@ async def call_service(
 
     It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
     short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
-    *on_request* is called with the full name of the service and the request.
+    *on_request* is called with the client of the service and the request.
     """
     try:
         client, request, problem = _prepare(node, op, access)
     except HomebotError as exc:
         answer(_failure(node, op, exc))
         return
-    on_request(client.service_name, request)
+    on_request(client, request)
     try:
         response = await client.call(request, _timeout(op, client.service_name))
         if problem is not None:

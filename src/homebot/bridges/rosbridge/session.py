@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import anyio
 from anyio.abc import TaskGroup
@@ -40,6 +40,7 @@ from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import ClientRights, Right
 from homebot.errors import HomebotError, LinkError, PeerError
+from homebot.graph import Client
 from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.support.rate_limit import RateLimit
@@ -244,8 +245,8 @@ class ClientSession:
         finally:
             self._calls -= 1
 
-    def _on_request(self, holdings: Holdings, service: str, request: Message) -> None:
-        self._shared.leases.record(holdings, service, request)
+    def _on_request(self, holdings: Holdings, client: Client[Any, Any], request: Message) -> None:
+        self._shared.leases.record(holdings, client, request)
         self._watch_over(holdings)
 
     def _watch_over(self, holdings: Holdings) -> None:
