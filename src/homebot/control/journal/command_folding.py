@@ -13,8 +13,8 @@ __all__ = ["IN_FULL", "CommandFolding"]
 IN_FULL: Final = 10
 """Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
 
-_COUNTED: Final = frozenset({"requested", "published", "outcome"})
-"""Steps of commands that count for a minute."""
+_STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
+"""Steps between a command and its outcome, or after that."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
@@ -66,15 +66,15 @@ class CommandFolding:
 
     def add(self, note: JournalNote) -> Sequence[JournalNote]:
         """Return the entries to store after *note*."""
-        first = self._first
-        is_current = first is None or (0 <= note.at - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES)
-        ended = () if is_current else tuple(self._ended(note.at))
+        if note.kind in _STEPS and note.command not in self._open:  # of a stored command
+            return (note,)
+        ended = tuple(self._ended(note.at))
         if note.command in self._open:
             stored = self._continue(note)
-        elif note.issuer and (note.kind in _COUNTED or not note.command) and (note.kind != "denied" or note.settings):
+        elif note.issuer and (note.kind != "denied" or note.settings):  # denials of the door are bounded already
             stored = self._begin(note)
         else:
-            stored = (note,)  # a step of a stored command; denials of the door, without settings, are bounded already
+            stored = (note,)
         return (*ended, *stored) if ended else stored
 
     def waiting(self) -> list[JournalNote]:
