@@ -27,7 +27,7 @@ from homebot.devices import (
     RawMessage,
 )
 from homebot.devices.client_rights import SIMULATED_HOUSE_RIGHTS
-from homebot.devices.query import And, read_terms
+from homebot.devices.query import And, TypeIs, read_terms
 from homebot.devices.services import (
     FindDevicesRequest,
     FindDevicesResponse,
@@ -146,7 +146,12 @@ def _talker(graph: Graph) -> Node:
         return FindDevicesResponse(devices=tuple(found), sequence=1)
 
     def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
-        assert read_terms(request.query) == And(())
+        match read_terms(request.query):
+            case TypeIs(word, types):  # of which there is no device
+                problem = "" if types else f"{word!r} is not a device type, and no device was announced as one; …"
+                return QueryDevicesResponse(success=bool(types), message=problem)
+            case asked:
+                assert asked == And(())
         return QueryDevicesResponse(success=True, results=(Found(device=_lamp(stamp), score=1.0, reasons=()),), total=1)
 
     node.create_service(SetBool, "/switch", switch)

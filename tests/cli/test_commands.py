@@ -165,9 +165,7 @@ def test_a_type_that_is_none_is_a_wrong_command_line(homebot: Any, capsys: Text)
     assert run(homebot, "devices", "--type", "lihgts") == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.startswith(
-        "homebot: 'lihgts' is not a device type, and no device was announced as one; did you mean lights"
-    )
+    assert err == "homebot: 'lihgts' is not a device type, and no device was announced as one; …\n"
 
 
 def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:

@@ -1,4 +1,4 @@
-"""Explanations of a query or a type that no device fits."""
+"""Explanation of a query that no device fits."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ from collections.abc import Iterator
 
 from homebot.cli.device_queries import all_devices, find_devices
 from homebot.cli.door_client import DoorClient
-from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query import type_is
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, InArea, Or, Query
 from homebot.devices.query.tokens import quoted
-from homebot.devices.query.vocabulary import TYPE_WORDS
 from homebot.support.similar import did_you_mean
 
-__all__ = ["unknown_area", "unknown_type"]
+__all__ = ["unknown_area"]
 
 _SOME = 12
 
@@ -32,17 +29,6 @@ def unknown_area(door: DoorClient, query: str) -> str:
             )
             return f"no device is in {area!r}; {did_you_mean(area, known, some)}"
     return ""
-
-
-def unknown_type(door: DoorClient, name: str) -> str:
-    """Return why there cannot be devices of the type *name*; empty if there only happen to be none."""
-    if wanted_types(name) or name in DEVICE_TYPES or type_is(name).types:
-        return ""
-    devices = all_devices(door, lambda device: (device.service_type, *device.service_types))
-    own = {one for some in devices for one in some if one}
-    return f"{name!r} is not a device type, and no device was announced as one; " + did_you_mean(
-        name, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
-    )
 
 
 def _areas(query: Query) -> Iterator[str]:

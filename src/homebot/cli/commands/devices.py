@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import all_devices, house_time, unapproved
+from homebot.cli.device_queries import all_devices, find_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
 from homebot.cli.terminal import print_table
 from homebot.cli.time_format import ago
 from homebot.cli.values import is_topic, life, main_parts, state_text, types
-from homebot.errors import UsageError
+from homebot.devices.query.tokens import quoted
+from homebot.errors import PeerError, UsageError
 
 if TYPE_CHECKING:
     from homebot.devices import Device
@@ -105,10 +106,10 @@ def _all(door: DoorClient, service_type: str, convert: Callable[[Device], T]) ->
     """
     devices = all_devices(door, convert, service_type)
     if service_type and not devices:
-        from homebot.cli.unknown_words import unknown_type  # noqa: PLC0415 - an error may take its time
-
-        if problem := unknown_type(door, service_type):
-            raise _UnknownTypeError(problem)
+        try:
+            find_devices(door, f"type={quoted(service_type)}", 1)
+        except PeerError as exc:
+            raise _UnknownTypeError(str(exc)) from exc
     return devices
 
 

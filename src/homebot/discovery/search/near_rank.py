@@ -1,8 +1,8 @@
 """Ranking of the devices near a robot, in metres, with each term explained. Pure.
 
 The cost of a device is the way to it, what the doors on it cost, the error of its position, and what speaks against it
-besides: a point of relevance less than the best counts a metre. Every term is 0 or more, so the search along the ways
-ends as soon as the way alone costs more than the worst of those that are wanted.
+besides: a point of relevance less than one could have counts a metre. Every term is 0 or more, so the search along the
+ways ends as soon as the way alone costs more than the worst of those that are wanted.
 """
 
 from __future__ import annotations
