@@ -25,7 +25,6 @@ from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection
-from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
@@ -90,7 +89,6 @@ class Door:
         self._turns = ServerTurns()
         self._expected = ExpectedTopics(node.graph)
         self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
-        refusals = Refusals(node, self._error_log)
         self._shared = SharedState(
             node,
             settings,
@@ -99,7 +97,6 @@ class Door:
             self._expected,
             self._counters,
             self._error_log,
-            refusals,
             owners or settings.robot_owners,
         )
         self._sessions: dict[ServerConnection, ClientSession] = {}

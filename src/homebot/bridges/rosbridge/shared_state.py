@@ -12,7 +12,6 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.refusals import Refusals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node
@@ -20,6 +19,7 @@ from homebot.graph import EntityKind, Graph, Node
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.owned_leases import OwnedLeases
     from homebot.bridges.rosbridge.provisions import Provisions
+    from homebot.bridges.rosbridge.refusals import Refusals
     from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
@@ -99,7 +99,6 @@ class SharedState:
         expected: Topics to come.
         counters: The counters.
         error_log: Logs mistakes of clients.
-        refusals: Records requests without the right.
         owners: Returns the robots of the house, with their topics and frames.
         providers: The connection that provides each service and action, by its full name.
     """
@@ -111,9 +110,15 @@ class SharedState:
     expected: ExpectedTopics
     counters: DoorCounters
     error_log: ClientErrorLog
-    refusals: Refusals
     owners: Callable[[], RobotOwners]
     providers: dict[str, Provisions] = field(default_factory=dict)
+
+    @cached_property
+    def refusals(self) -> Refusals:
+        """The record of requests without the right."""
+        from homebot.bridges.rosbridge.refusals import Refusals  # noqa: PLC0415 - with the first client
+
+        return Refusals(self.node, self.error_log)
 
     @cached_property
     def leases(self) -> OwnedLeases:
