@@ -10,10 +10,11 @@ from pydantic import ValidationError
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages import Message, Time
 from homebot.messages.definition import definition_text, fields_of
-from homebot.messages.interfaces import DISTRIBUTIONS, Interfaces, find_action, find_message, find_service, interfaces
+from homebot.messages.interfaces import Interfaces, find_action, find_message, find_service, interfaces
 from homebot.messages.std_msgs import Header
 from homebot.messages.type_hash import type_hash
 
+DISTRIBUTIONS = ("humble", "jazzy", "kilted")
 SHARE = Path(interfaces.__file__).parents[1] / "share"
 
 PET = """\

@@ -20,7 +20,6 @@ from homebot.messages.action import ActionType
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
 from homebot.messages.interfaces import (
-    DISTRIBUTIONS,
     Interfaces,
     find_action,
     find_message,
@@ -149,8 +148,8 @@ def test_an_action_has_a_hash_of_its_own() -> None:
     """No other package has those of actions."""
     hashes = {type_hash(find(name)) for name in NAMES if "/action/" in name}
     assert len(hashes) == sum("/action/" in name for name in NAMES)
-    spins = {type_hash(Interfaces(distribution=one).find_action("nav2_msgs/action/Spin")) for one in DISTRIBUTIONS}
-    assert len(spins) == len(DISTRIBUTIONS)
+    several = [Interfaces(distribution=one) for one in ("humble", "jazzy", "kilted")]
+    assert len({type_hash(one.find_action("nav2_msgs/action/Spin")) for one in several}) == 3
 
 
 def compare(message_type: type[Message], random: Random) -> None:

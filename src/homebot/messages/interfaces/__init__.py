@@ -4,7 +4,6 @@ Source: ROS 2, "Interfaces" (``.msg``, ``.srv`` and ``.action`` files); rosidl, 
 """
 
 from homebot.messages.interfaces.interfaces import (
-    DISTRIBUTIONS,
     Interfaces,
     find_action,
     find_message,
@@ -12,4 +11,4 @@ from homebot.messages.interfaces.interfaces import (
     interface_names,
 )
 
-__all__ = ["DISTRIBUTIONS", "Interfaces", "find_action", "find_message", "find_service", "interface_names"]
+__all__ = ["Interfaces", "find_action", "find_message", "find_service", "interface_names"]

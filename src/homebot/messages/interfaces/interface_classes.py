@@ -12,6 +12,7 @@ from homebot.messages.action import ActionType, message_class
 from homebot.messages.definition import FieldDefinition
 from homebot.messages.interfaces.interface_text import ParsedMessage
 from homebot.messages.message import Message, RosType, ServiceType
+from homebot.messages.numeric_array import LAYOUTS
 
 __all__ = ["Interface", "build_interface", "messages_in"]
 
@@ -21,20 +22,8 @@ FindMessage = Callable[[str], type[Message]]
 
 _NUMBERS: Final = {
     name.lower(): (getattr(fields, name), getattr(fields, f"{name}Array", bytes))
-    for name in (
-        "Byte",
-        "Char",
-        "Int8",
-        "UInt8",
-        "Int16",
-        "UInt16",
-        "Int32",
-        "UInt32",
-        "Int64",
-        "UInt64",
-        "Float32",
-        "Float64",
-    )
+    for name in fields.__all__
+    if name.lower() in LAYOUTS
 }
 """The types of a field and of an array of each number; that of ``uint8`` is bytes."""
 

@@ -25,10 +25,7 @@ from homebot.messages.interfaces.interface_text import (
 from homebot.messages.message import Message, ServiceType
 from homebot.support.similar import similar_to
 
-__all__ = ["DISTRIBUTIONS", "Interfaces", "find_action", "find_message", "find_service", "interface_names"]
-
-DISTRIBUTIONS: Final = ("humble", "jazzy", "kilted")
-"""The distributions of ROS 2 of which there are definitions."""
+__all__ = ["Interfaces", "find_action", "find_message", "find_service", "interface_names"]
 
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"
@@ -61,7 +58,7 @@ class Interfaces:
 
     Args:
         texts: Definitions of the owner by ``package/kind/Name``; see :meth:`read_folder`.
-        distribution: The distribution of ROS 2, one of :data:`DISTRIBUTIONS`, whose definitions count.
+        distribution: The distribution of ROS 2 whose definitions count; ``humble``, ``jazzy`` or ``kilted``.
     """
 
     def __init__(self, texts: Mapping[str, str] | None = None, distribution: str = _DEFAULT) -> None:
