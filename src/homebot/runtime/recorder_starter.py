@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
-from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+from homebot.messages.std_srvs import SuccessResponse
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ _READY_WITHIN = 10.0
 
 
 class RecorderStarter:
-    """Starts one recorder at a time; its code is loaded with the first one.
+    """Starts one recorder at a time.
 
     Args:
         node: The node of the runtime, which runs the recorder's tasks.
@@ -34,9 +33,9 @@ class RecorderStarter:
         self._node = node
         self._recording = recording
         self._is_busy = False
-        node.create_service(Trigger, START_RECORDER, self._start)
 
-    async def _start(self, _: TriggerRequest) -> SuccessResponse:
+    async def start(self) -> SuccessResponse:
+        """Start a recorder; the answer says why there is none."""
         if self._is_busy:
             return SuccessResponse(success=False, message=BUSY)
         self._is_busy = True

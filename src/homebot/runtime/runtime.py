@@ -26,16 +26,16 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
-from homebot.devices.names import POSE_TOPICS
+from homebot.devices.names import POSE_TOPICS, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.plugins import plugin_names
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import Plan, PlannedComponent, make_plan
-from homebot.runtime.recorder_starter import RecorderStarter
 from homebot.runtime.supervisor import Supervisor, Work
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.recorder_starter import RecorderStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
 
@@ -120,7 +121,11 @@ class Runtime:
     detected: Sequence[str] = ()
 
     def __post_init__(self) -> None:
-        self._house = None if self.house is None else _house_of_run(self.house, self.config, self.robot)
+        self._house: HouseOfRun | None = None
+        if self.house is not None:
+            from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
+
+            self._house = HouseOfRun(self.house, self.config.gateways, self.robot)
         self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
         self._plan = self._make_plan()
         self._needed = tuple(
@@ -130,15 +135,14 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
-        kept_at = None
-        if self.index_file is not None and self._plan.discovery.persist:
-            kept_at = self.index_file.with_name(INSTALLATION_FILE)
-        self._installation = Installation(kept_at, self.random)
+        index = self.index_file if self._plan.discovery.persist else None
+        self._installation = Installation(index and index.with_name(INSTALLATION_FILE), self.random)
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
         self._owner: OwnerFacts
         self._controller: Control | None = None
+        self._recorder: RecorderStarter | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -205,7 +209,7 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines)
-        RecorderStarter(main, self._recording)
+        main.create_service(Trigger, START_RECORDER, partial(self._start_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -251,16 +255,13 @@ class Runtime:
         if not names:
             installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"
             return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
-        crashed = [name for name in names if self._is_down(name)]
+        down = {name for name, one in self.supervisor.crashes.items() if one.state != "running again"}
+        crashed = [name for name in names if name in down]
         running = [name for name in names if name not in crashed]
         if not running:
             return f"no app is running yet: {', '.join(crashed)} crashed at the start"
         names = running
         return f"running the app {names[0]}" if len(names) == 1 else f"running the apps {', '.join(names)}"
-
-    def _is_down(self, name: str) -> bool:
-        crashes = self.supervisor.crashes.get(name)
-        return crashes is not None and crashes.state != "running again"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need once, unless it was given."""
@@ -318,6 +319,12 @@ class Runtime:
                 detected=self.detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
+
+    async def _start_recorder(self, main: Node, _: TriggerRequest) -> SuccessResponse:
+        from homebot.runtime.recorder_starter import RecorderStarter  # noqa: PLC0415 - few runs are recorded
+
+        self._recorder = self._recorder or RecorderStarter(main, self._recording)
+        return await self._recorder.start()
 
     async def _recording(self) -> RunRecording:
         from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
@@ -390,9 +397,3 @@ def _offer_settings(node: Node, settings: BaseModel) -> None:
         declare_settings(node, settings)
 
     node.parameters.declare_later(declare)
-
-
-def _house_of_run(world: World, config: Config, robot: str) -> HouseOfRun:
-    from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
-
-    return HouseOfRun(world, config.gateways, robot)
