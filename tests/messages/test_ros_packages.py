@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -91,3 +92,16 @@ def test_a_service_is_of_its_package(name: str) -> None:
 def test_no_other_module_or_file_is_loaded_for_a_name(name: str) -> None:
     with pytest.raises(UnknownTypeError):
         find_message(name)
+
+
+@pytest.mark.parametrize(
+    "package", ["diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs", "sensor_msgs", "std_msgs"]
+)
+def test_a_message_is_imported_from_the_module_of_its_package(package: str) -> None:
+    module = import_module(f"homebot.messages.{package}")
+    names = [name for name in interface_names(package) if "/msg/" in name]
+    assert names
+    for name in names:
+        assert getattr(module, name.rpartition("/")[2]) is find_message(name)
+    with pytest.raises(AttributeError, match="Imagee"):
+        module.Imagee  # noqa: B018 - asked for

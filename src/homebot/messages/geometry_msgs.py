@@ -6,6 +6,7 @@ from pydantic import Field
 
 from homebot.messages.message import Float64Array, Message
 from homebot.messages.std_msgs.header import Header
+from homebot.messages.text_messages import text_messages
 
 __all__ = [
     "Point",
@@ -21,6 +22,8 @@ __all__ = [
     "TwistWithCovariance",
     "Vector3",
 ]
+
+__getattr__ = text_messages("geometry_msgs")
 
 _Covariance: TypeAlias = Annotated[Float64Array, Field(min_length=36, max_length=36)]
 """Six rows of six: x, y, z, and the rotations about them."""

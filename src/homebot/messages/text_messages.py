@@ -1,0 +1,24 @@
+"""Messages of a package of ROS that are made of their text when they are first imported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from homebot.errors import UnknownTypeError
+from homebot.messages.message import Message
+
+__all__ = ["text_messages"]
+
+
+def text_messages(package: str) -> Callable[[str], type[Message]]:
+    """Return the ``__getattr__`` of the module ``homebot.messages.PACKAGE``, by the names of messages in it."""
+
+    def find(name: str) -> type[Message]:
+        from homebot.messages.interfaces import find_message  # noqa: PLC0415 - most packages are never asked for
+
+        try:
+            return find_message(f"{package}/msg/{name}")
+        except UnknownTypeError as exc:
+            raise AttributeError(f"homebot.messages.{package}: {exc}") from None
+
+    return find
