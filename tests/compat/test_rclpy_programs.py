@@ -136,7 +136,7 @@ async def test_the_light_service_of_the_thesis_answers_as_in_its_chapter_8(embed
                     await field.publish(f"{device}/out", payload, qos=1)
             answers = await heard(field, 10)
             assert answers == {"home425/lights/roomlights405/in off": 10}
-            await run.printed(r"(?s)(philips165/out is off.*){10}", r"(?m)^/gateway")
+            await run.printed(r"(?s)(philips165/out is off.*){10}", r"(?m)^/gateway.*\n")
             topics = [line for line in run.text.splitlines() if line.startswith("/gateway")]
             assert set(topics[-1].split()) == LISTING_8_4
 
