@@ -107,14 +107,19 @@ class RmfDoors(App):
             problem = "no requester is stated" if not key[1] else f"{stated.door_name[:100]!r} has no lock or motor"
             self._warn(f"a request for a door was refused: {problem}")
             return
-        before, deadline = self._holds.get(key), anyio.current_time() + self._held_for
-        if stated.requested_mode.value == _OPEN and before is not None:
-            before.deadline = deadline
-        elif stated.requested_mode.value == _OPEN and len(self._holds) < _MOST_HOLDERS:
+        if stated.requested_mode.value == _OPEN:
+            self._open(self._tasks, key, part)
+        elif stated.requested_mode.value == _CLOSED and key in self._holds:
+            self._holds[key].cancel()
+
+    def _open(self, tasks: TaskGroup, key: tuple[str, str], part: Closure | DoorLock) -> None:
+        """Begin a hold, or renew the one that there is."""
+        deadline = anyio.current_time() + self._held_for
+        if key in self._holds:
+            self._holds[key].deadline = deadline
+        elif len(self._holds) < _MOST_HOLDERS:
             self._holds[key] = scope = anyio.CancelScope(deadline=deadline)
-            self._tasks.start_soon(partial(self._hold, key, part, scope))
-        elif stated.requested_mode.value == _CLOSED and before is not None:
-            before.cancel()
+            tasks.start_soon(partial(self._hold, key, part, scope))
 
     async def _hold(self, key: tuple[str, str], part: Closure | DoorLock, scope: anyio.CancelScope) -> None:
         """Hold a door open until *scope* ends; close it after the last holder."""

@@ -80,11 +80,14 @@ def result_text(chain: Chain, now: float) -> str:
     if would := [one for one in chain if one.kind == "would"]:
         return entry_text(would[-1], {})
     if any(one.kind == "published" for one in chain):
-        reports = [one for one in chain if one.kind == "reported"]
-        return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
+        return _report_text([one for one in chain if one.kind == "reported"])
     if now - to_seconds(chain[0].at) > _LONGEST:
         return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
+
+
+def _report_text(reports: Chain) -> str:
+    return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
 
 
 def _doubt(chain: Chain) -> str:

@@ -89,14 +89,7 @@ class Installation:
     def _load(self) -> None:
         if self._id:
             return
-        known: object = None
-        if self._file is not None:
-            try:
-                self._descriptor = _opened_alone(self._file)
-                known = json.loads(os.read(self._descriptor, _LONGEST) or "{}")
-            except (OSError, ValueError, RecursionError) as exc:
-                self.problem = f"{self._file}: {exc}"
-        fields = known if isinstance(known, dict) else {}
+        fields = self._read()
         found, names = fields.get("id"), fields.get("names")
         self._id = found if isinstance(found, str) and len(found) == _DIGITS else ""
         if isinstance(names, dict):
@@ -104,6 +97,17 @@ class Installation:
         if not self._id:
             self._id = self._new_id()
             self._save()
+
+    def _read(self) -> dict[str, object]:
+        if self._file is None:
+            return {}
+        try:
+            self._descriptor = _opened_alone(self._file)
+            known = json.loads(os.read(self._descriptor, _LONGEST) or "{}")
+        except (OSError, ValueError, RecursionError) as exc:
+            self.problem = f"{self._file}: {exc}"
+            return {}
+        return known if isinstance(known, dict) else {}
 
     def _save(self) -> None:
         if self._descriptor is None:

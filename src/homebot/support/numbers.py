@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["finite_number", "to_number"]
+__all__ = ["finite_number", "to_number", "whole_number"]
 
 _HUGE: Final = 2.0**64
 _LONGEST: Final = 40
@@ -16,6 +16,11 @@ def finite_number(value: object) -> float | None:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and -_HUGE < value < _HUGE:
         return float(value)
     return None
+
+
+def whole_number(value: object) -> int | None:
+    """Return *value* if it is a whole number, otherwise None; a bool is none."""
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def to_number(value: object) -> float | None:

@@ -291,9 +291,7 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         is_main = not part_id and bool(main)
         service_type, guessed = (main, main_is_guess) if is_main else (_lone(first), first.guessed)
         name = first.affordance.title if part_id else ""
-        advertised = next(
-            iter(first.affordance.types if part_id else (one for one in thing.types if one != "Thing")), ""
-        )
+        advertised = _advertised_type(thing, first if part_id else None)
     part = Part(
         id=part_id,
         name=name,
@@ -308,6 +306,12 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         payloads=_payloads(found),
     )
     return ClassifiedPart(part, found)
+
+
+def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
+    """Return the type that the first affordance of a part states; without one, that of the whole thing."""
+    types = [one for one in thing.types if one != "Thing"] if first is None else first.affordance.types
+    return next(iter(types), "")
 
 
 def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
@@ -328,9 +332,7 @@ def _classified(one: _Candidate) -> ClassifiedAffordance:
     known, schema = CAPABILITIES[one.capability], one.affordance.schema
     is_number = known.kind == "number"
     bounds = bounds_of(one.capability, one.affordance) if is_number else ()
-    options: tuple[str, ...] = ()
-    if known.kind == "text" and (one.service_type or one.capability != "lock"):
-        options = tuple(text for text in schema.enum if isinstance(text, str))
+    options = _options(one) if known.kind == "text" else ()
     capability = Capability(
         name=one.capability,
         readable=one.is_readable,
@@ -341,3 +343,9 @@ def _classified(one: _Candidate) -> ClassifiedAffordance:
     )
     observed = one.observed[0] if one.is_readable else None
     return ClassifiedAffordance(capability, one.affordance, observed, one.written[0] if one.is_settable else None)
+
+
+def _options(one: _Candidate) -> tuple[str, ...]:
+    if one.capability == "lock" and not one.service_type:
+        return ()
+    return tuple(text for text in one.affordance.schema.enum if isinstance(text, str))

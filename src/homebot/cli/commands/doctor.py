@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command
@@ -111,8 +111,8 @@ def print_health(name: str, health: HealthResponse, now: float, *, everything: b
         print(f"problem of {name}: {printable(problem)}")
     for note in health.notes:
         print(f"note on {name}: {printable(note)}")
-    shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one.name))]
-    _print_section(f"counted by {name} since it started", [_count(one) for one in shown])
+    counts = health.counts if everything else _faults(health.counts)
+    _print_section(f"counted by {name} since it started", [_count(one) for one in counts])
     failures = [_failure(one, now) for one in health.failures[:_MOST]]
     _print_section(f"failures in {name} since it started", failures, len(health.failures))
     offenders = [_quarantine(one, now) for one in health.quarantined[:_MOST]]
@@ -121,6 +121,10 @@ def print_health(name: str, health: HealthResponse, now: float, *, everything: b
     )
     is_ill = any(map(_is_ill, health.counts))
     return not (health.quarantined or health.troubles or health.failures or is_ill)
+
+
+def _faults(counts: Iterable[Count]) -> list[Count]:
+    return [one for one in counts if one.count and _is_one_of(_FAULTS, one.name)]
 
 
 def _is_ill(one: Count) -> bool:

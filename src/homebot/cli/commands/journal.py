@@ -18,7 +18,7 @@ from homebot.errors import UsageError
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
-    from homebot.devices.journal_messages import JournalEntry
+    from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
 
 __all__ = ["add_arguments"]
 
@@ -65,12 +65,17 @@ def _journal(door: DoorClient, options: argparse.Namespace) -> int:
         printer.print(entry)
     if options.follow:
         _follow(door, client, printer, device, options.command_id)
-    elif not options.json and not found.entries:
-        is_filtered = since or device or options.command_id
-        print("nothing in the journal fits" if is_filtered else "the journal is empty")
-    elif not options.json and not found.complete:
-        print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
+    elif not options.json:
+        _print_missing(found, now, is_filtered=bool(since or device or options.command_id))
     return 0
+
+
+def _print_missing(found: ReadJournalResponse, now: float, *, is_filtered: bool) -> None:
+    """Print why there are no entries, or that there are older ones."""
+    if not found.entries:
+        print("nothing in the journal fits" if is_filtered else "the journal is empty")
+    elif not found.complete:
+        print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
 
 
 def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, device: str, command: str) -> Never:

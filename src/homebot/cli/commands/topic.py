@@ -9,7 +9,7 @@ import re
 import sys
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_client_command, whole
@@ -33,6 +33,7 @@ from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
+    from homebot.devices import Device
 
 __all__ = ["add_arguments", "rate_text"]
 
@@ -221,12 +222,15 @@ def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> No
     address = command.get("address")
     if not isinstance(address, str) or not page.results or page.total > _SMALL_HOUSE:
         return
-    devices = [result.device for result in page.results]
-    known = {end.command_address for device in devices for end in device.endpoints}
-    known |= {topic for device in devices for part in device.parts for topic in part.part.writes}
+    known = _command_addresses([result.device for result in page.results])
     if address not in known:
         hint = did_you_mean(address, known - {""}, "it is published all the same", cutoff=0.8)
         print(f"homebot: no known device takes commands on {printable(address)}; {hint}", file=sys.stderr)
+
+
+def _command_addresses(devices: Collection[Device]) -> set[str]:
+    known = {end.command_address for device in devices for end in device.endpoints}
+    return known | {topic for device in devices for part in device.parts for topic in part.part.writes}
 
 
 def _gateway_of(topic: str) -> str:

@@ -74,10 +74,7 @@ class _BTHomeSender:
         if self._is_late(packet.packet_id, now):
             return ()
         self.was_read, self.packet_id = True, packet.packet_id
-        if packet.firmware:
-            self.metadata["firmware"] = packet.firmware
-        if packet.device_type is not None:
-            self.metadata["device_type"] = str(packet.device_type)
+        self._record_metadata(packet)
         for one in packet.values:
             if one.part not in self.parts and len(self.parts) < MAX_PARTS:
                 self.parts[one.part] = _part(one.part, one.object)
@@ -88,6 +85,12 @@ class _BTHomeSender:
             for one in packet.values
             if one.part in self.parts and not (one.value is None and CAPABILITIES[one.object.capability].is_event)
         )
+
+    def _record_metadata(self, packet: BTHomePacket) -> None:
+        if packet.firmware:
+            self.metadata["firmware"] = packet.firmware
+        if packet.device_type is not None:
+            self.metadata["device_type"] = str(packet.device_type)
 
     def _is_late(self, number: int | None, now: float) -> bool:
         if number is None or self.packet_id is None or now - self.received_at > REPEATS_WITHIN:

@@ -223,10 +223,13 @@ def _checked(parameters: Mapping[str, str]) -> dict[str, str]:
         raise WireError("a registration has more than 20 parameters")
     if not parameters.get("ep"):
         raise WireError("ep is missing")
-    lifetime = parameters.get("lt") or str(_DEFAULT_LIFETIME)
-    if not (lifetime.isascii() and lifetime.isdecimal() and 1 <= int(lifetime[:11]) <= _LONGEST_LIFETIME):
-        raise WireError(f"lt {shown(lifetime)} is not a number from 1 to {_LONGEST_LIFETIME}")
-    return {**parameters, "lt": lifetime}
+    return {**parameters, "lt": _checked_lifetime(parameters.get("lt") or str(_DEFAULT_LIFETIME))}
+
+
+def _checked_lifetime(seconds: str) -> str:
+    if not (seconds.isascii() and seconds.isdecimal() and 1 <= int(seconds[:11]) <= _LONGEST_LIFETIME):
+        raise WireError(f"lt {shown(seconds)} is not a number from 1 to {_LONGEST_LIFETIME}")
+    return seconds
 
 
 def _conditions(query: Mapping[str, str]) -> list[tuple[str, str]]:

@@ -80,16 +80,21 @@ def parse_range(text: str) -> Range:
     """
     if not text:
         return Range()
-    fields = text.split(":")
-    numbers = [to_number(field) for field in fields]
-    if not 1 < len(fields) <= _FIELDS or any(number is None and fields[i] for i, number in enumerate(numbers)):
-        raise WireError(f"format {shown(text)} is not a range")
-    least, most, step = (*numbers, None)[:_FIELDS]
+    least, most, step = _parse_fields(text)
     if step is not None and step <= 0:
         raise WireError(f"format {shown(text)} is not a range")
     if least is not None and most is not None and least > most:
         raise WireError(f"format {shown(text)} contains no number")
     return Range(least, most, step)
+
+
+def _parse_fields(text: str) -> tuple[float | None, ...]:
+    """Return the three numbers of a range; None for one that is left out."""
+    fields = text.split(":")
+    numbers = [to_number(field) for field in fields]
+    if not 1 < len(fields) <= _FIELDS or any(number is None and fields[i] for i, number in enumerate(numbers)):
+        raise WireError(f"format {shown(text)} is not a range")
+    return (*numbers, None)[:_FIELDS]
 
 
 MAX_PROPERTIES = 500
@@ -158,10 +163,7 @@ def make_property(
     if datatype not in DATATYPES:
         raise WireError(f"datatype is {shown(datatype)}")
     options = parse_options(form) if datatype in _WITH_OPTIONS or (datatype == "boolean" and form) else ()
-    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-        raise WireError(f"format {shown(form)} names no colour formats")
-    if datatype == "boolean" and options and len(options) != len(("false", "true")):
-        raise WireError(f"format {shown(form)} does not name false and true")
+    _check_options(datatype, options, form)
     return HomieProperty(
         id=prop_id,
         name=clean_text(fields("name")),
@@ -174,6 +176,13 @@ def make_property(
         is_retained=is_retained,
         names_form=names_form,
     )
+
+
+def _check_options(datatype: str, options: tuple[str, ...], form: str) -> None:
+    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
+        raise WireError(f"format {shown(form)} names no colour formats")
+    if datatype == "boolean" and options and len(options) != len(("false", "true")):
+        raise WireError(f"format {shown(form)} does not name false and true")
 
 
 @dataclass(frozen=True, slots=True)

@@ -168,9 +168,15 @@ def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
     elif is_beside(tokens - _OF_VALVES if kind == "valve" else tokens) or is_setting(tokens_in(node.id, node.name)):
         return ""
     if prop.is_number and not kind:
-        kind = "position" if "position" in tokens else "level" if tokens_in(node.id, node.type) & _LEVELS else ""
+        kind = _kind_of_number(node, tokens)
     is_main = prop.id == node.id
     return next((guess.role for guess in guesses if guess.matches(prop, kind, tokens, is_main=is_main)), "")
+
+
+def _kind_of_number(node: HomieNode, tokens: frozenset[str]) -> str:
+    if "position" in tokens:
+        return "position"
+    return "level" if tokens_in(node.id, node.type) & _LEVELS else ""
 
 
 CONTROLS = frozenset(

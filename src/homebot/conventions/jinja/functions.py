@@ -6,7 +6,7 @@ Clock and time zone are given by the caller; functions that need them fail witho
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime, timedelta
 from typing import Final
 
@@ -136,13 +136,16 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
     values = values_of(run, value) if value else []
     run.spend(4 * len(values))
     if not arguments and "attribute" in named:
-        default = named.get("default")
-        found = [attribute_of(one, named["attribute"]) for one in values]
-        return [default if default is not None and isinstance(one, Undefined) else one for one in found]
+        return _attributes(values, named["attribute"], named.get("default"))
     mapped = FILTERS.get(str(arguments[0])) if arguments else None
     if mapped is None or mapped is _map:
         raise TemplateError("map is given no filter that it could apply")
     return [run.handle(mapped(run, run.handle(one), *arguments[1:], **named)) for one in values]
+
+
+def _attributes(values: Iterable[object], name: object, default: object) -> list[object]:
+    found = [attribute_of(one, name) for one in values]
+    return [default if default is not None and isinstance(one, Undefined) else one for one in found]
 
 
 FILTERS: Final[dict[str, Callable[..., object]]] = {

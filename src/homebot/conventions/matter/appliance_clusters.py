@@ -17,10 +17,10 @@ from homebot.conventions.matter.endpoint import (
     MatterEndpoint,
     MatterOrders,
     field_of,
-    whole_number,
 )
 from homebot.conventions.payload import clean_text
 from homebot.devices.value import PlainValue
+from homebot.support.numbers import whole_number
 
 __all__ = ["APPLIANCE_ROWS", "is_oven_cabinet"]
 

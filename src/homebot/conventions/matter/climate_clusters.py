@@ -18,11 +18,11 @@ from homebot.conventions.matter.endpoint import (
     MatterEndpoint,
     MatterOrders,
     field_of,
-    whole_number,
 )
 from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
+from homebot.support.numbers import whole_number
 
 __all__ = ["CLIMATE_ROWS"]
 

@@ -8,10 +8,10 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_number
-from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrders, whole_number
+from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrders
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.support.numbers import finite_number
+from homebot.support.numbers import finite_number, whole_number
 
 __all__ = [
     "ClusterRow",

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 from homebot.conventions.payload import text_of
-from homebot.support.numbers import finite_number
+from homebot.support.numbers import finite_number, whole_number
 
 __all__ = [
     "DESCRIPTOR",
@@ -22,7 +22,6 @@ __all__ = [
     "MatterOrder",
     "MatterOrders",
     "field_of",
-    "whole_number",
 ]
 
 DESCRIPTOR: Final = 29
@@ -109,11 +108,6 @@ class MatterEndpoint:
 def field_of(struct: Mapping[object, object] | Mapping[str, object], number: int, name: str) -> object:
     """Return a field of a struct; the server names it by its number, as text, or by its name."""
     return struct.get(str(number), struct.get(name))
-
-
-def whole_number(value: object) -> int | None:
-    """Return *value* if it is a whole number, otherwise None."""
-    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 @dataclass(frozen=True, slots=True)

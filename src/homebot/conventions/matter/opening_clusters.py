@@ -19,11 +19,11 @@ from homebot.conventions.matter.endpoint import (
     MatterEndpoint,
     MatterOrders,
     field_of,
-    whole_number,
 )
 from homebot.conventions.payload import as_fields
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
+from homebot.support.numbers import whole_number
 
 __all__ = ["OPENING_ROWS", "is_covering"]
 

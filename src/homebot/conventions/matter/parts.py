@@ -13,7 +13,7 @@ from typing import Final
 from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
 from homebot.conventions.matter.cluster_row import MatterAbility
-from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of, whole_number
+from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
 from homebot.conventions.matter.light_clusters import LIGHT_ROWS
 from homebot.conventions.matter.opening_clusters import OPENING_ROWS
 from homebot.conventions.matter.sensor_clusters import BATTERY, SENSOR_ROWS
@@ -21,6 +21,7 @@ from homebot.conventions.matter.switch_cluster import SWITCH_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
+from homebot.support.numbers import whole_number
 
 __all__ = ["find_abilities", "parts_of"]
 
@@ -156,10 +157,14 @@ def _tag_words(endpoint: MatterEndpoint) -> Iterator[str]:
         tag, label = whole_number(field_of(struct, 2, "tag")), text_of(field_of(struct, 3, "label"))
         if namespace is None or tag is None or tag < 0:
             continue
-        words = _NAMESPACES.get(namespace, ())
-        if namespace == _NUMBER:
-            yield label or str(tag)
-        elif tag < len(words):
-            yield f"{words[tag]} {label}" if words[tag] in _COUNTED and label else words[tag]
-        elif words and label:
-            yield label
+        if word := _tag_word(namespace, tag, label):
+            yield word
+
+
+def _tag_word(namespace: int, tag: int, label: str) -> str:
+    words = _NAMESPACES.get(namespace, ())
+    if namespace == _NUMBER:
+        return label or str(tag)
+    if tag < len(words):
+        return f"{words[tag]} {label}" if words[tag] in _COUNTED and label else words[tag]
+    return label if words else ""

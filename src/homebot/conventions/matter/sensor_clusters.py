@@ -10,10 +10,10 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.matter.cluster_row import ClusterRow, flag, number, one_of
-from homebot.conventions.matter.endpoint import MatterEndpoint, field_of, whole_number
+from homebot.conventions.matter.endpoint import MatterEndpoint, field_of
 from homebot.conventions.payload import as_fields
 from homebot.devices.value import PlainValue
-from homebot.support.numbers import finite_number
+from homebot.support.numbers import finite_number, whole_number
 
 __all__ = ["BATTERY", "SENSOR_ROWS"]
 

@@ -13,9 +13,9 @@ from homebot.conventions.matter.endpoint import (
     MatterEndpoint,
     MatterOrders,
     field_of,
-    whole_number,
 )
 from homebot.conventions.payload import as_fields
+from homebot.support.numbers import whole_number
 
 __all__ = ["SWITCH", "SWITCH_ROWS", "press_of"]
 

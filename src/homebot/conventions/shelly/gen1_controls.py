@@ -27,7 +27,7 @@ from homebot.conventions.payload import (
 from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
-from homebot.support.numbers import to_number
+from homebot.support.numbers import to_number, whole_number
 
 __all__ = ["Presses", "build_input", "build_light", "build_relay", "build_roller"]
 
@@ -136,9 +136,7 @@ class Presses:
         message = to_json(payload)
         if not isinstance(message, dict):
             return NO_READINGS
-        event, count = message.get("event"), message.get("event_cnt")
-        if not isinstance(count, int) or isinstance(count, bool):
-            count = None
+        event, count = message.get("event"), whole_number(message.get("event_cnt"))
         is_first = self._count is None
         is_new = (count is None or count != self._count) and (counts_first or not is_first)
         self._count = 0 if count is None else count

@@ -129,7 +129,13 @@ def _build_channel(
             yield build_meter(topics, f"adc:{index}", {"voltage": channel.topic})
         case _:
             yield build_sensor(topics, SENSORS[kind], index)
-    if kind != "emeter" and (meter := _published(channel, _METER, suffixes)):
+    if kind != "emeter":
+        yield from _build_meter_of_channel(topics, channel, suffixes)
+
+
+def _build_meter_of_channel(topics: Gen1Topics, channel: _Channel, suffixes: frozenset[str]) -> Iterator[BytesPart]:
+    if meter := _published(channel, _METER, suffixes):
+        kind, index = channel
         yield build_meter(topics, f"{kind}:{index}/meter", meter)
 
 

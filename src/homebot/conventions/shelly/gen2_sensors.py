@@ -105,16 +105,21 @@ def build_input(component: ShellyComponent) -> Parts:
     if component.config.get("enable") is False:
         return ()
     if kind == "analog" or (kind is None and "percent" in status and "state" not in status):
-        part = component.part("", "x_sensor")
-        component.add_measure(part, "percent", "measurement", unit="%")
-        return (part,)
+        return _build_measured_input(component, "percent", "%")
     if kind == "count":
-        part = component.part("", "x_sensor")
-        component.add_measure(part, "counts.total", "measurement")
-        return (part,)
-    is_button = kind != "switch"
+        return _build_measured_input(component, "counts.total", "")
+    return _build_binary_input(component, is_button=kind != "switch")
+
+
+def _build_measured_input(component: ShellyComponent, key: str, unit: str) -> Parts:
+    part = component.part("", "x_sensor")
+    component.add_measure(part, key, "measurement", unit=unit)
+    return (part,)
+
+
+def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts:
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
-    if not is_button or status.get("state") is not None:
+    if not is_button or component.status.get("state") is not None:
         component.add_reading(part, "state", flag("state", "state"))
     if is_button:
         component.add_presses(part, _PRESSES)

@@ -14,7 +14,7 @@ from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import to_hue_saturation
 from homebot.conventions.payload import Readings, text_of
 from homebot.devices.value import PlainValue
-from homebot.support.numbers import to_number
+from homebot.support.numbers import to_number, whole_number
 
 __all__ = ["LONGEST_NAME", "MASTER", "MASTER_FEATURES", "Fields", "WledSegment", "find_segments", "read_master"]
 
@@ -140,20 +140,24 @@ def read_master(state: Fields) -> dict[str, PlainValue]:
 
 def find_segments(state: Fields, leds: Fields, effects: tuple[str, ...]) -> Iterator[WledSegment]:
     """Yield the segments with LEDs; a single one is the master part."""
-    listed = state.get("seg")
-    given = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
-    lit = [one for one in given[:_MOST_SEGMENTS] if one.get("stop") != 0]
+    lit = _with_leds(state)
     known = leds.get("seglc")
     by_place = isinstance(known, list) and len(known) == len(lit)
     seen: set[int] = set()
     for place, fields in enumerate(lit):
-        number = fields.get("id", place)
-        if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < _FULL or number in seen:
+        number = whole_number(fields.get("id", place))
+        if number is None or not 0 <= number < _FULL or number in seen:
             continue
         seen.add(number)
         part = MASTER if len(lit) == 1 else f"segment:{number}"
         abilities = _abilities(fields, leds, place if by_place else number)
         yield WledSegment(number, part, text_of(fields.get("n"), LONGEST_NAME), abilities, fields, effects)
+
+
+def _with_leds(state: Fields) -> list[Fields]:
+    listed = state.get("seg")
+    given = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
+    return [one for one in given[:_MOST_SEGMENTS] if one.get("stop") != 0]
 
 
 def _abilities(segment: Fields, leds: Fields, place: int) -> int:

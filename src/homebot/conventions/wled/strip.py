@@ -145,8 +145,7 @@ class WledStrip:
             return given | segment.write(segment.features.command(capability, value))
         if part != MASTER:
             raise RefusedError(f"a command to {part[:60]!r}", "the device has no such part any more")
-        command = MASTER_FEATURES.command(capability, value)
-        return given | {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})
+        return given | _master_state(capability, value)
 
     def _extras(self) -> Iterator[tuple[_Extra, PlainValue]]:
         """Yield the further values that it has."""
@@ -202,6 +201,11 @@ def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Par
         Capability(name=one.name, settable=True, bounds=one.bounds, options=one.options) for one in features.abilities()
     )
     return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)
+
+
+def _master_state(capability: str, value: PlainValue) -> dict[str, object]:
+    command = MASTER_FEATURES.command(capability, value)
+    return {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})
 
 
 def _part(extra: _Extra) -> Part:

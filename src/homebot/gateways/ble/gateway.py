@@ -212,8 +212,7 @@ class BleGateway(Gateway):
         declared = self._settings.devices.get(advertisement.address)
         profile = self._profile_of(advertisement, declared)
         is_understood = found is not None or profile is not None or declared is not None
-        listed = self._settings.listed
-        if not (is_understood or listed == "all" or (listed == "named" and advertisement.name)):
+        if not is_understood and not self._lists_unknown(advertisement.name):
             return None
         if declared is None and not self._newcomers.admits(now):
             return None
@@ -222,6 +221,9 @@ class BleGateway(Gateway):
             return None
         device = self._known[key] = KnownDevice(key, declared or BleDeviceSettings(), profile, now)
         return device
+
+    def _lists_unknown(self, name: str) -> bool:
+        return self._settings.listed == "all" or (self._settings.listed == "named" and bool(name))
 
     def _make_room(self) -> bool:
         """Forget a dispensable device; return whether there was one."""

@@ -19,7 +19,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import EndpointSession
-from homebot.gateways.coap.settings import CoapGatewaySettings
+from homebot.gateways.coap.settings import CoapCredentials, CoapGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.plugins import check_extra
@@ -75,11 +75,7 @@ class CoapGateway(Gateway):
         check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
         assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
         for one in settings.credentials:
-            for name in ("settings.json", "secret.json") if one.oscore else ():
-                if not (Path(one.oscore) / name).is_file():
-                    raise UsageError(f"credentials for {one.uri}: {one.oscore} has no {name} of an OSCORE context")
-            if one.identity:
-                check_extra(f"the DTLS key for {one.uri}", "coap,dtls", "DTLSSocket")
+            _check_credentials(one)
         if not (settings.devices or settings.resource_directory or settings.interfaces or settings.serve_directory):
             raise UsageError(
                 "the gateway finds no device: set devices, resource_directory or interfaces, or serve_directory"
@@ -303,3 +299,11 @@ class CoapGateway(Gateway):
                 await session.perform(command)
                 return
         raise UnableError(f"{command.key[:100]} is not known at any endpoint")
+
+
+def _check_credentials(login: CoapCredentials) -> None:
+    for name in ("settings.json", "secret.json") if login.oscore else ():
+        if not (Path(login.oscore) / name).is_file():
+            raise UsageError(f"credentials for {login.uri}: {login.oscore} has no {name} of an OSCORE context")
+    if login.identity:
+        check_extra(f"the DTLS key for {login.uri}", "coap,dtls", "DTLSSocket")

@@ -14,7 +14,7 @@ import binascii
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final, Self, TypeAlias
 
 from homebot.conventions.matter.cluster_row import MatterAbility, WriteValue
 from homebot.conventions.matter.endpoint import MatterEndpoint
@@ -41,6 +41,8 @@ _DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED
 _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
 
+_AbilitiesOfPart: TypeAlias = tuple[tuple[MatterEndpoint, MatterAbility], ...]
+
 
 @dataclass(frozen=True, slots=True)
 class NodeDevice:
@@ -52,7 +54,7 @@ class NodeDevice:
     """
 
     device: GatewayDevice
-    abilities: Mapping[str, tuple[tuple[MatterEndpoint, MatterAbility], ...]]
+    abilities: Mapping[str, _AbilitiesOfPart]
     root: MatterEndpoint
 
 
@@ -141,16 +143,7 @@ class MatterNode:
         return owners
 
     def _device(self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str) -> NodeDevice:
-        coverings = {
-            number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
-        }
-        parts: list[Part] = []
-        abilities: dict[str, tuple[tuple[MatterEndpoint, MatterAbility], ...]] = {}
-        for endpoint in members:
-            for part, found in parts_of(endpoint, covers=endpoint.id in coverings):
-                if len(parts) < MAX_PARTS:
-                    parts.append(part)
-                    abilities[part.id] = tuple((endpoint, one) for one in found)
+        parts, abilities = self._parts(members)
         cluster = BRIDGED if bridge else BASIC
         facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
         device = GatewayDevice(
@@ -163,6 +156,20 @@ class MatterNode:
             raw_address=f"matter/{key}",
         )
         return NodeDevice(device, abilities, root)
+
+    def _parts(self, members: Iterable[MatterEndpoint]) -> tuple[list[Part], dict[str, _AbilitiesOfPart]]:
+        """Return the parts that are at the endpoints *members*, and the abilities of each."""
+        coverings = {
+            number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
+        }
+        parts: list[Part] = []
+        abilities: dict[str, _AbilitiesOfPart] = {}
+        for endpoint in members:
+            for part, found in parts_of(endpoint, covers=endpoint.id in coverings):
+                if len(parts) < MAX_PARTS:
+                    parts.append(part)
+                    abilities[part.id] = tuple((endpoint, one) for one in found)
+        return parts, abilities
 
 
 def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:

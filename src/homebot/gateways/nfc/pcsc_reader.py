@@ -109,19 +109,22 @@ class _Session:
         self._scard.SCardReleaseContext(self._context)
 
     def _find_readers(self, *, is_first: bool = False) -> None:
-        try:
-            result, names = self._scard.SCardListReaders(self._context, [])
-        except (SystemError, UnicodeDecodeError) as exc:  # a service that is stopping may give names that are no text
-            raise LinkError("the smart-card service (pcscd) gave invalid names of readers") from exc
-        if result != self._scard.SCARD_E_NO_READERS_AVAILABLE:
-            self._check(result, "lists no readers")
-        found = [one for one in names or () if self._is_wanted(one)]
+        found = [one for one in self._list_readers() if self._is_wanted(one)]
         if found == list(self._slots) and not is_first:
             return
         for gone in [one for one in self._slots if one not in found]:
             self._leave(gone, self._slots.pop(gone))
         self._slots = {one: self._slots.get(one) or _Slot(self._scard.SCARD_STATE_UNAWARE) for one in found}
         self._desk.found(*found)
+
+    def _list_readers(self) -> Collection[str]:
+        try:
+            result, names = self._scard.SCardListReaders(self._context, [])
+        except (SystemError, UnicodeDecodeError) as exc:  # a service that is stopping may give names that are no text
+            raise LinkError("the smart-card service (pcscd) gave invalid names of readers") from exc
+        if result != self._scard.SCARD_E_NO_READERS_AVAILABLE:
+            self._check(result, "lists no readers")
+        return names or ()
 
     def _is_wanted(self, name: str) -> bool:
         return not self._wanted or any(one in name.casefold() for one in self._wanted)

@@ -155,8 +155,7 @@ class HttpThingPort:
 
     def _login(self, form: Form) -> tuple[HttpLogin | None, str]:
         where = parse_url(form.href)
-        schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
-        schemes = [one for one in schemes if one.scheme != "nosec"]
+        schemes = self._schemes_of(form)
         known = _known_at(where, self._logins)
         if known is None or not schemes:
             return None, form.href
@@ -172,6 +171,10 @@ class HttpThingPort:
                 raise RefusedError("credentials for the thing", "its description does not name the parameter")
             return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
         return _http_login(known, where, scheme), form.href
+
+    def _schemes_of(self, form: Form) -> list[SecurityScheme]:
+        schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
+        return [one for one in schemes if one.scheme != "nosec"]
 
 
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:

@@ -58,12 +58,7 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
         return ReasonCode.PROTOCOL_ERROR
-    verdict = state.authentication.check(connect.username, connect.password)
-    applicant = _applicant(connect, state, address)
-    if applicant is not None and verdict.failed:
-        _record_wrong_password(applicant, state)
-    elif applicant is not None:
-        state.throttle.succeeded(applicant)
+    verdict = _authenticate(connect, state, address)
     if verdict.failed:
         return verdict
     if not _is_client_id(connect, state):
@@ -73,6 +68,17 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
     if not _can_be_welcomed(connect, state):
         return ReasonCode.PACKET_TOO_LARGE
     return ReasonCode.SUCCESS if connect.will is None else _will_refusal(connect.client_id, connect.will.topic, state)
+
+
+def _authenticate(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
+    """Check user and password, and count the wrong ones of an address."""
+    verdict = state.authentication.check(connect.username, connect.password)
+    applicant = _applicant(connect, state, address)
+    if applicant is not None and verdict.failed:
+        _record_wrong_password(applicant, state)
+    elif applicant is not None:
+        state.throttle.succeeded(applicant)
+    return verdict
 
 
 def _will_refusal(client_id: str, topic: str, state: BrokerState) -> ReasonCode:
