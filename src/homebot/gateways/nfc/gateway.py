@@ -26,6 +26,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt, RoomTagger
+from homebot.gateways.nfc.pcsc_reader import PcscReader
 from homebot.gateways.nfc.reader import (
     ReaderDesk,
     ReaderNews,
@@ -125,8 +126,6 @@ class NfcGateway(Gateway):
         if given is not None:
             return list(given.readers)
         if _chosen(self._settings.backend) == "pcsc":
-            from homebot.gateways.nfc.pcsc_reader import PcscReader  # noqa: PLC0415 - an extra
-
             return [PcscReader(self._settings.readers)]
         from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
 
