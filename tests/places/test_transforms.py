@@ -13,6 +13,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
 from homebot.messages.std_msgs.header import Header
 from homebot.places.transforms import (
+    MAX_DEPTH,
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
@@ -172,6 +173,22 @@ def test_a_wrong_transform_is_refused_and_changes_nothing(wrong: TransformStampe
         buffer.set_transform(wrong, "robot1")
 
     assert buffer.lookup_transform("map", "laser").transform.translation.x == 2.0
+
+
+def test_a_frame_too_far_below_the_root_is_refused() -> None:
+    """Each transform of a chain costs time for all that are above it: 900 in a row blocked the loop for seconds."""
+    buffer = TransformBuffer()
+    for depth in range(MAX_DEPTH - 1):
+        buffer.set_transform(transform(f"f{depth}", f"f{depth + 1}", seconds(1)))
+
+    with pytest.raises(InvalidArgumentException, match="below the root"):
+        buffer.set_transform(transform(f"f{MAX_DEPTH - 1}", f"f{MAX_DEPTH}", seconds(1)))
+    assert buffer.lookup_transform("f0", f"f{MAX_DEPTH - 1}").transform.translation.x == MAX_DEPTH - 1
+
+    buffer.set_transform(transform("above", "f0", seconds(1)))
+    buffer.set_transform(transform("root", "above", seconds(1)))
+    with pytest.raises(LookupException, match="deeper"):
+        buffer.lookup_transform("root", f"f{MAX_DEPTH - 1}")
 
 
 def test_transforms_are_kept_for_ten_seconds_and_older_ones_refused() -> None:

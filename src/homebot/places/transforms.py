@@ -30,6 +30,9 @@ __all__ = [
 CACHE_TIME = 10_000_000_000
 """Nanoseconds for which transforms are kept, before the newest one of the frame."""
 
+MAX_DEPTH = 100
+"""Frames from one to the root of its tree: each one above a frame costs time at each of its transforms."""
+
 MAX_FRAMES = 1000
 MAX_SAMPLES = 10_000
 """Transforms kept of one frame; the oldest is dropped for a newer one."""
@@ -169,11 +172,21 @@ class TransformBuffer:
             return "has a number that is not finite"
         if abs(sum(one * one for one in rigid.rotation) - 1) >= _NORM_TOLERANCE:
             return f"has a quaternion that is not of length 1: {rigid.rotation}"
-        if child in self._walk(parent)[0]:
+        if child in (above := self._above(parent)):
             return "would make the frame its own ancestor"
-        if len(self._frames | {parent, child}) > MAX_FRAMES:
+        if len(above) >= MAX_DEPTH:
+            return f"is of a frame more than {MAX_DEPTH} below the root"
+        if len(self._frames) + len({parent, child} - self._frames) > MAX_FRAMES:
             return f"is of one frame more than {MAX_FRAMES:,}"
         return ""
+
+    def _above(self, frame: str) -> list[str]:
+        """Return *frame* and its ancestors by the newest transforms, up to the limit."""
+        above = [frame]
+        while len(above) < MAX_DEPTH and (frame in self._static or frame in self._moving):
+            frame = (self._static.get(frame) or self._moving[frame][-1]).parent
+            above.append(frame)
+        return above
 
     def _latest_common(self, target: str, source: str) -> int:
         """Return the newest time at which all transforms between two frames are known; 0 if all are static.
@@ -218,6 +231,8 @@ class TransformBuffer:
                 return walked, str(exc)
             if sample.parent in walked:  # at an older time frames may have stood in a circle
                 raise LookupException(f"The tf tree is invalid because it contains a loop at frame [{sample.parent}]")
+            if len(walked) > MAX_DEPTH:  # of trees that were joined
+                raise LookupException(f"The tf tree is deeper than {MAX_DEPTH} frames at frame [{sample.parent}]")
             walked[sample.parent] = sample.rigid.then(walked[frame])
             frame = sample.parent
         return walked, ""
