@@ -256,6 +256,32 @@ async def test_a_stamp_far_ahead_of_our_clock_is_refused() -> None:
         assert one.news() == []
 
 
+@pytest.mark.parametrize("huge", [1e200, 1e308, float("inf"), float("nan")])
+async def test_a_number_that_is_too_large_is_refused_or_counts_as_no_rotation_and_ends_nothing(huge: float) -> None:
+    async with house() as one:
+        await one.say("/robot/pose", stamped(1, huge))
+        assert one.news() == []
+
+        turned = Quaternion(x=huge, y=0.0, z=0.0, w=1.0)
+        at = stamped(1, 1).pose.model_copy(update={"orientation": turned})
+        await one.say("/robot/pose", stamped(1, 1).model_copy(update={"pose": at}))
+        await anyio.sleep(0.1)
+        assert [(told.room, told.yaw) for told in one.news()] == [("Hall", 0.0)]
+
+        await one.say("/tf", moved(tf("map>odom", "odom>base_link"), huge, 1))
+        await anyio.sleep(0.1)
+        assert one.news() == []
+
+
+async def test_the_frames_of_one_robot_leave_room_for_those_of_another() -> None:
+    async with house("rosie", "max") as one:
+        for begin in range(0, 1500, 500):
+            await one.say("/tf", tf(*(f"map>max/frame{index}" for index in range(begin, begin + 500))))
+        await one.say("/tf", tf("map>rosie/base_link"))
+        await anyio.sleep(0.1)
+        assert [told.robot for told in one.news()] == ["rosie"]
+
+
 async def test_a_clock_that_is_set_makes_no_pose_old_and_refuses_none() -> None:
     """A small computer without a clock of its own sets it some time after its start."""
     clock = SetClock(1_700_000_000.0)

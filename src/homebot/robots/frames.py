@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from math import isfinite
 from typing import Final, final
 
 from homebot.devices.robot_owners import MAP, RobotOwners
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Pose, TransformStamped
 from homebot.places.rigid import MapPose, Rigid, yaw_of
-from homebot.places.transforms import TransformBuffer, TransformException, rigid_of
+from homebot.places.transforms import (
+    MAX_FRAMES,
+    InvalidArgumentException,
+    LookupException,
+    TransformBuffer,
+    TransformException,
+    rigid_of,
+)
 from homebot.robots.robot import TrackedRobot
 
 __all__ = ["RobotFrames"]
 
 _NORM_TOLERANCE: Final = 0.01
+_FARTHEST: Final = 1e6
+"""Metres from the origin of the map."""
+
 _BASES: Final = ("base_link", "base_footprint")
 
 
@@ -30,6 +39,8 @@ class RobotFrames:
     def __init__(self, owners: RobotOwners) -> None:
         self._owners = owners
         self._buffer = TransformBuffer()
+        self._named: dict[str, set[str]] = {}
+        self._most = MAX_FRAMES // max(1, len(owners.names))
 
     def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
         """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is.
@@ -40,9 +51,13 @@ class RobotFrames:
         header, child = transform.header, self.name_of(transform.child_frame_id, robot)
         owner = robot or self._owners.of_frame(child)
         parent = self.name_of(header.frame_id, robot)
+        named = self._named.get(owner, {MAP}) | {parent, child}
+        if len(named) > self._most:
+            raise InvalidArgumentException(f"{child[:100]!r} is of one frame of {owner} more than {self._most:,}")
         header = header.model_copy(update={"frame_id": parent, "stamp": Time.from_seconds(now)})
         insert = self._buffer.set_transform_static if is_static else self._buffer.set_transform
         insert(transform.model_copy(update={"header": header, "child_frame_id": child}), owner)
+        self._named[owner] = named
         return owner
 
     def name_of(self, frame: str, robot: str) -> str:
@@ -58,21 +73,40 @@ class RobotFrames:
         for base in (*(f"{robot.name}/{one}" for one in _BASES), *own, *plain):
             with suppress(TransformException):
                 found = self._buffer.lookup_transform(MAP, base)
-                if received := found.header.stamp.to_seconds():  # of static frames alone it is zero
-                    return _in_plane(rigid_of(found.transform)), received
+                at = _in_plane(rigid_of(found.transform))
+                received = found.header.stamp.to_seconds()  # of static frames alone it is zero
+                if received and _is_on_map(at):
+                    return at, received
         return None
 
-    def in_map(self, pose: Pose, frame: str) -> MapPose | None:
-        """Return *pose*, stated in *frame*, in ``map``; None where no static transform joins the two."""
+    def in_map(self, pose: Pose, frame: str) -> MapPose:
+        """Return *pose*, stated in *frame*, in ``map``.
+
+        Raises:
+            TransformException: No static transform joins the two, or the position is none on a map.
+        """
         point, turn = pose.position, pose.orientation
-        norm = turn.x**2 + turn.y**2 + turn.z**2 + turn.w**2
-        rotation = (turn.x, turn.y, turn.z, turn.w) if abs(norm - 1) < _NORM_TOLERANCE else (0.0, 0.0, 0.0, 1.0)
-        with suppress(TransformException):
+        rotation = (turn.x, turn.y, turn.z, turn.w)
+        if not abs(sum(one * one for one in rotation) - 1) < _NORM_TOLERANCE:  # also if one is NaN
+            rotation = (0.0, 0.0, 0.0, 1.0)
+        unknown = LookupException(f"no static transform joins its frame {frame[:100]!r} to map")
+        try:
             found = self._buffer.lookup_transform(MAP, frame or MAP)
-            at = _in_plane(rigid_of(found.transform).then(Rigid((point.x, point.y, point.z), rotation)))
-            return at if isfinite(at.x) and isfinite(at.y) and not found.header.stamp.to_seconds() else None
-        return None
+        except TransformException as exc:
+            raise unknown from exc
+        if found.header.stamp.to_seconds():
+            raise unknown
+        at = _in_plane(rigid_of(found.transform).then(Rigid((point.x, point.y, point.z), rotation)))
+        if not _is_on_map(at):
+            raise InvalidArgumentException(
+                f"its position ({at.x:g}, {at.y:g}) is not within {_FARTHEST:g} m of the map"
+            )
+        return at
 
 
 def _in_plane(rigid: Rigid) -> MapPose:
     return MapPose(*rigid.translation[:2], yaw_of(rigid.rotation))
+
+
+def _is_on_map(at: MapPose) -> bool:
+    return all(abs(one) <= _FARTHEST for one in (at.x, at.y))  # not if one is NaN

@@ -190,8 +190,10 @@ class PoseTopics:
         frame = self._frames.name_of(header.frame_id, robot if topic.startswith(f"/{robot}/") else "")
         if self._is_ahead(topic, header):
             return False
-        if (position := self._frames.in_map(pose, frame)) is None:
-            self._refuse(topic, f"no static transform joins its frame {frame[:100]!r} to map")
+        try:
+            position = self._frames.in_map(pose, frame)
+        except TransformException as exc:
+            self._refuse(topic, str(exc))
             return False
         self._robots[robot].place(topic, limit, position, error=error)
         return True
