@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
-from homebot.bridges.rosbridge.protocol import Advertise, AdvertiseService
+from homebot.bridges.rosbridge.protocol import Advertise, AdvertiseAction, AdvertiseService
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, read_scope
 from homebot.devices.robot_messages import RobotRoom
 from homebot.devices.robot_owners import RobotOwners
@@ -86,6 +86,9 @@ def test_a_client_publishes_for_the_robots_of_its_scope_alone() -> None:
     for topic in ("/bob/pose", "/amcl_pose", "/robot/pose", "/scan", "/robots/poses", "/discovery/changes"):
         with pytest.raises(MissingRightError):
             rosie.check(Advertise(op="advertise", topic=topic, type="x/msg/X"), str)
+    rosie.check(AdvertiseAction(op="advertise_action", action="/rosie/spin", type="x/action/X"), str)
+    with pytest.raises(MissingRightError, match="the right robot is missing"):
+        rosie.check(AdvertiseAction(op="advertise_action", action="/bob/spin", type="x/action/X"), str)
     with pytest.raises(MissingRightError, match=r"'bob/odom'.* is not of the robot rosie"):
         rosie.check_robot("/tf", tf("map>rosie/odom", "map>bob/odom"))
 

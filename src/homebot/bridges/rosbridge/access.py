@@ -197,12 +197,12 @@ class ClientAccess:
                 right = self._right_to_publish(resolve(op.topic))
             case AdvertiseService():
                 right = self._right_to_publish(resolve(op.service))
+            case AdvertiseAction():
+                right = self._right_to_publish(resolve(op.action))
             case CallService():
                 right = right_to_call(resolve(op.service))
             case SendActionGoal():
                 right = right_to_call(resolve(op.action))
-            case AdvertiseAction():
-                right = right_to_publish(resolve(op.action))
             case SubscribeOperation():
                 right = Right.READ
             case _:  # ends earlier operations, or concerns the client alone
