@@ -61,7 +61,7 @@ class CommandSender:
         routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
         problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
         for route in routes:
-            command = Command.of_checked(
+            command = Command(
                 key=route.key,
                 part=route.part,
                 approved=route.approved,

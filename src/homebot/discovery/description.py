@@ -97,7 +97,6 @@ def describe_device(
     )
 
 
-_fact_of: Final = Fact.of_checked  # looked up once, as it says
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
@@ -291,7 +290,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return _fact_of(
+    return Fact(
         name=name,
         value=value,
         gateway=sighting.gateway,
