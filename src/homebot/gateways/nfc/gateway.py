@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 from collections import deque
 from functools import partial
@@ -113,7 +114,7 @@ class NfcGateway(Gateway):
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the readers until cancelled; ready after the first attempt with each."""
         await anyio.to_thread.run_sync(load_ndef)
-        self._sides = self._make_readers()
+        self._sides = await self._make_readers()
         async with anyio.create_task_group() as tasks:
             for number, reader in enumerate(self._sides):
                 tasks.start_soon(run_as, self.node.full_name, partial(self._follow, number, reader))
@@ -121,12 +122,13 @@ class NfcGateway(Gateway):
             await self._was_tried.wait()
             task_status.started()
 
-    def _make_readers(self) -> list[TagReader]:
+    async def _make_readers(self) -> list[TagReader]:
         given = self.context.service(TagReaders)
         if given is not None:
             return list(given.readers)
         if _chosen(self._settings.backend) == "pcsc":
             return [PcscReader(self._settings.readers)]
+        await anyio.to_thread.run_sync(importlib.import_module, "nfc")  # it looks for OpenSSL by running ldconfig
         from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
 
         return [NfcpyReader(one) for one in self._settings.devices]
