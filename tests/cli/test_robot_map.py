@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -157,3 +158,19 @@ def test_a_room_is_the_free_area_around_a_point_up_to_walls_and_doors(yaw: float
 def test_a_point_that_gives_no_room_is_refused(points: Mapping[str, tuple[float, float]], problem: str) -> None:
     with pytest.raises(UsageError, match=problem):
         list(two_rooms().rooms(points, []))
+
+
+def test_an_image_of_too_many_pixels_is_refused(tmp_path: Path) -> None:
+    """Before its pixels are read: a few bytes can say that there are billions."""
+    (tmp_path / "house.pgm").write_bytes(b"P5\n50000 50000\n255\n")
+    (tmp_path / "house.yaml").write_text(YAML.replace("house map.png", "house.pgm"))
+    with pytest.raises(UsageError, match="pixels"):
+        read_map(str(tmp_path / "house.yaml"))
+
+
+def test_a_short_file_does_not_grow_by_aliases(tmp_path: Path) -> None:
+    file = tmp_path / "house.yaml"
+    levels = (f"{name}: &{name} [{', '.join(['*' + before] * 9)}]" for before, name in pairwise("abcdefghijkl"))
+    file.write_text("\n".join(("a: &a [x]", *levels, "image: *l", "resolution: 0.05")))
+    with pytest.raises(UsageError, match="write the value itself"):
+        read_map(str(file))

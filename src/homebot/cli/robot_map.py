@@ -15,10 +15,10 @@ from pathlib import Path
 from struct import pack, unpack
 from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
 
-import yaml
 from PIL import Image, ImageDraw
 from pydantic import BaseModel, Field
 
+from homebot.cli.yaml_file import read_yaml
 from homebot.config import parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.messages.json import message_from_json
@@ -159,10 +159,7 @@ def read_map(file: str) -> tuple[RobotMap, str]:
     Raises:
         ConfigError, UsageError: One of them cannot be read, or is none; names the file and the value.
     """
-    try:
-        table = yaml.safe_load(Path(file).read_text("utf-8"))
-    except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
-        raise UsageError(f"{file} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
+    table = read_yaml(file)
     settings = parse_settings(MapSettings, table if isinstance(table, dict) else {}, file, "")
     if settings.free_thresh >= settings.occupied_thresh:
         raise ConfigError(file, "free_thresh", "must be below occupied_thresh")
@@ -172,7 +169,7 @@ def read_map(file: str) -> tuple[RobotMap, str]:
             if image.width * image.height > _MOST_PIXELS:
                 raise UsageError(f"{path} has {image.width:,} x {image.height:,} pixels; {_MOST_PIXELS:,} is the limit")
             return RobotMap(_cells(image, settings), settings.resolution, MapPose(*settings.origin)), settings.warning
-    except (OSError, SyntaxError, ValueError) as exc:
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as exc:
         raise UsageError(f"{path} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
 
 

@@ -6,8 +6,6 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator
-from importlib import import_module
-from pathlib import Path
 from typing import Any, Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
@@ -123,13 +121,10 @@ def _read_params(file: str, node: str) -> dict[str, object]:
         UsageError: It cannot be read, or has none for the node.
     """
     check_extra("`homebot param load`", "maps", "yaml")
-    yaml: Any = import_module("yaml")  # few commands read a file
-    try:
-        table = yaml.safe_load(sys.stdin.read() if file == "-" else Path(file).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
-        raise UsageError(f"{file} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
+    from homebot.cli.yaml_file import read_yaml  # noqa: PLC0415 - few commands read a file
+
     found: dict[str, dict[str, object]] = {}
-    for keys, value in _leaves(table):
+    for keys, value in _leaves(read_yaml(file)):
         node_name, marker, name = ".".join(keys).partition(".ros__parameters.")
         if marker:
             found.setdefault(f"/{node_name.lstrip('/').replace('.', '/')}", {})[name] = value
