@@ -86,7 +86,7 @@ def _parse_message(ros_type: str, text: str) -> ParsedMessage:
         if stripped := (kept[1] if kept else line).strip():
             try:
                 _add_line(message, stripped)
-            except (ValueError, OverflowError, SyntaxError) as exc:
+            except (ValueError, SyntaxError) as exc:
                 raise UsageError(f"{ros_type}: line {number}: {exc}, got {stripped[:100]!r}") from exc
     return message
 
@@ -152,5 +152,8 @@ def _parse_value(base: str, text: str) -> Any:
             raise ValueError("a bool is true or false")
         return _TRUTHS[text.lower()]
     number = float(text) if base.startswith("float") else int(text, 0)
-    array(LAYOUTS[base], (number,))  # raises if it is out of range
+    try:
+        array(LAYOUTS[base], (number,))
+    except OverflowError:
+        raise ValueError(f"{text} is out of the range of {base}") from None
     return number
