@@ -297,4 +297,4 @@ def _fact(source: SourceRecord, name: str, value: str) -> Fact:
         convention=sighting.convention,
         key=sighting.key,
         said_at=at if first_value == value else source.first_seen,
-    )
+    ).slimmed()

@@ -79,10 +79,11 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
 @pytest.mark.no_cover
 @pytest.mark.parametrize(
     ("make", "count", "most"),
-    [(many_devices, DEVICES, 14_000), (many_parts, 10, 2_800 * PARTS)],
+    [(many_devices, DEVICES, 12_500), (many_parts, 10, 2_400 * PARTS)],
     ids=["devices", "parts"],
 )
 def test_a_device_and_a_part_take_little(
     make: Callable[[int], tuple[str, dict[str, object]]], count: int, most: int
 ) -> None:
+    known(make, count)  # fills caches that are bounded, with what other tests may have filled them with before
     assert known(make, count) < most
