@@ -23,10 +23,14 @@ shift 2
 dbus-daemon --system --nofork --nopidfile &
 until [ -S /run/dbus/system_bus_socket ]; do sleep 0.05; done
 avahi-daemon --no-drop-root --no-rlimits --no-chroot -f /run/avahi.conf &
-until avahi-daemon --check; do sleep 0.05; done
+until dbus-send --system --print-reply=literal --dest=org.freedesktop.DBus / org.freedesktop.DBus.NameHasOwner string:org.freedesktop.Avahi |
+    grep -q true; do sleep 0.05; done
 exec "$@"
 """
-"""Both daemons have their files in /run, so that it must be one of their own."""
+"""Both daemons have their files in /run, so that it must be one of their own.
+
+The daemon's own check succeeds before its programs can reach it: they would end with "Daemon not running".
+"""
 
 
 def why_no_avahi() -> str:
