@@ -16,6 +16,7 @@ from homebot.errors import ParameterError
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.support.isolation import crash_of, error_text
+from homebot.support.similar import did_you_mean
 
 __all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value", "value_of"]
 
@@ -168,8 +169,8 @@ class ParameterSet:
         try:
             return self._declared[name]
         except KeyError:
-            known = ", ".join(self.names()) or "none"
-            raise ParameterError(f"{self._node}: no parameter {name!r} is declared (declared: {known})") from None
+            hint = did_you_mean(name[:100], self.names(), f"declared: {', '.join(self.names()) or 'none'}", cutoff=0.7)
+            raise ParameterError(f"{self._node}: no parameter {name[:100]!r} is declared; {hint}") from None
 
     def _fitting(self, name: str, declared: _Declared, value: Value) -> Value:
         value = _converted(value, declared.kind)

@@ -8,6 +8,7 @@ from typing import Any
 import anyio
 import anyio.lowlevel
 import pytest
+from structlog.testing import capture_logs
 
 from homebot.bridges.rosapi import RosApi
 from homebot.devices import FIND_DEVICES, Device, FindDevices
@@ -228,9 +229,12 @@ async def test_parameters_are_set_from_json(ask: Asker) -> None:
     ],
 )
 async def test_a_parameter_that_cannot_be_set_says_why(ask: Asker, name: str, value: str, problem: str) -> None:
-    answer = await ask("set_param", name=name, value=value)
+    """Also in the log, as neither roslibpy nor roslib passes the answer on."""
+    with capture_logs() as lines:
+        answer = await ask("set_param", name=name, value=value)
     assert not answer["successful"]
     assert problem in answer["reason"]
+    assert [line["message"] for line in lines] == [f"set_param was refused: {answer['reason']}"]
 
 
 async def test_an_absent_parameter_is_null_or_the_default(ask: Asker) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
 from homebot.messages.message import Message
+from homebot.support.similar import did_you_mean
 from homebot.support.strict_json import parse_strict
 
 __all__ = ["delete_parameter", "get_parameter", "has_parameter", "list_parameters", "set_parameter"]
@@ -75,5 +76,7 @@ def _find(graph: Graph, full_name: str) -> tuple[ParameterSet, str]:
         raise ParameterError(f"a parameter is named /node:parameter, got {full_name[:100]!r}")
     node = graph.get_node(node_name if node_name.startswith("/") else f"/{node_name}")
     if node is None:
-        raise ParameterError(f"there is no node {node_name[:100]!r}")
+        node_name = node_name[:100]
+        hint = did_you_mean(node_name, graph.get_node_names(), "/rosapi/nodes lists all", cutoff=0.7)
+        raise ParameterError(f"there is no node {node_name!r}; {hint}")
     return node.parameters, name

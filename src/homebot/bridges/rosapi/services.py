@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 from pydantic import create_model
 
+from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosapi import parameters
 from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
 from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
@@ -53,14 +54,17 @@ class RosApiService(NamedTuple):
     response: _Fields
     answer: Callable[[Graph, Any], _Answer]
 
-    def serve(self, node: Node) -> None:
-        """Offer the service on *node*."""
+    def serve(self, node: Node, error_log: ClientErrorLog) -> None:
+        """Offer the service on *node*; log why a parameter was not set, as the libraries of clients do not read it."""
         ros_type = f"rosapi_msgs/srv/{self.ros_name}"
         response = _message_type(f"{ros_type}_Response", self.response)
         service_type = ServiceType(ros_type, _message_type(f"{ros_type}_Request", self.request), response)
 
         def answer(request: Message) -> Message:
-            return response(**self.answer(node.graph, request))
+            answered = self.answer(node.graph, request)
+            if self.response is _DONE and not answered["successful"]:
+                error_log.log(self.name, "rosapi.refused", f"{self.name} was refused: {answered['reason']}")
+            return response(**answered)
 
         node.create_service(service_type, f"/rosapi/{self.name}", answer)
 
@@ -302,7 +306,8 @@ class RosApi:
     """
 
     def __init__(self, node: Node) -> None:
+        error_log = ClientErrorLog(node)
         for service in SERVICES:
-            service.serve(node)
+            service.serve(node, error_log)
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))

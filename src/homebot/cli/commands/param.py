@@ -15,6 +15,7 @@ from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError, UsageError, WireError
 from homebot.plugins import check_extra
+from homebot.support.similar import did_you_mean
 
 __all__ = ["add_arguments"]
 
@@ -154,14 +155,15 @@ def _names(door: DoorClient) -> dict[str, list[str]]:
 def _node(name: str, nodes: dict[str, list[str]]) -> str:
     full_name = name if name.startswith("/") else f"/{name}"
     if full_name not in nodes:
-        raise PeerError(f"{full_name} has no parameters; `homebot param list` lists all that have")
+        hint = did_you_mean(full_name, nodes, "`homebot param list` lists all that have")
+        raise PeerError(f"{full_name} has no parameters; {hint}")
     return full_name
 
 
 def _value(door: DoorClient, node: str, name: str) -> Any:
     answer = door.call("/rosapi/get_param", {"name": f"{node}:{name}", "default_value": ""})
     if not answer["successful"]:
-        raise PeerError(f"{printable(str(answer['reason']))}; `homebot param list` lists all")
+        raise PeerError(printable(str(answer["reason"])))
     return json.loads(str(answer["value"]))
 
 
