@@ -143,6 +143,17 @@ async def test_a_hold_names_its_device_as_people_do(open_home: OpenHome) -> None
         assert (await hold_client(home.app).perform(goal)).success
 
 
+async def test_a_hold_without_a_name_of_its_holder_has_that_of_the_client(open_home: OpenHome) -> None:
+    async with open_home(always_ask=False, rate_limit=False) as home:
+        await put_door(home)
+        fields = hold_goal().model_dump(exclude={"by", "setting"})
+        goal = await hold_client(home.app).send_goal(HoldDeviceGoal(**fields, setting=hold_goal().setting))
+        await anyio.sleep(1.0)
+        ((holder,),) = (part.holders for part in await leases(home))
+        assert (holder.by, holder.issuer) == ("robot", "client:robot")
+        await goal.cancel()
+
+
 async def test_a_hold_of_an_unknown_setting_is_refused_with_the_known_ones_and_sends_nothing(
     open_home: OpenHome,
 ) -> None:

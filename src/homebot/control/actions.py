@@ -81,14 +81,15 @@ class ControlActions:
     async def _hold(self, goal: HoldGoal) -> HoldDeviceResult:
         request, leases = goal.request, self._layer().leases
         issuer, lease = request.issuer or UNNAMED_CLIENT, goal.goal_id.uuid.hex()
+        by = request.by.strip() or issuer.removeprefix("client:")[:100]
         _publish_phase(goal, "commanding", request.seconds)
-        holder = HolderRequest(lease=lease, by=request.by, issuer=issuer)
+        holder = HolderRequest(lease=lease, by=by, issuer=issuer)
         wanted = HoldRequest(
             device=request.device,
             part=request.part,
             setting=request.setting,
             lease=lease,
-            by=request.by,
+            by=by,
             ttl=_TTL,
             issuer=issuer,
             scope=request.scope,

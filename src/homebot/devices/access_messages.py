@@ -42,10 +42,12 @@ class DefineTypeRequest(Message):
         type: Its name, ``package/msg/Name``, with ``srv`` or ``action`` for those.
         definition: The text of its file; nested messages may follow, each after a line of 80 ``=`` and a line
             ``MSG: package/Name``.
+        issuer: The client as ``client:NAME``, set by the door.
     """
 
     type: str
     definition: str
+    issuer: str = ""
 
 
 class DefineTypeResponse(ServiceAnswer):

@@ -51,7 +51,7 @@ class HoldDeviceGoal(Message, ros_type="homebot/action/HoldDevice_Goal"):
         device: The id or the name of the device.
         part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
         setting: The capability and the held value.
-        by: The holder, in a word for people, such as ``robot``; not blank.
+        by: The holder, in a word for people, such as ``robot``; empty for the name of the client or node.
         seconds: The time for which it is held, from the first success; 0 until it is cancelled.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
@@ -60,7 +60,7 @@ class HoldDeviceGoal(Message, ros_type="homebot/action/HoldDevice_Goal"):
     device: str
     part: str = ""
     setting: Setting
-    by: Annotated[str, Field(min_length=1, max_length=100)]
+    by: Annotated[str, Field(max_length=100)] = ""
     seconds: Annotated[float, Field(ge=0.0)] = 0.0
     issuer: str = ""
     scope: Annotated[tuple[str, ...], Field(max_length=100)] = ()
