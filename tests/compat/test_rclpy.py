@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
 from homebot.compat import rclpy
@@ -40,6 +41,51 @@ def test_a_message_is_made_empty_and_its_fields_are_set_one_by_one() -> None:
     assert program_type(LaserScan)().header.frame_id == ""
     with pytest.raises(AttributeError):
         scan.rangs = []
+
+
+def test_an_executor_runs_the_callbacks_of_several_nodes_on_one_thread(node: rclpy.Node) -> None:
+    """Also those that were due before a node was added."""
+    executor, other, heard = rclpy.SingleThreadedExecutor(), rclpy.create_node("other"), list[str]()
+    publisher = node.create_publisher(String, "chatter", 10)
+    node.create_subscription(String, "chatter", lambda message: heard.append(f"node: {message.data}"), 10)
+    other.create_subscription(String, "chatter", lambda message: heard.append(f"other: {message.data}"), 10)
+    publisher.publish(String(data="a"))
+    for one in (node, other):
+        executor.add_node(one)
+    other.create_timer(0.1, rclpy.shutdown)
+    executor.spin()
+    assert sorted(heard) == ["node: a", "other: a"]
+
+
+def test_a_node_knows_the_time_its_name_and_its_neighbours(node: rclpy.Node) -> None:
+    before = node.get_clock().now()
+    stamp = program_type(Header)(stamp=before.to_msg()).stamp
+    assert abs(time.time() - before.nanoseconds / 1e9) < PATIENCE
+    assert stamp.sec * 10**9 + stamp.nanosec == before.nanoseconds
+    assert 0 <= (node.get_clock().now() - before).nanoseconds < PATIENCE * 1e9
+    assert node.get_fully_qualified_name() == "/node"
+    subscription = node.create_subscription(String, "chatter", print, 10)
+    assert (node.count_publishers("chatter"), node.count_subscribers("/chatter")) == (0, 1)
+    assert node.destroy_subscription(subscription)
+    assert node.count_subscribers("chatter") == 0
+
+
+def test_parameters_are_declared_together_and_asked_for_with_an_alternative(node: rclpy.Node) -> None:
+    node.declare_parameters("arm", [("reach", 1.5), ("grip", "soft")])
+    assert [one.value for one in node.get_parameters(["arm.reach", "arm.grip"])] == [1.5, "soft"]
+    assert (node.has_parameter("arm.reach"), node.has_parameter("reach")) == (True, False)
+    other = rclpy.Parameter("reach", rclpy.Parameter.Type.DOUBLE, 2.0)
+    assert node.get_parameter_or("arm.reach", other).value == 1.5
+    assert node.get_parameter_or("reach", other) is other
+
+
+def test_a_line_of_a_program_is_logged_once_or_once_in_a_time(node: rclpy.Node) -> None:
+    with capture_logs() as lines:
+        for number in range(3):
+            node.get_logger().warn(f"once {number}", once=True)
+            node.get_logger().info(f"throttled {number}", throttle_duration_sec=60.0)
+            node.get_logger().fatal(f"always {number}")
+    assert [line["event"] for line in lines] == ["once 0", "throttled 0", "always 0", "always 1", "always 2"]
 
 
 def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:

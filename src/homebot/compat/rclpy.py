@@ -6,7 +6,7 @@ cancellations run on the graph's event loop, so that these are answered while an
 them. Unlike rclpy's, a call of a service without a server fails at once, and ``spin`` returns when another thread calls
 ``shutdown``.
 
-Not there: executors and callback groups (use one thread per node), lifecycle nodes, clocks.
+Not there: multi-threaded executors and callback groups (use one thread per node), lifecycle nodes.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from enum import IntEnum
 from functools import partial
+from inspect import currentframe
 from types import SimpleNamespace
 from typing import Any, Self
-
-from structlog.typing import FilteringBoundLogger
 
 from homebot import graph
 from homebot.compat.messages import to_graph, to_program
@@ -29,6 +28,7 @@ from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
 from homebot.errors import GoalRejectedError
 from homebot.graph import actions, qos
 from homebot.graph.parameter_services import offer_parameter_services, set_parameters
+from homebot.messages import Time as TimeMessage
 from homebot.support.logger import get_logger as logger_of
 
 __all__ = [
@@ -40,6 +40,7 @@ __all__ = [
     "GoalResponse",
     "Node",
     "Parameter",
+    "SingleThreadedExecutor",
     "create_node",
     "get_logger",
     "init",
@@ -69,8 +70,7 @@ def init(*, args: Sequence[str] | None = None) -> ExitStack:  # noqa: ARG001 - h
 
 def spin(node: RclpyNode) -> None:
     """Run the callbacks of *node* on this thread until :func:`shutdown`; an exception of one is raised here."""
-    while ok():
-        node.executor.run_next()
+    node.executor.spin()
 
 
 def spin_once(node: RclpyNode, *, timeout_sec: float | None = None) -> None:
@@ -86,9 +86,45 @@ def spin_until_future_complete(node: RclpyNode, future: Future, timeout_sec: flo
         node.executor.run_next(None if ends is None else max(0.0, ends - time.monotonic()))
 
 
-def get_logger(name: str) -> FilteringBoundLogger:
-    """Return the logger of *name*, which writes to ``/rosout`` too."""
-    return logger_of(node=name)
+class get_logger:  # noqa: N801 - rclpy's name
+    """The logger of *name*, which writes to ``/rosout`` too: ``info``, ``warn``, ``error`` and so on.
+
+    With ``once=True`` or ``throttle_duration_sec`` a line of the program is logged once, or once in that time.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._log = logger_of(node=name)
+        self._next: dict[tuple[str, int], float] = {}
+
+    def __getattr__(self, level: str) -> Callable[..., None]:
+        return partial(self._write, getattr(self._log, "critical" if level == "fatal" else level))
+
+    def _write(
+        self, write: Callable[[str], object], message: object, *, once: bool = False, throttle_duration_sec: float = 0.0
+    ) -> None:
+        frame: Any = currentframe()
+        line = (frame.f_back.f_code.co_filename, frame.f_back.f_lineno)
+        if time.monotonic() >= self._next.get(line, 0.0):
+            if pause := math.inf if once else throttle_duration_sec:
+                self._next[line] = time.monotonic() + pause
+            write(str(message))
+
+
+class Time(int):
+    """A point in time, or the difference of two, in nanoseconds."""
+
+    @property
+    def nanoseconds(self) -> int:
+        """The whole of it."""
+        return int(self)
+
+    def __sub__(self, other: int) -> Time:
+        return Time(int(self) - int(other))
+
+    def to_msg(self) -> Any:
+        """Return it as ``builtin_interfaces/msg/Time``."""
+        sec, nanosec = divmod(int(self), 10**9)
+        return to_program(TimeMessage(sec=sec, nanosec=nanosec))
 
 
 class RclpyParameter(graph.Parameter):
@@ -122,6 +158,23 @@ class RclpyNode(Remote):
     def __init__(self, node_name: str, *, namespace: str = "") -> None:
         executor = SpinExecutor()
         super().__init__(CONTEXT.add_node(node_name, namespace or "/", executor), executor)
+        self._logger = get_logger(self.graph_object.full_name)
+
+    def get_logger(self) -> get_logger:
+        """Return the logger of the node."""
+        return self._logger
+
+    def get_clock(self) -> SimpleNamespace:
+        """Return the clock of the graph; its ``now()`` is a time with ``nanoseconds`` and ``to_msg()``."""
+        return SimpleNamespace(now=lambda: Time(CONTEXT.graph.clock.now() * 10**9))
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Return the number of publishers on *topic_name*."""
+        return self._count(graph.EntityKind.PUBLISHER, topic_name)
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Return the number of subscriptions to *topic_name*."""
+        return self._count(graph.EntityKind.SUBSCRIPTION, topic_name)
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each topic of the graph with its type."""
@@ -150,9 +203,26 @@ class RclpyNode(Remote):
         CONTEXT.call(self.graph_object.declare_parameter, name, value, limits)
         return self.get_parameter(name)
 
+    def declare_parameters(self, namespace: str, parameters: Sequence[Sequence[Any]]) -> list[RclpyParameter]:
+        """Declare each of *parameters*: its name below *namespace*, its default, and a descriptor if there is one."""
+        prefix = f"{namespace}." if namespace else ""
+        return [self.declare_parameter(f"{prefix}{name}", *given) for name, *given in parameters]
+
+    def has_parameter(self, name: str) -> bool:
+        """Return whether a parameter is declared."""
+        return bool(self.graph_object.parameters.has(name))
+
     def get_parameter(self, name: str) -> RclpyParameter:
         """Return a parameter."""
         return RclpyParameter(name, value=self.graph_object.get_parameter(name).value)
+
+    def get_parameters(self, names: Sequence[str]) -> list[RclpyParameter]:
+        """Return each parameter."""
+        return [self.get_parameter(name) for name in names]
+
+    def get_parameter_or(self, name: str, alternative_value: RclpyParameter) -> RclpyParameter:
+        """Return a parameter, or *alternative_value* if it is not declared."""
+        return self.get_parameter(name) if self.has_parameter(name) else alternative_value
 
     def set_parameters(self, parameter_list: Sequence[RclpyParameter]) -> list[Any]:
         """Set each parameter; return a ``rcl_interfaces/msg/SetParametersResult`` for each."""
@@ -168,10 +238,21 @@ class RclpyNode(Remote):
 
         CONTEXT.call(self.graph_object.parameters.add_on_set_callback, check)
 
+    def destroy_publisher(self, end: Remote) -> bool:
+        """Close *end*, which the node created."""
+        CONTEXT.call(end.graph_object.close)
+        return True
+
+    destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
+
     def destroy_node(self) -> None:
         """Close the node with all that it created; it may be closed already."""
         if ok():
             CONTEXT.call(self.graph_object.close)
+
+    def _count(self, kind: graph.EntityKind, topic_name: str) -> int:
+        name = self.graph_object.resolve_name(topic_name)
+        return len(CONTEXT.call(CONTEXT.graph.get_endpoints, kind=kind, name=name))
 
 
 def ActionServer(  # noqa: N802 - rclpy's name
@@ -226,5 +307,6 @@ def ActionClient(node: RclpyNode, action_type: Any, action_name: str) -> Any:  #
 
 Node = RclpyNode
 create_node = RclpyNode
+SingleThreadedExecutor = SpinExecutor
 Parameter = RclpyParameter
 action = executors = logging = node = parameter = task = sys.modules[__name__]

@@ -26,7 +26,13 @@ from homebot.support.logger import observed_lines
 
 __all__ = ["CONTEXT", "Future", "Remote", "SpinExecutor"]
 
-_GETTERS: Final = {"get_name", "get_namespace", "get_subscription_count", "is_canceled"}
+_GETTERS: Final = {
+    "get_fully_qualified_name": "full_name",
+    "get_name": "name",
+    "get_namespace": "namespace",
+    "get_subscription_count": "subscription_count",
+    "is_canceled": "is_canceled",
+}
 _NAMES: Final = {"destroy": "close", "srv_name": "service_name", "timeout_sec": "timeout"}
 
 
@@ -62,8 +68,8 @@ class _Context:
         self._portal = portal = self._exits.enter_context(start_blocking_portal("asyncio"))
         self._exits.callback(portal.call, partial(portal.stop, cancel_remaining=True))
         self._thread = self.call(threading.get_ident)
-        self._graph: Graph = self.call(Graph)
-        self._exits.enter_context(observed_lines(self.call(lambda: RosoutFeed(Node(self._graph, "rosout")))))
+        self.graph: Graph = self.call(Graph)
+        self._exits.enter_context(observed_lines(self.call(lambda: RosoutFeed(Node(self.graph, "rosout")))))
 
     def shutdown(self) -> None:
         """Close the nodes, end each ``spin`` and the event loop; they may have ended already."""
@@ -72,7 +78,7 @@ class _Context:
 
     def add_node(self, name: str, namespace: str, executor: SpinExecutor) -> Node:
         """Return a new node, which runs; a shutdown ends a wait of its *executor*."""
-        node: Node = self.call(lambda: Node(self._graph, name, namespace=namespace))
+        node: Node = self.call(lambda: Node(self.graph, name, namespace=namespace))
         self._exits.enter_context(self.portal.wrap_async_context_manager(node))
         self._exits.callback(partial(executor.submit, int))
         return node
@@ -96,24 +102,38 @@ CONTEXT: Final = _Context()
 
 
 class SpinExecutor(concurrent.futures.Executor):
-    """The thread that spins a node, which runs the callbacks.
+    """The thread that spins a node, or several, which runs the callbacks.
 
     Few wait: of each subscription, service and timer at most one.
+
+    Attributes:
+        due: The callbacks that wait.
     """
 
     def __init__(self) -> None:
-        self._due: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]] = queue.SimpleQueue()
+        self.due: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]] = queue.SimpleQueue()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> concurrent.futures.Future[Any]:
         """Return the future result of *fn*, an exception of which is raised on the spinning thread too."""
         future: concurrent.futures.Future[Any] = concurrent.futures.Future()
-        self._due.put((future, partial(fn, *args, **kwargs)))
+        self.due.put((future, partial(fn, *args, **kwargs)))
         return future
+
+    def add_node(self, node: Remote) -> None:
+        """Run the callbacks of *node* too, on the thread that spins this."""
+        waiting, node.executor.due = node.executor.due, self.due
+        while not waiting.empty():
+            self.due.put(waiting.get())
+
+    def spin(self) -> None:
+        """Run callbacks until the graph is shut down."""
+        while CONTEXT.ok():
+            self.run_next()
 
     def run_next(self, timeout: float | None = None) -> None:
         """Run the next callback, waiting for one up to *timeout* seconds; its exception is raised here."""
         try:
-            future, call = self._due.get(timeout=timeout)
+            future, call = self.due.get(timeout=timeout)
         except queue.Empty:
             return
         if future.set_running_or_notify_cancel():  # else the node was closed meanwhile
@@ -173,10 +193,9 @@ class Remote:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "graph_object":  # a subclass asks before there is one
             raise AttributeError(name)
-        is_getter = name in _GETTERS
-        value = getattr(self.graph_object, name.removeprefix("get_") if is_getter else _NAMES.get(name, name))
-        if is_getter:
-            return lambda: value
+        if name in _GETTERS:
+            return lambda: getattr(self.graph_object, _GETTERS[name])
+        value = getattr(self.graph_object, _NAMES.get(name, name))
         return partial(self.call, value) if callable(value) else self.shown(value)
 
     def call(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
