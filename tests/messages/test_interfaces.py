@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from homebot.bridges.rosbridge.types import OWN_MODULES
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages import Message, Time
 from homebot.messages.definition import definition_text, fields_of
@@ -150,11 +151,26 @@ def test_a_definition_that_comes_again_is_the_same_type_and_another_one_is_refus
 
 def test_clients_define_a_bounded_number_of_types() -> None:
     known = Interfaces()
-    for number in range(500):
-        known.define(f"many/T{number}", "int8 a")
-    with pytest.raises(UsageError, match="at most 500 are kept"):
-        known.define("many/More", "int8 a")
-    known.define("many/T7", "int8 a")
+    for number in range(200):
+        known.define(f"many/T{number}", "int8 a", "client:one")
+    with pytest.raises(UsageError, match="this client has defined 200 types, of 200 at most"):
+        known.define("many/More", "int8 a", "client:one")
+    known.define("many/T7", "int8 a", "client:one")
+    known.define("many/More", "int8 a", "client:other")
+
+
+@pytest.mark.parametrize("package", ["std_msgs", "builtin_interfaces", "homebot"])
+def test_clients_define_no_types_in_packages_of_homebot(package: str) -> None:
+    known = Interfaces()
+    known.add_modules("homebot", OWN_MODULES)
+    for name, definition in (
+        (f"{package}/Mine", "int8 a"),
+        ("my_pets/Pet", f"{package}/Mine a\n{'=' * 80}\nMSG: {package}/Mine\nint8 a"),
+    ):
+        with pytest.raises(UsageError, match=f"{package}/msg/Mine: the package {package} is not for types of clients"):
+            known.define(name, definition)
+    with pytest.raises(UnknownTypeError):
+        known.find_message(f"{package}/Mine")
 
 
 def test_services_and_actions_are_defined_too() -> None:

@@ -141,7 +141,7 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
     from homebot.messages.type_hash import type_hash  # noqa: PLC0415 - few clients define types
 
     try:
-        defined = interfaces_of(graph).define(request.type, request.definition)
+        defined = interfaces_of(graph).define(request.type, request.definition, request.issuer)
     except UsageError as exc:
         return DefineTypeResponse(success=False, message=str(exc))
     return DefineTypeResponse(success=True, type_hash=type_hash(defined))

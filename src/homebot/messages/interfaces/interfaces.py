@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache, lru_cache
@@ -44,7 +45,9 @@ _CLASSES: Final = {
 }
 """The modules with the classes of packages that homebot itself uses, which go before a definition by text."""
 
-_MOST_DEFINED: Final = 500
+_MOST_DEFINED: Final = 200
+"""Types of one client."""
+
 _LONGEST_TEXT: Final = 65_536
 _MOST_FIELDS: Final = 300
 _DEEPEST: Final = 20
@@ -66,7 +69,7 @@ class Interfaces:
         self._texts = dict(texts or {})
         self._distribution = distribution
         self._modules: dict[str, tuple[str, ...]] = {package: (module,) for package, module in _CLASSES.items()}
-        self._most = len(self._texts) + _MOST_DEFINED
+        self._defined: Counter[str] = Counter()
         self._built: dict[str, Interface] = {}
         self._open: list[str] = []
         self._lock = RLock()
@@ -140,14 +143,15 @@ class Interfaces:
             return "---\n".join(definition_body(message) for message in messages_in(interface))
         return self._texts.get(key) or _shipped_text(key, self._distribution)[0]
 
-    def define(self, ros_type: str, definition: str) -> Interface:
-        """Define *ros_type* (``package/kind/Name``) by the text of its file, with nested messages after it.
+    def define(self, ros_type: str, definition: str, client: str = "") -> Interface:
+        """Define *ros_type* (``package/kind/Name``) for *client* by the text of its file, with nested messages.
 
         Those follow as ``gendeps --cat`` and recordings write them: a line of 80 ``=``, a line ``MSG: package/Name``. A
         type that is known already must have the same fields.
 
         Raises:
-            UsageError: The definition is invalid, too large, or differs from the known one.
+            UsageError: The definition is invalid, too large, or differs from the known one; the client has too many, or
+                the package is one of homebot's.
         """
         key, texts = _split(ros_type[:_LONGEST_NAME], definition)
         parsed = {name: parse_interface(name, text) for name, text in texts.items()}
@@ -157,10 +161,15 @@ class Interfaces:
         for name, messages in parsed.items():
             if self._is_known(name):
                 self._check_same(name, messages)
+            elif (package := name.partition("/")[0]) in self._modules:
+                hint = "choose another, or let the owner add a folder to `interfaces` of [ros]"
+                raise UsageError(f"{name}: the package {package} is not for types of clients; {hint}")
             else:
                 new[name] = texts[name]
-        if new and len(self._texts) + len(new) > self._most:
-            raise UsageError(f"{key}: of the types that clients define, at most {_MOST_DEFINED} are kept")
+        if new and self._defined[client] + len(new) > _MOST_DEFINED:
+            raise UsageError(
+                f"{key}: this client has defined {self._defined[client]} types, of {_MOST_DEFINED} at most"
+            )
         before = dict(self._built), dict(self._texts)
         self._texts |= new
         try:
@@ -169,13 +178,14 @@ class Interfaces:
         except UsageError:
             self._built, self._texts = before
             raise
+        self._defined[client] += len(new)
         return self._resolve(key)
 
     def _find(self, ros_type: str, kind: str) -> Any:
         shown = ros_type[:_LONGEST_NAME]
         key = interface_key(shown, kind)
         if not key or not self._is_known(key):
-            raise UnknownTypeError(shown, _KIND_NAMES[kind], self._similar(key, kind))
+            raise UnknownTypeError(shown, _KIND_NAMES[kind], self._similar(key or shown, kind))
         return self._resolve(key)
 
     def _is_known(self, key: str) -> bool:
@@ -183,11 +193,11 @@ class Interfaces:
 
     def _similar(self, key: str, kind: str) -> list[str]:
         """Return the likely names in place of the unknown *key*, of the packages with a likely name."""
-        package, _, name = key.partition(f"/{kind}/")
+        package, slash, name = key.rpartition(f"/{kind}/")
         known = [known for known in self.names() if f"/{kind}/" in known]
         packages = {known.partition("/")[0] for known in known}
-        if kind == "msg" or not key:  # there are many; services and actions of tutorials are named alike everywhere
-            packages = {*(similar_to(package, packages, 0.7) if key else ())}
+        if kind == "msg" and slash:  # there are many; services and actions of tutorials are named alike everywhere
+            packages = {*similar_to(package, packages, 0.7)}
         names = {known.rpartition("/")[2]: known for known in known if known.partition("/")[0] in packages}
         return [names[similar] for similar in similar_to(name, names, 0.7)]
 
