@@ -23,8 +23,8 @@ shift 2
 dbus-daemon --system --nofork --nopidfile &
 until [ -S /run/dbus/system_bus_socket ]; do sleep 0.05; done
 avahi-daemon --no-drop-root --no-rlimits --no-chroot -f /run/avahi.conf &
-until dbus-send --system --print-reply=literal --dest=org.freedesktop.DBus / org.freedesktop.DBus.NameHasOwner string:org.freedesktop.Avahi |
-    grep -q true; do sleep 0.05; done
+call='--print-reply=literal --dest=org.freedesktop.DBus / org.freedesktop.DBus.NameHasOwner'
+until dbus-send --system $call string:org.freedesktop.Avahi | grep -q true; do sleep 0.05; done
 exec "$@"
 """
 """Both daemons have their files in /run, so that it must be one of their own.
