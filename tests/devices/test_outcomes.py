@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from pydantic import ValidationError
-from tests.cli.golden.test_do_outcomes import CASES
 
 from homebot.cli.history_words import result_text
 from homebot.cli.journal_client import chain_json
@@ -19,13 +19,18 @@ from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
 
-ALL = tuple(outcome for outcome, _, _ in CASES)
-EACH = pytest.mark.parametrize("outcome", ALL, ids=[one.kind for one in ALL])
+_VALUES = {"float": 6.5, "str": "a-9", "Evidence": Evidence.REPORTED}
+EXAMPLES = tuple(
+    kind(**{one.name: _VALUES[str(one.type)] for one in fields(kind)})  # type: ignore[arg-type]
+    for kind in OUTCOMES.values()
+)
+"""One of each outcome, with a value in each field."""
+
+EACH = pytest.mark.parametrize("outcome", EXAMPLES, ids=tuple(OUTCOMES))
 
 
-def test_all_classes_of_outcomes_are_registered_and_tried() -> None:
+def test_all_classes_of_outcomes_are_registered() -> None:
     assert {kind.__name__ for kind in Outcome.__subclasses__()} == {kind.__name__ for kind in OUTCOMES.values()}
-    assert {one.kind for one in ALL} == set(OUTCOMES)
 
 
 @EACH
@@ -62,12 +67,12 @@ def test_an_outcome_without_success_is_worse_than_one_with(outcome: Outcome) -> 
 def test_the_schemas_have_the_words_and_others_are_refused_at_the_border() -> None:
     schema = CommandDevicesResponse.model_json_schema()["properties"]["outcome"]
     assert (schema["type"], schema["enum"]) == ("string", ["", *OUTCOMES])
-    for message, fields in (
+    for message, given in (
         (CommandResult, {"command_id": "c", "text": ""}),
         (CommandDevicesResponse, {"success": True}),
     ):
         with pytest.raises(ValidationError, match=r"must be one of already_so, confirmed.*got 'shadowed'"):
-            message.model_validate(fields | {"outcome": "shadowed"})
+            message.model_validate(given | {"outcome": "shadowed"})
 
 
 def test_a_word_of_a_newer_homebot_is_no_success() -> None:

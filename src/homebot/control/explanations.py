@@ -19,7 +19,7 @@ from homebot.devices.journal_messages import (
     ReadJournalRequest,
     ReadJournalResponse,
 )
-from homebot.devices.outcomes import Confirmed, Superseded
+from homebot.devices.outcomes import OUTCOMES, Confirmed
 from homebot.devices.part import Capability
 from homebot.devices.setting_check import accepted_values
 from homebot.devices.trigger import Trigger
@@ -183,7 +183,7 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
     if entry.kind != "reported":
         return False
     results = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]
-    is_obeyed = not results or isinstance(outcome_of(results[0]), Confirmed | Superseded) or bool(results[0].witness)
+    is_obeyed = not results or OUTCOMES[results[0].outcome].explains_reports or bool(results[0].witness)
     return is_obeyed or bool(entry.cause)
 
 

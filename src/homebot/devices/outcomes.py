@@ -1,7 +1,4 @@
-"""Outcomes of commands: the result of a command, and how well it is known.
-
-A new outcome is a class here and its row in :data:`OUTCOMES`; the wire, the journal, replays and all clients follow.
-"""
+"""Outcomes of commands: the result of a command, and how well it is known."""
 
 from __future__ import annotations
 
@@ -61,6 +58,8 @@ class Outcome:
         wire: The field of `CommandResult` that carries an attribute, where the two have different names.
         succeeded: Whether the device is as it was told to be; one that is not makes ``homebot do`` exit with 1.
         is_final: Whether the same command would end so again, for example in the block of a hold.
+        judges_device: Whether it tells how well the device obeys; a refusal, for example, is about the command.
+        explains_reports: Whether the reports before it were changes by the command.
         command_id: The id of the command, under which the journal has its story.
     """
 
@@ -68,6 +67,8 @@ class Outcome:
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({})
     succeeded: ClassVar[bool] = False
     is_final: ClassVar[bool] = False
+    judges_device: ClassVar[bool] = False
+    explains_reports: ClassVar[bool] = False
     _was_sent: ClassVar[bool] = True
     _words: ClassVar[str]  # of `text`, with fields of the outcome
 
@@ -97,6 +98,8 @@ class Confirmed(Outcome):
 
     kind: ClassVar[str] = "confirmed"
     succeeded: ClassVar[bool] = True
+    judges_device: ClassVar[bool] = True
+    explains_reports: ClassVar[bool] = True
     latency: float
     evidence: Evidence
     witness: str = ""
@@ -111,7 +114,10 @@ class Confirmed(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class AlreadySo(Outcome):
-    """The device had reported that it is so, and nothing contradicted it."""
+    """The device had reported that it is so, and nothing contradicted it.
+
+    If that was in the last minute, nothing was sent, except for stop and opening a latch.
+    """
 
     kind: ClassVar[str] = "already_so"
     _words: ClassVar[str] = "it was so already"
@@ -121,7 +127,7 @@ class AlreadySo(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Contradicted(Outcome):
-    """The device, or a witness, reports something else.
+    """The device reports something else, or a witness observed that nothing happened.
 
     Attributes:
         saw: The report, as text, for example ``on_off is on``, or the observation of a witness.
@@ -129,6 +135,7 @@ class Contradicted(Outcome):
     """
 
     kind: ClassVar[str] = "contradicted"
+    judges_device: ClassVar[bool] = True
     _words: ClassVar[str] = "contradicted: {0.saw}"
     saw: str
     witness: str = ""
@@ -145,6 +152,7 @@ class Reverted(Outcome):
 
     kind: ClassVar[str] = "reverted"
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({"after": "latency", "cause": "reason"})
+    judges_device: ClassVar[bool] = True
     after: float
     cause: str = "unknown"
 
@@ -157,7 +165,7 @@ class Reverted(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class NoAnswer(Outcome):
-    """Nothing was heard that tells whether the device obeyed.
+    """The device reported nothing since the command was last sent, or since it began to move.
 
     Attributes:
         waited: Seconds.
@@ -166,6 +174,7 @@ class NoAnswer(Outcome):
 
     kind: ClassVar[str] = "no_answer"
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({"waited": "latency"})
+    judges_device: ClassVar[bool] = True
     waited: float
     reason: str = ""
 
@@ -189,13 +198,14 @@ class Superseded(Outcome):
     """
 
     kind: ClassVar[str] = "superseded"
+    explains_reports: ClassVar[bool] = True
     _words: ClassVar[str] = "superseded by command {0.by}"
     by: str
 
 
 @dataclass(frozen=True, slots=True)
 class Refused(Outcome):
-    """It was not sent, or the gateway or the device said no.
+    """A policy, a lease, the gateway or the device said no.
 
     Attributes:
         policy: The name of the policy that refused, or ``gateway`` or ``device``.
@@ -212,7 +222,7 @@ class Refused(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Gone(Outcome):
-    """The device was removed, or no longer has this part."""
+    """The device or its part was removed, before or during the wait."""
 
     kind: ClassVar[str] = "gone"
     is_final: ClassVar[bool] = True
@@ -220,6 +230,8 @@ class Gone(Outcome):
     _words: ClassVar[str] = "the device was removed"
 
 
+# A new outcome is a class, its place here, and an import in `homebot`: the wire, the journal, replays, all clients
+# and the reference read the rest from the class.
 _BEST_FIRST: Final[tuple[type[Outcome], ...]] = (
     AlreadySo,
     Confirmed,

@@ -8,6 +8,7 @@ from typing import Final, final
 
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.outcomes import OUTCOMES
 from homebot.discovery.search.near_rank import CostTerm
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -20,9 +21,6 @@ _BACK: Final = 3 * _HALF_LIFE
 """Seconds into the past; older outcomes count less than an eighth."""
 
 _MOST_PAGES: Final = 20
-_SUCCEEDED: Final = {"confirmed": True, "no_answer": False, "contradicted": False, "reverted": False}
-"""The outcomes that say something about a device; a refusal, for example, is about the command."""
-
 _WORST: Final = 6.0
 """Metres that a device would count which never does as it is told."""
 
@@ -89,8 +87,8 @@ class PastOutcomes:
     def _add(self, entry: JournalEntry) -> None:
         if entry.kind not in {"outcome", "reverted"} or not entry.results:
             return
-        has_succeeded = _SUCCEEDED.get(entry.results[0].outcome)
-        if has_succeeded is None:
+        outcome = OUTCOMES[entry.results[0].outcome]
+        if not outcome.judges_device:
             return
         tally = self._tallies.setdefault(entry.device, _Tally())
         weight = 2.0 ** ((entry.at.to_seconds() - self._begin) / _HALF_LIFE)
@@ -100,5 +98,5 @@ class PastOutcomes:
             return
         tally.commands += 1
         tally.weight += weight
-        tally.succeeded += weight if has_succeeded else 0.0
-        tally.failures += not has_succeeded
+        tally.succeeded += weight if outcome.succeeded else 0.0
+        tally.failures += not outcome.succeeded

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from tests.cli.golden.test_golden import check
 from tests.cli.test_do import Service, answer
+from tests.devices.test_outcomes import EXAMPLES
 
-from homebot.devices.command_messages import CommandResult
 from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
@@ -41,7 +41,7 @@ CASES: tuple[tuple[Outcome, str, int], ...] = (
     ),
     (Gone(command_id="a-8"), "the device was removed", 1),
 )
-"""Each outcome, its words, and the exit code."""
+"""Outcomes, their words, and the exit code."""
 
 CONFIRMED, ALREADY_SO, REFUSED = CASES[0][0], CASES[1][0], CASES[6][0]
 HELD = Refused("lease", "held open by robot for 8 s more", command_id="a-10")
@@ -58,9 +58,11 @@ def test_each_outcome_in_words_and_as_an_exit_code(
     assert capsys.readouterr() == (f"Lamp 0: {text}\n", "")
 
 
-def test_there_is_one_for_each_outcome() -> None:
-    schema = CommandResult.model_json_schema()["properties"]["outcome"]
-    assert sorted(one.kind for one, _, _ in CASES) == sorted(schema["enum"])
+@pytest.mark.parametrize("outcome", EXAMPLES, ids=[one.kind for one in EXAMPLES])
+def test_an_outcome_is_printed_as_its_class_says(homebot: Homebot, capsys: Text, outcome: Outcome) -> None:
+    """Also one that has no row above."""
+    assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == (0 if outcome.succeeded else 1)
+    assert capsys.readouterr() == (f"Lamp 0: {outcome.text}\n", "")
 
 
 def test_a_command_to_devices_with_each_outcome_ends_with_the_worst(homebot: Homebot, capsys: Text) -> None:
