@@ -35,16 +35,18 @@ AIR = {
     "properties": {
         "temperature": {"type": "number", "unit": "Celsius"},
         "co2": {"type": "integer"},
+        "pm25": {"type": "integer"},
         "raw": {"type": "object", "properties": {"a": {"type": "number"}, "b": {"type": "number"}}},
     },
 }
 
 
 def test_each_value_of_an_object_that_is_only_read_is_a_part() -> None:
-    warm, air = parts({"air": AIR})
-    assert [(one.part.id, one.part.name, one.part.service_type) for one in (warm, air)] == [
+    warm, air, dust = parts({"air": AIR})
+    assert [(one.part.id, one.part.name, one.part.service_type) for one in (warm, air, dust)] == [
         ("air/temperature", "Air temperature", "temperature_sensor"),
         ("air/co2", "Air co2", "air_quality_sensor"),
+        ("air/pm25", "Air pm25", "air_quality_sensor"),
     ]
     (found,) = warm.affordances
     document = {"temperature": 21.5, "co2": 600, "raw": {"a": 1}}

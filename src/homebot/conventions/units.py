@@ -14,7 +14,6 @@ from typing import NamedTuple
 from homebot.devices.capabilities import CAPABILITIES
 
 __all__ = [
-    "SENSOR_TYPES",
     "Conversion",
     "Quantity",
     "celsius_bounds",
@@ -103,32 +102,9 @@ def celsius_bounds(low: float, high: float) -> tuple[float, float]:
 
 def sensor_type(capability: str) -> str:
     """Return the service type of a sensor of *capability*."""
-    return SENSOR_TYPES.get(capability) or (
-        "x_binary_sensor" if CAPABILITIES[capability].kind == "bool" else "x_sensor"
-    )
+    known = CAPABILITIES[capability]
+    return known.sensor or ("x_binary_sensor" if known.kind == "bool" else "x_sensor")
 
-
-SENSOR_TYPES: Mapping[str, str] = {
-    "temperature": "temperature_sensor",
-    "humidity": "humidity_sensor",
-    "illuminance": "light_sensor",
-    "pressure": "pressure_sensor",
-    "flow": "flow_sensor",
-    "soil_moisture": "soil_sensor",
-    **dict.fromkeys(
-        ("air_quality_index", "carbon_dioxide", "carbon_monoxide", "pm1", "pm25", "pm10", "volatile_organic_compounds"),
-        "air_quality_sensor",
-    ),
-    **dict.fromkeys(("power", "energy", "energy_returned", "voltage", "current", "frequency"), "electrical_meter"),
-    **dict.fromkeys(("battery", "battery_low"), "x_battery"),
-    "occupancy": "occupancy_sensor",
-    "contact": "contact_sensor",
-    "water_leak": "water_leak_detector",
-    **dict.fromkeys(("smoke", "carbon_monoxide_alarm", "gas"), "smoke_co_alarm"),
-    "rain": "rain_sensor",
-    "press": "generic_switch",
-}
-"""Service types of sensors, if the vocabulary has a special one."""
 
 _MILLI = Conversion(0.0, 1.0, 1e3)
 _MICRO = Conversion(0.0, 1.0, 1e6)

@@ -46,6 +46,7 @@ class CapabilityType(NamedTuple):
         zero_is_off: Whether 0 is another state than a small number.
         always_sent: Commanded texts that no report shows to be so already.
         rounds: Whether many devices take it in steps of several percent.
+        sensor: The type of a sensor of it; empty for one without a type of its own.
     """
 
     name: str
@@ -66,6 +67,7 @@ class CapabilityType(NamedTuple):
     zero_is_off: bool = False
     always_sent: frozenset[str] = frozenset()
     rounds: bool = False
+    sensor: str = ""
 
 
 def _words(words: Mapping[str, str]) -> _Words:
@@ -87,6 +89,7 @@ _HALF_STEP = 0.8
 _HALF_DEGREE = 0.29
 """°C; half a degree, or one of Fahrenheit."""
 
+_AIR, _METER, _SMOKE = "air_quality_sensor", "electrical_meter", "smoke_co_alarm"
 _OPENINGS = ("open", "closed", "opening", "closing", "stopped")
 
 _CONTROLS = (
@@ -213,7 +216,14 @@ _CONTROLS = (
 )
 
 _EVENTS = (
-    CapabilityType("press", "text", "which button was pressed and how; an event, never a state", 0x003B, is_event=True),
+    CapabilityType(
+        "press",
+        "text",
+        "which button was pressed and how; an event, never a state",
+        0x003B,
+        is_event=True,
+        sensor="generic_switch",
+    ),
     CapabilityType("push", "bool", "set to true to press this button", is_momentary=True),
     CapabilityType("scene", "bool", "set to true to activate this scene", 0x0062),
     CapabilityType("scan", "text", "which tag was read; an event", is_event=True),
@@ -235,13 +245,13 @@ _SETTINGS = (
 )
 
 _CONDITIONS = (
-    CapabilityType("contact", "bool", "whether it is open", 0x0045),
-    CapabilityType("occupancy", "bool", "whether presence or motion is detected", 0x0406),
-    CapabilityType("smoke", "bool", "whether there is smoke", 0x005C),
-    CapabilityType("carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C),
-    CapabilityType("gas", "bool", "whether there is gas"),
-    CapabilityType("water_leak", "bool", "whether it is wet", 0x0045),
-    CapabilityType("rain", "bool", "whether it is raining", 0x0045),
+    CapabilityType("contact", "bool", "whether it is open", 0x0045, sensor="contact_sensor"),
+    CapabilityType("occupancy", "bool", "whether presence or motion is detected", 0x0406, sensor="occupancy_sensor"),
+    CapabilityType("smoke", "bool", "whether there is smoke", 0x005C, sensor=_SMOKE),
+    CapabilityType("carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C, sensor=_SMOKE),
+    CapabilityType("gas", "bool", "whether there is gas", sensor=_SMOKE),
+    CapabilityType("water_leak", "bool", "whether it is wet", 0x0045, sensor="water_leak_detector"),
+    CapabilityType("rain", "bool", "whether it is raining", 0x0045, sensor="rain_sensor"),
     CapabilityType("freeze", "bool", "whether freezing is detected", 0x0045),
     CapabilityType("heat", "bool", "whether it is too hot"),
     CapabilityType("tamper", "bool", "whether tampering is detected"),
@@ -256,32 +266,32 @@ _CONDITIONS = (
     CapabilityType("plugged_in", "bool", "whether it is plugged in"),
     CapabilityType("connectivity", "bool", "whether it is connected"),
     CapabilityType("unlocked", "bool", "whether the monitored lock is unlocked"),
-    CapabilityType("battery_low", "bool", "whether its battery is low", 0x002F),
+    CapabilityType("battery_low", "bool", "whether its battery is low", 0x002F, sensor="x_battery"),
     CapabilityType("battery_charging", "bool", "whether its battery is charging", 0x002F),
     CapabilityType("update_available", "bool", "whether an update is available", 0x002A),
 )
 
 _MEASUREMENTS = (
-    CapabilityType("temperature", "number", "temperature", 0x0402, "°C"),
-    CapabilityType("humidity", "number", "relative humidity", 0x0405, "%", _PERCENT),
-    CapabilityType("illuminance", "number", "illuminance", 0x0400, "lx"),
-    CapabilityType("pressure", "number", "air pressure", 0x0403, "hPa"),
-    CapabilityType("flow", "number", "flow", 0x0404, "m³/h"),
-    CapabilityType("power", "number", "electrical power consumption", 0x0090, "W"),
-    CapabilityType("energy", "number", "electrical energy consumption", 0x0091, "kWh"),
-    CapabilityType("energy_returned", "number", "electrical energy returned to the grid", 0x0091, "kWh"),
-    CapabilityType("voltage", "number", "voltage", 0x0090, "V"),
-    CapabilityType("current", "number", "current", 0x0090, "A"),
-    CapabilityType("frequency", "number", "frequency", 0x0090, "Hz"),
-    CapabilityType("battery", "number", "battery charge", 0x002F, "%", _PERCENT),
-    CapabilityType("carbon_dioxide", "number", "carbon dioxide", 0x040D, "ppm"),
-    CapabilityType("carbon_monoxide", "number", "carbon monoxide", 0x040C, "ppm"),
-    CapabilityType("pm25", "number", "particulate matter (PM2.5)", 0x042A, "µg/m³"),
-    CapabilityType("pm10", "number", "particulate matter (PM10)", 0x042D, "µg/m³"),
-    CapabilityType("pm1", "number", "particulate matter (PM1)", 0x042C, "µg/m³"),
-    CapabilityType("volatile_organic_compounds", "number", "volatile organic compounds", 0x042E, "µg/m³"),
-    CapabilityType("air_quality_index", "number", "air quality", 0x005B),
-    CapabilityType("soil_moisture", "number", "soil moisture", 0x0430, "%", _PERCENT),
+    CapabilityType("temperature", "number", "temperature", 0x0402, "°C", sensor="temperature_sensor"),
+    CapabilityType("humidity", "number", "relative humidity", 0x0405, "%", _PERCENT, sensor="humidity_sensor"),
+    CapabilityType("illuminance", "number", "illuminance", 0x0400, "lx", sensor="light_sensor"),
+    CapabilityType("pressure", "number", "air pressure", 0x0403, "hPa", sensor="pressure_sensor"),
+    CapabilityType("flow", "number", "flow", 0x0404, "m³/h", sensor="flow_sensor"),
+    CapabilityType("power", "number", "electrical power consumption", 0x0090, "W", sensor=_METER),
+    CapabilityType("energy", "number", "electrical energy consumption", 0x0091, "kWh", sensor=_METER),
+    CapabilityType("energy_returned", "number", "electrical energy returned to the grid", 0x0091, "kWh", sensor=_METER),
+    CapabilityType("voltage", "number", "voltage", 0x0090, "V", sensor=_METER),
+    CapabilityType("current", "number", "current", 0x0090, "A", sensor=_METER),
+    CapabilityType("frequency", "number", "frequency", 0x0090, "Hz", sensor=_METER),
+    CapabilityType("battery", "number", "battery charge", 0x002F, "%", _PERCENT, sensor="x_battery"),
+    CapabilityType("carbon_dioxide", "number", "carbon dioxide", 0x040D, "ppm", sensor=_AIR),
+    CapabilityType("carbon_monoxide", "number", "carbon monoxide", 0x040C, "ppm", sensor=_AIR),
+    CapabilityType("pm25", "number", "particulate matter (PM2.5)", 0x042A, "µg/m³", sensor=_AIR),
+    CapabilityType("pm10", "number", "particulate matter (PM10)", 0x042D, "µg/m³", sensor=_AIR),
+    CapabilityType("pm1", "number", "particulate matter (PM1)", 0x042C, "µg/m³", sensor=_AIR),
+    CapabilityType("volatile_organic_compounds", "number", "volatile organic compounds", 0x042E, "µg/m³", sensor=_AIR),
+    CapabilityType("air_quality_index", "number", "air quality", 0x005B, sensor=_AIR),
+    CapabilityType("soil_moisture", "number", "soil moisture", 0x0430, "%", _PERCENT, sensor="soil_sensor"),
     CapabilityType("signal_strength", "number", "radio signal strength", 0x0036, "dBm"),
     CapabilityType("measurement", "number", "measured number without a standard meaning"),
 )

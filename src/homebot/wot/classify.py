@@ -325,7 +325,8 @@ def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
 
 
 def _lone(one: _Candidate) -> str:
-    return LONE_TYPES.get(one.capability, "x_setting" if one.is_settable else "x_sensor")
+    own = LONE_TYPES.get(one.capability) or CAPABILITIES[one.capability].sensor
+    return own or ("x_setting" if one.is_settable else "x_sensor")
 
 
 def _classified(one: _Candidate) -> ClassifiedAffordance:
