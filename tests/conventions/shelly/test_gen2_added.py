@@ -48,6 +48,15 @@ def test_an_added_component_is_a_part_with_its_given_name(gateway: Say, part: Fi
     assert (found.part.service_type, found.part.name) == ("temperature_sensor", "Shelf 200")
 
 
+def test_a_water_valve_has_its_role_in_the_attributes_beside_its_configuration(gateway: Say, part: Find) -> None:
+    """As devices with the module of Shelly answer, such as LinkedGo ST802 (source: ShellyScanner, ``PbSXT1St802``)."""
+    config = {"id": 200, "name": "Position", "owner": "service:0", "access": "crw", "min": 0, "max": 100}
+    attributes = {"owner": "service:0", "role": "position"}
+    valve = {"key": "number:200", "status": {"value": 40}, "config": config, "attrs": attributes}
+    found = part(gateway(ANSWERS, page(0, 1, valve)), "number:200").part
+    assert (found.service_type, found.category, found.name) == ("water_valve", "", "Position")
+
+
 def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway: Say) -> None:
     (more,) = gateway(ANSWERS, page(0, 3, sensor(200, 21.5), sensor(201, 4.0)))
     params = {"dynamic_only": True, "include": ["status", "config"], "offset": 2}

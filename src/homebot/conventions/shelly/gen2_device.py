@@ -247,7 +247,9 @@ class Gen2Device:
         listed = page.get("components")
         for component in map(as_fields, listed if isinstance(listed, list) else []):
             if isinstance(key := component.get("key"), str) and len(self._staged) < MAX_COMPONENTS:
-                self._staged[key] = component
+                attributes = as_fields(component.get("attrs"))  # the role in a maker's service
+                config = {**as_fields(component.get("config")), **attributes}
+                self._staged[key] = {"status": component.get("status"), "config": config}
         end = len(self._staged)
         self._staged_pages += (start,) if end > start else ()
         if start < end < min(to_number(page.get("total")) or 0, MAX_COMPONENTS):
