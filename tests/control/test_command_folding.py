@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import anyio
 import pytest
+from pydantic import ValidationError
 from tests.control.conftest import Home, OpenHome
 from tests.control.test_journal_file import NOW, opened, read
 
-from homebot.control.journal.command_folding import IN_FULL, CommandFolding
+from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
 from homebot.control.journal.store import JournalNote, JournalStore
+from homebot.devices.command_messages import CommandRequest
 from homebot.devices.command_results import result_of
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
@@ -96,6 +100,27 @@ async def test_the_newest_command_is_read_at_once_and_kept_when_the_minute_is_ov
         after = await outcomes(home)
     assert [one.command for one in after[:-1]] == [one.command for one in before]
     assert (len(before), before[-1].command.partition("-")[2]) == (IN_FULL + 1, "40")
+
+
+def test_a_flood_of_commands_to_ever_new_devices_is_folded_too() -> None:
+    folding = CommandFolding()
+    notes = [replace(note, device=f"d{number}") for number in range(5000) for note in command(number)]
+    assert len(stored(folding, notes)) == 3 * (MOST_OF_ISSUER + IN_FULL)
+    assert stored(folding, command(9999, issuer="/app")) == in_full(9999)
+    assert {one.device: one.folded for one in folding.close() if one.kind == "requested"} == {
+        "d4999": 5000 - MOST_OF_ISSUER - IN_FULL - 1
+    }
+
+
+@pytest.mark.parametrize("field", ["device", "part", "capability", "trigger"])
+def test_a_command_names_nothing_in_a_text_without_end(field: str) -> None:
+    fields = {"device": "lamp", "settings": [{"capability": "on_off", "value": True}], "issuer": "client:a"}
+    CommandRequest.model_validate_json(json.dumps(fields))
+    long = "x" * 100_000
+    more: dict[str, dict[str, object]] = {"capability": {"settings": [{"capability": long, "value": True}]}}
+    more["trigger"] = {"trigger": {"kind": "timer", "text": long}}
+    with pytest.raises(ValidationError, match="at most 1000 characters"):
+        CommandRequest.model_validate_json(json.dumps(fields | more.get(field, {field: long})))
 
 
 async def outcomes(home: Home) -> list[JournalEntry]:

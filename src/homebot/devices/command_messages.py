@@ -7,7 +7,7 @@ from pydantic import AfterValidator, ConfigDict, Field
 
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, ShortText, Value
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
 
 __all__ = [
@@ -68,7 +68,7 @@ class Setting(Message):
         value: The value, in the unit of the vocabulary.
     """
 
-    capability: str
+    capability: ShortText
     value: Value
 
     @staticmethod
@@ -97,14 +97,14 @@ class CommandRequest(Message):
 
     model_config = ConfigDict(hide_input_in_errors=True)
 
-    device: str
-    part: str = ""
+    device: ShortText
+    part: ShortText = ""
     settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=MOST_SETTINGS)]
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
-    cause: str = ""
+    cause: ShortText = ""
     trigger: Trigger = NO_TRIGGER
 
 
@@ -232,7 +232,7 @@ class SendTextRequest(Message):
         trigger: Its cause, as far as the issuer knows.
     """
 
-    device: str
+    device: ShortText
     payload: str
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()

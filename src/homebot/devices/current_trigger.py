@@ -55,7 +55,7 @@ def _of_message(device: str, message: RawMessage) -> Trigger:
     text = message.payload[:_LONGEST].decode(errors="backslashreplace")
     return Trigger(
         kind="message",
-        id=f"message-{message.gateway}-{message.key}-{at.sec}.{at.nanosec // 1_000_000:03}",
+        id=f"message-{message.gateway}-{message.key[:_LONGEST]}-{at.sec}.{at.nanosec // 1_000_000:03}",
         device=device,
         text=text,
         at=at,

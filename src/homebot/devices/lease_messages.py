@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 
@@ -62,8 +63,8 @@ class HoldRequest(Message):
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
     """
 
-    device: str
-    part: str = ""
+    device: ShortText
+    part: ShortText = ""
     setting: Setting
     lease: _Name
     by: _Name

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from homebot.devices.value import Reading
+from homebot.devices.value import Reading, ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -28,10 +28,10 @@ class Trigger(Message):
     """
 
     kind: Literal["", "lease", "report", "device", "message", "timer"] = ""
-    id: str = ""
-    device: str = ""
+    id: ShortText = ""
+    device: ShortText = ""
     readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()
-    text: str = ""
+    text: ShortText = ""
     at: Time = Time(sec=0, nanosec=0)
 
 

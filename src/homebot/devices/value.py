@@ -9,7 +9,10 @@ from pydantic import Field, model_serializer, model_validator
 
 from homebot.messages.message import Message, UInt8
 
-__all__ = ["UNKNOWN", "PlainValue", "Reading", "Value"]
+__all__ = ["UNKNOWN", "PlainValue", "Reading", "ShortText", "Value"]
+
+ShortText: TypeAlias = Annotated[str, Field(max_length=1000)]
+"""An id, or the name of a capability, in a request, which a program may repeat without end."""
 
 PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
 """A value in plain Python; None is *unknown*, which is a value of its own. Numbers are always ``float``."""
@@ -37,8 +40,8 @@ class Value(Message):
     type: Annotated[UInt8, Field(le=_NUMBERS)] = _UNKNOWN
     flag: bool = False
     number: float = 0.0
-    text: str = ""
-    numbers: tuple[float, ...] = ()
+    text: Annotated[str, Field(max_length=16_384)] = ""
+    numbers: Annotated[tuple[float, ...], Field(max_length=1000)] = ()
 
     @model_validator(mode="before")
     @classmethod

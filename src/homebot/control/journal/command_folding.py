@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.journal.store import JournalNote
 
-__all__ = ["IN_FULL", "CommandFolding"]
+__all__ = ["IN_FULL", "MOST_OF_ISSUER", "CommandFolding"]
 
 IN_FULL: Final = 10
 """Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
 
 _STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
 """Steps between a command and its outcome, or after that."""
+
+MOST_OF_ISSUER: Final = 1000
+"""Commands of one issuer that are stored in each minute; beyond it, those to all parts are folded as if to one."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
@@ -55,14 +59,16 @@ class _Minute:
 class CommandFolding:
     """Filter in front of the store: a flood of equal commands leaves a few entries a minute.
 
-    An entry without an issuer passes. At most 10,000 pairs of issuer and part are counted in a minute, and 1,000
-    commands wait for their outcome; beyond that the oldest are stored.
+    An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute, and 10,000 pairs of
+    issuer and part counted; 1,000 commands wait for their outcome, beyond which the oldest are stored.
     """
 
     def __init__(self) -> None:
         self._minutes: dict[_Key, _Minute] = {}
         self._open: dict[str, list[JournalNote]] = {}
         self._first: _Minute | None = None
+        self._stored: defaultdict[str, int] = defaultdict(int)  # by issuer, in the minute that began then
+        self._counted_since = 0.0
 
     def add(self, note: JournalNote) -> Sequence[JournalNote]:
         """Return the entries to store after *note*."""
@@ -91,7 +97,12 @@ class CommandFolding:
         return left
 
     def _begin(self, note: JournalNote) -> Sequence[JournalNote]:
+        if not 0 <= note.at - self._counted_since < _MINUTE:
+            self._counted_since = note.at
+            self._stored.clear()
         key = note.issuer, note.device, note.part
+        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices need not exist
+            key = note.issuer, "", ""
         minute = self._minutes.get(key)
         if minute is None:
             minute = self._minutes[key] = _Minute(note.at)
@@ -102,6 +113,7 @@ class CommandFolding:
         is_command = note.kind == "requested"
         if minute.stored < IN_FULL:
             minute.stored += 1
+            self._stored[note.issuer] += 1
             if not is_command:
                 minute.outcomes.add(note.kind)
             return (note,)
@@ -116,7 +128,8 @@ class CommandFolding:
         if note.kind != "outcome":
             return ()
         del self._open[note.command]
-        minute = self._minutes.get((note.issuer, note.device, note.part))
+        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER
+        minute = self._minutes.get((note.issuer, "", "") if is_over else (note.issuer, note.device, note.part))
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:
