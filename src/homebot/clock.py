@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import Protocol, final
+from collections.abc import Generator
+from typing import Protocol, TypeVar, final
 
 import anyio.lowlevel
 
 from homebot.errors import UsageError
 
 __all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice"]
+
+T = TypeVar("T")
 
 
 class Clock(Protocol):
@@ -108,3 +111,14 @@ class TimeSlice:
         """Let all others have their turn, and begin the next slice."""
         await anyio.lowlevel.checkpoint()
         self._ends = self._monotonic() + SLICE
+
+    async def do(self, work: Generator[None, None, T]) -> T:
+        """Return the result of *work*, with pauses between its steps."""
+        while True:
+            try:
+                next(work)
+            except StopIteration as done:
+                result: T = done.value
+                return result
+            if self.is_over:
+                await self.pause()

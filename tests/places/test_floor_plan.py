@@ -11,7 +11,7 @@ import pytest
 from homebot.errors import ConfigError
 from homebot.places import FloorPlan, HouseDoor, HousePlan, HouseRoom, Position, places_text, read_places
 from homebot.places.floor_plan import RoomAt
-from homebot.places.path import Spot
+from homebot.places.path import PathFinder, Spot
 from homebot.places.polygon import Polygon
 from homebot.support.toml_file import parse_toml
 
@@ -41,6 +41,16 @@ def house(text: str = HOUSE) -> HousePlan:
     return HousePlan("Home", read.rooms, doors=read.doors)
 
 
+def path_finder(plan: FloorPlan) -> PathFinder:
+    steps = plan.path_finder()
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            finder: PathFinder = done.value
+            return finder
+
+
 @pytest.mark.parametrize("case", CASES["cases"], ids=lambda case: f"{case['x']},{case['y']}")
 def test_rooms_of_a_configuration_are_found_by_point(case: dict[str, object]) -> None:
     tables = {name: [room["polygon"], *room.get("holes", ())] for name, room in CASES["rooms"].items()}
@@ -56,7 +66,7 @@ def test_rooms_of_a_configuration_are_found_by_point(case: dict[str, object]) ->
 
 def test_the_lamp_behind_the_wall_is_farther_in_a_configured_house() -> None:
     plan = FloorPlan.of(house())
-    finder = plan.path_finder()
+    finder = path_finder(plan)
     for name, position in (("kitchen lamp", Position(4.5, 1)), ("hall lamp", Position(1, 1))):
         place = plan.place_of(position)
         assert place is not None
@@ -73,7 +83,8 @@ def test_the_lamp_behind_the_wall_is_farther_in_a_configured_house() -> None:
 
 def test_a_wide_opening_is_passed_at_the_nearest_of_several_points() -> None:
     text = HOUSE.replace("position = [4, 4.5]", "position = [[4, 1], [4, 4]]")
-    (doorway,) = FloorPlan.of(house(text)).doorways()
+    plan = FloorPlan.of(house(text))
+    (doorway,) = map(plan.doorway, plan.plan.doors)
 
     assert sorted(round(first[1], 6) for first, _ in doorway.points) == [1.3, 1.9, 2.5, 3.1, 3.7]
     for first, second in doorway.points:
@@ -169,7 +180,7 @@ def test_a_robot_enters_a_room_inside_another_one() -> None:
 def test_stairs_have_a_foot_and_a_head() -> None:
     text = HOUSE.replace("[places.rooms.Kitchen]", '[places.rooms.Kitchen]\nfloor = "Top"')
     plan = FloorPlan.of(house(text.replace("position = [4, 4.5]", "position = [[1, 4.8], [7, 0.2]]")))
-    finder = plan.path_finder()
+    finder = path_finder(plan)
     finder.put("lamp", Spot("Kitchen", (7.0, 4.2)))
 
     (way,) = finder.nearest(Spot("Hall", (1.0, 1.8)), lambda _: 10.0)
@@ -183,7 +194,8 @@ def test_a_way_in_a_room_of_two_areas_leads_through_both() -> None:
     """Two rectangles form an L, once by touching and once by overlapping; across the corner is outside."""
     for upper in ([[0, 2], [2, 2], [2, 6], [0, 6]], [[0, 0], [2, 0], [2, 6], [0, 6]]):
         polygon = [[[[0, 0], [6, 0], [6, 2], [0, 2]]], [upper]]
-        finder = FloorPlan.of(house(HOUSE + f"\n[places.rooms.L]\nfloor = 'Top'\npolygon = {polygon}\n")).path_finder()
+        plan = FloorPlan.of(house(HOUSE + f"\n[places.rooms.L]\nfloor = 'Top'\npolygon = {polygon}\n"))
+        finder = path_finder(plan)
         finder.put("lamp", Spot("L", (1.0, 5.0)))
 
         (way,) = finder.nearest(Spot("L", (5.0, 1.0)), lambda _: 0.0)

@@ -6,12 +6,13 @@ Loaded with the first query that asks for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Generator
 from itertools import starmap
+from operator import is_not
 from typing import Final, NamedTuple, final
 
 from homebot.clock import TimeSlice
+from homebot.devices.device import Device
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.query import IsNear, NameIs, Query, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
@@ -66,9 +67,10 @@ class Nearness:
         self._where = node.create_client(WhereIsRobot, WHERE_IS_ROBOT)
         self._plan: HousePlan | None = None
         self._floor_plan = FloorPlan.of(index.owner.plan)
-        self._finder = PathFinder({}, ())
+        self._finder = PathFinder({})
         self._doors: dict[str, HouseDoor] = {}
-        self._open_doors: dict[str, DoorState] = {}
+        self._tolls: dict[str, tuple[float, tuple[Device | None, ...]]] = {}
+        self._named: dict[str, str] = {}
         self._errors: dict[str, CostTerm] = {}
         self._rooms_alone: set[str] = set()
         self._nowhere: set[str] = set()
@@ -89,7 +91,7 @@ class Nearness:
             ServiceError: The node that knows it does not answer.
         """
         pose, age = await self._pose(near.robot)
-        await self._prepare()
+        await TimeSlice(self._clock).do(self._prepare())
         return self._answer(near, rest, limit, pose, age)
 
     async def _pose(self, robot: str) -> tuple[RobotPose, float]:
@@ -107,12 +109,12 @@ class Nearness:
 
     def _answer(self, near: IsNear, rest: Query, limit: int, pose: RobotPose, age: float) -> NearDevices:
         start = self._start(pose)
-        index, doors = self._index, cache(self._door)
+        index = self._index
         wanted = index.find(rest)
         asks_for_them = any(term.kind == "unapproved" for term in query_terms(rest))
         forbidden = frozenset[str]() if asks_for_them else wanted & index.postings.unapproved
         wanted = wanted - forbidden if forbidden else wanted
-        locked = frozenset(one.name for one in self._doors.values() if one.lock and math.isinf(doors(one.name).metres))
+        locked = frozenset(one.name for one in self._doors.values() if one.lock and math.isinf(self._toll(one.name)))
 
         def terms(device_id: str) -> tuple[CostTerm, ...]:
             error = self._errors.get(device_id)
@@ -120,13 +122,13 @@ class Nearness:
             return (*([] if error is None else [error]), *starmap(CostTerm, worse), *self._outcomes.term(device_id))
 
         def why(one: NearDevice) -> str:
-            return cost_text(one, doors, is_exact=pose.has_position and one.device not in self._rooms_alone)
+            return cost_text(one, self._door, is_exact=pose.has_position and one.device not in self._rooms_alone)
 
         unreachable = sorted(wanted & (self._nowhere | self._finder.unreachable(start.room, locked)))
         best, total = nearest(
             self._finder,
             start,
-            doors,
+            self._toll,
             wanted,
             terms,
             total=len(wanted) - len(unreachable),
@@ -159,23 +161,20 @@ class Nearness:
         centre = self._floor_plan.centre_of(name)
         return Spot(name, None if centre is None else (centre.x, centre.y))
 
-    async def _prepare(self) -> None:
+    def _prepare(self) -> Generator[None, None, None]:
         """Spot the devices that are new or changed; all of them, and the doors, on a plan that did. In small steps."""
-        work = TimeSlice(self._clock)
         while (plan := self._index.owner.plan) is not self._plan:
-            floor_plan, doorways = FloorPlan.of(plan), []
-            for one in floor_plan.doorways():
-                doorways.append(one)
-                if work.is_over:
-                    await work.pause()
-            self._plan, self._floor_plan = plan, floor_plan
-            self._finder = floor_plan.path_finder(doorways)
+            floor_plan = FloorPlan.of(plan)
+            finder = yield from floor_plan.path_finder()
+            self._plan, self._floor_plan, self._finder = plan, floor_plan, finder
             self._doors = {door.name: door for door in plan.doors}
-            self._open_doors.clear()
+            self._tolls.clear()
             self._sequence = -1
+            for name in tuple(self._doors):
+                self._toll(name)
+                yield
         while self._spot_next():
-            if work.is_over:
-                await work.pause()
+            yield
 
     def _spot_next(self) -> bool:
         """Spot a device that is new or changed; return False if there is no other."""
@@ -184,6 +183,8 @@ class Nearness:
             self._moved = dict.fromkeys(index.ids)
         elif self._sequence != index.sequence:
             self._moved |= dict.fromkeys(change.device.id for change in recent.since(self._sequence))
+        if self._sequence != index.sequence:
+            self._named.clear()
         self._sequence = index.sequence
         if self._moved:
             self._spot(self._moved.popitem()[0])
@@ -217,10 +218,18 @@ class Nearness:
         if error:
             self._errors[device_id] = CostTerm(error, reason)
 
+    def _toll(self, name: str) -> float:
+        """Return the metres that going through a door costs; computed again where its lock or contact has changed."""
+        known, door = self._tolls.get(name), self._doors[name]
+        if known is not None and not known[1]:
+            return known[0]
+        now = tuple([self._device(one) for one in (door.lock, door.contact) if one])
+        if known is None or any(map(is_not, known[1], now)):
+            known = self._tolls[name] = self._door(name).metres, now
+        return known[0]
+
     def _door(self, name: str) -> DoorState:
         """Return the state of a door: a lock outranks the contact, and one without a contact is open."""
-        if (known := self._open_doors.get(name)) is not None:
-            return known
         door = self._doors[name]
         lock, contact = self._state(door.lock, "lock"), self._state(door.contact, "contact")
         if lock is not None and lock[0] == "locked":
@@ -228,10 +237,7 @@ class Nearness:
         cost = self._floor_plan.cost_of(door)
         terms = [CostTerm(cost, "is a way of stairs" if door.cost is None else "counts more")] if cost else []
         if contact is None:
-            state = DoorState(tuple(terms), "" if cost and not door.contact else "assumed open")
-            if not (door.lock or door.contact):
-                self._open_doors[name] = state
-            return state
+            return DoorState(tuple(terms), "" if cost and not door.contact else "assumed open")
         is_open, told = contact
         if is_open is False:
             return DoorState((*terms, CostTerm(self._index.owner.closed_door, f"is closed {told}")))
@@ -239,9 +245,7 @@ class Nearness:
 
     def _state(self, named: str, capability: str) -> tuple[PlainValue, str] | None:
         """Return the newest value of a capability of the device with the id or name *named*, and how old it is."""
-        if not named:
-            return None
-        device = self._index.get(named) or self._index.get(min(self._index.find(NameIs(fold(named))), default=""))
+        device = self._device(named) if named else None
         states = [] if device is None else [one for one in device.states if one.capability == capability]
         if device is None or not states:
             return None
@@ -251,6 +255,13 @@ class Nearness:
             newest.value.plain(),
             f"({capability}, {ago_text(self._clock.now() - newest.told_at.to_seconds())}{stale})",
         )
+
+    def _device(self, named: str) -> Device | None:
+        """Return the device with the id or name *named*."""
+        if (device_id := self._named.get(named)) is None:
+            found = {named} if self._index.get(named) else self._index.find(NameIs(fold(named)))
+            device_id = self._named[named] = min(found, default="")
+        return self._index.get(device_id)
 
     def _no_way(self, device_id: str, locked: frozenset[str]) -> str:
         """Return why no way leads to a device."""

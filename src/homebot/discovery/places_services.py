@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from contextlib import closing
 from functools import partial
-from typing import Literal, TypeVar
+from typing import Literal
 
 from anyio import to_thread
 
@@ -69,8 +69,6 @@ from homebot.places.plan import Point
 from homebot.support.folding import fold
 
 __all__ = ["PlacesServices"]
-
-T = TypeVar("T")
 
 _MOST_ABSENT = 1000
 
@@ -187,16 +185,16 @@ class PlacesServices:
         exchange, name = self._index.places_exchange, ""
         try:
             if request.name:
-                name = await self._in_turns(exchange.rename_room(request.room, request.name))
+                name = await TimeSlice(self._clock).do(exchange.rename_room(request.room, request.name))
             else:
-                await self._in_turns(exchange.remove_room(request.room))
+                await TimeSlice(self._clock).do(exchange.remove_room(request.room))
         except (ConfigError, RefusedError, UsageError) as exc:
             return ChangeRoomResponse(success=False, message=str(exc))
         self._publish_all()
         return ChangeRoomResponse(success=True, name=name)
 
     async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
-        return ExportPlacesResponse(text=await self._in_turns(self._index.places_exchange.export_text()))
+        return ExportPlacesResponse(text=await TimeSlice(self._clock).do(self._index.places_exchange.export_text()))
 
     async def _import(self, owner: OwnerRequests, request: ImportPlacesRequest) -> ImportPlacesResponse:
         from homebot.discovery.places_exchange import parse_places  # noqa: PLC0415 - with the first file
@@ -206,7 +204,7 @@ class PlacesServices:
             parse = partial(parse_places, request.text, index.owner.plan.home, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
-            imported = await self._in_turns(index.places_exchange.apply(places, replaces=request.replaces))
+            imported = await TimeSlice(self._clock).do(index.places_exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
             return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
         except RefusedError as exc:
@@ -236,18 +234,6 @@ class PlacesServices:
         words = places.withdraw(device, fact, word) if remove else places.add(device, fact, word, now)
         self._publish_all()
         return words
-
-    async def _in_turns(self, work: Generator[None, None, T]) -> T:
-        """Return the result of *work*; between its steps others have their turn every few milliseconds."""
-        turns = TimeSlice(self._clock)
-        while True:
-            try:
-                next(work)
-            except StopIteration as done:
-                result: T = done.value
-                return result
-            if turns.is_over:
-                await turns.pause()
 
 
 def _room_info(room: HouseRoom) -> RoomInfo:

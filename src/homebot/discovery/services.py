@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from collections.abc import Set as AbstractSet
-from functools import cached_property
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import anyio.lowlevel
+from anyio import to_thread
 
 import homebot.places
 from homebot.devices import (
@@ -90,6 +90,7 @@ class DirectoryServices:
         self._persistence = persistence
         self._publish_some = publish
         self._node = node
+        self._near: Nearness | None = None
 
     def register(self) -> None:
         """Begin to answer."""
@@ -132,7 +133,7 @@ class DirectoryServices:
 
         await self._catch_up()
         near, rest = split_near(read_terms(request.query))
-        found = [] if near is None else (await self._nearness.find(near, rest)).devices
+        found = [] if near is None else (await (await self._nearness()).find(near, rest)).devices
         return self._found(request, {one.device for one in found})
 
     def _found(self, request: FindDevicesRequest, near: AbstractSet[str] | None = None) -> FindDevicesResponse:
@@ -169,7 +170,7 @@ class DirectoryServices:
                 ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
                 answer = QueryDevicesResponse(success=True, total=len(ranked))
             else:
-                found = await self._nearness.find(near, rest, limit or 0)
+                found = await (await self._nearness()).find(near, rest, limit or 0)
                 ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
                 answer = found.answer
         except (RefusedError, UsageError) as exc:
@@ -183,11 +184,13 @@ class DirectoryServices:
         ]
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
 
-    @cached_property
-    def _nearness(self) -> Nearness:
-        from homebot.discovery.nearness import Nearness  # noqa: PLC0415 - with the first query for what is near
-
-        return Nearness(self._node, self._index)
+    async def _nearness(self) -> Nearness:
+        """Return what finds devices near a robot; loaded in a thread, as that takes longer than a turn may."""
+        if self._near is None:
+            make = await to_thread.run_sync(_load_nearness)
+            if self._near is None:
+                self._near = make(self._node, self._index)
+        return self._near
 
     def _check_words(self, query: Query) -> None:
         """Check the words of *query*, as :func:`check_words` does."""
@@ -279,3 +282,9 @@ class DirectoryServices:
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]
         return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))
+
+
+def _load_nearness() -> type[Nearness]:
+    from homebot.discovery.nearness import Nearness  # noqa: PLC0415 - with the first query for what is near
+
+    return Nearness

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple, final
 
@@ -150,16 +150,18 @@ class FloorPlan:
         distances = {one.room: self.distance(one.room, x, y) for one in self._near(x, y, floor)}
         return sorted((room for room in distances if distances[room] <= _REACH), key=lambda one: (distances[one], one))
 
-    def path_finder(self, doorways: Iterable[Doorway] | None = None) -> PathFinder:
-        """Return a new finder of ways, without targets; by *doorways* where they are made already."""
-        return PathFinder(self._sights, self.doorways() if doorways is None else doorways)
-
-    def doorways(self) -> Iterator[Doorway]:
-        """Yield the ways through each door."""
+    def path_finder(self) -> Generator[None, None, PathFinder]:
+        """Return a new finder of ways, without targets; others may have their turn at each step."""
+        sights = {}
+        for room, areas in self._polygons.items():
+            sights[room] = RoomSight(*areas)
+            yield
+        finder = PathFinder(sights)
         for door in self.plan.doors:
-            first, second = map(self._of, door.rooms)
-            sides = [(_nearest(first, one), _nearest(second, other)) for one, other in self._crossings(door)]
-            yield Doorway(door.name, door.rooms, tuple(sides))
+            finder.add(self.doorway(door))
+            yield
+        yield from finder.look_around()
+        return finder
 
     def is_stairs(self, door: HouseDoor) -> bool:
         """Return whether a door joins two floors."""
@@ -185,10 +187,6 @@ class FloorPlan:
                     found.append((one.room, other.room, one.polygon.overlap(other.polygon)))
         return tuple(one for one in found if one[2] > _LEAST_OVERLAP)
 
-    @cached_property
-    def _sights(self) -> dict[str, RoomSight]:
-        return {room: RoomSight(*areas) for room, areas in self._polygons.items()}
-
     def _of(self, room: str) -> tuple[Polygon, ...]:
         return self._polygons.get(room, ())
 
@@ -196,6 +194,12 @@ class FloorPlan:
         """Return the areas that may hold a point, or be within 0.5 m of it, the smallest first."""
         areas = self._by_column.get((self.level(floor), math.floor(x)), ())
         return [one for one in areas if one.polygon.box.bottom - _NEARBY <= y <= one.polygon.box.top + _NEARBY]
+
+    def doorway(self, door: HouseDoor) -> Doorway:
+        """Return the ways through a door."""
+        first, second = map(self._of, door.rooms)
+        sides = [(_nearest(first, one), _nearest(second, other)) for one, other in self._crossings(door)]
+        return Doorway(door.name, door.rooms, tuple(sides))
 
     def _crossings(self, door: HouseDoor) -> list[tuple[Point, Point]]:
         """Return the points at which a door is passed, as its two rooms see them; empty if that is not known."""

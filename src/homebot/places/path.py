@@ -6,17 +6,15 @@ In a room without a polygon, and to a place in a room that is not known more exa
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from heapq import heappop, heappush
-from itertools import count
-from typing import NamedTuple, TypeAlias, final
+from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.places.polygon import Point
 from homebot.places.room_sight import RoomSight
 
-__all__ = ["HALF_HOP", "Doorway", "PathFinder", "Spot", "Way"]
+__all__ = ["HALF_HOP", "Crossing", "Doorway", "PathFinder", "Spot", "Way"]
 
 HALF_HOP = 2.0
 """Metres between a door and a place in a room whose shape is not known."""
@@ -69,44 +67,63 @@ Crossing: TypeAlias = Callable[[str], float]
 """The metres that going through a door costs: 0 if it is open, infinite if it is locked."""
 
 
-@dataclass(slots=True, eq=False, repr=False)
-class _Node:
-    """A corner of a room, or one way through a door as seen from one of its rooms.
+_Goal: TypeAlias = Sequence[tuple[list[float], float, float]]
 
-    Attributes:
-        spot: Its place.
-        door: The door; empty for a corner.
-        other: The same way, as seen from the other room.
-        ways: The nodes of the room that it sees, each with its distance; None until it is asked for.
-    """
+_START: Final = -1
+"""The node of a way that has none yet."""
 
-    spot: Spot
-    door: str = ""
-    other: _Node | None = None
-    ways: list[tuple[float, _Node]] | None = None
+_LANDMARKS: Final = 8
+_FEW: Final = 10
+"""Targets for which a search goes the way to them first, and not the same way in all directions."""
+
+_NOTHING: Final = frozenset[str]()
 
 
 @final
 class PathFinder:
     """Finds targets by the length of the way to them.
 
+    Its nodes are the corners of rooms and, for each way through a door, one in each of its two rooms.
+
     Args:
         rooms: The inside of each room that has a polygon.
-        doorways: The doors.
     """
 
-    def __init__(self, rooms: Mapping[str, RoomSight], doorways: Iterable[Doorway]) -> None:
+    def __init__(self, rooms: Mapping[str, RoomSight]) -> None:
         self._rooms = rooms
-        self._nodes = {name: [_Node(Spot(name, corner)) for corner in room.corners] for name, room in rooms.items()}
+        self._spots: list[Spot] = []
+        self._doors: list[str] = []
+        self._others: list[int] = []
+        self._ways: list[list[tuple[float, int]] | None] = []
+        self._nodes: dict[str, list[int]] = {}
+        self._landmarks: list[list[float]] = []
         self._targets: dict[str, Spot] = {}
         self._in_room: dict[str, set[str]] = {}
         self._reachable: tuple[AbstractSet[str], frozenset[str]] = frozenset(), frozenset()
-        for doorway in doorways:
-            for here, there in doorway.points or ((None, None),):
-                node = _Node(self._inside(Spot(doorway.rooms[0], here)), doorway.name)
-                node.other = _Node(self._inside(Spot(doorway.rooms[1], there)), doorway.name, node)
-                for one in (node, node.other):
-                    self._nodes.setdefault(one.spot.room, []).append(one)
+        for name, room in rooms.items():
+            for corner in room.corners:
+                self._add_node(Spot(name, corner), "", len(self._spots))
+
+    def add(self, doorway: Doorway) -> None:
+        """Add a door."""
+        for points in doorway.points or ((None, None),):
+            first = len(self._spots)
+            for side in (0, 1):
+                self._add_node(self._inside(Spot(doorway.rooms[side], points[side])), doorway.name, first + 1 - side)
+
+    def look_around(self) -> Iterator[None]:
+        """Do, before the first search, what is the same for all: to look from each node; yield after each step."""
+        for node in range(len(self._spots)):
+            self._ways_from(node)
+            yield
+        source, away = 0, [math.inf] * len(self._spots)
+        while len(self._landmarks) < _LANDMARKS and any(away):
+            best: dict[int, float] = {}
+            for _ in self._entered(self._spots[source], lambda _: 0.0, (), math.inf, best, {}):
+                yield
+            self._landmarks.append([best.get(node, math.inf) for node in range(len(away))])
+            away = [*map(min, away, self._landmarks[-1])]
+            source = away.index(max(away))
 
     def put(self, target: str, place: Spot) -> None:
         """Spot a target, or move it."""
@@ -131,69 +148,135 @@ class PathFinder:
             found, waiting = {room}, [room]
             while waiting:
                 for node in self._nodes.get(waiting.pop(), ()):
-                    other = node.other
-                    if other is not None and other.spot.room not in found and node.door not in locked:
-                        found.add(other.spot.room)
-                        waiting.append(other.spot.room)
+                    other = self._spots[self._others[node]].room
+                    if other not in found and self._doors[node] not in locked:
+                        found.add(other)
+                        waiting.append(other)
             known = found
             self._reachable = found, locked
         return set[str]().union(*(self._in_room[one] for one in self._in_room.keys() - known))
 
-    def nearest(
-        self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None, most: float = math.inf
-    ) -> Iterator[Way]:
+    def nearest(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Way]:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
 
         Args:
             start: Where the ways begin.
             crossing: What going through each door costs.
             wanted: The only targets to look for; None for all.
-            most: The most metres.
         """
-        order = count()
-        heap: list[tuple[float, str, int, float, float, tuple[str, ...], _Node | None, Spot]] = []
-        done: set[str | _Node] = set()
-
-        def push_all(
-            spot: Spot, path: float, extra: float, doors: tuple[str, ...], ways: Iterable[tuple[float, _Node]]
-        ) -> None:
-            for metres, target, node in self._ahead(spot, ways, wanted):
-                way = path + metres
-                if way + extra <= most and (node or target) not in done:
-                    heappush(heap, (way + extra, target, next(order), way, extra, doors, node, spot))
-
+        came: dict[int, int] = {}
+        ahead: list[tuple[float, str, int]] = []
+        done: set[str] = set()
         begin = self._inside(start)
-        nodes = self._nodes.get(start.room, ())
-        push_all(begin, 0.0, 0.0, (), [(_metres(begin, node.spot, HALF_HOP), node) for node in nodes])
-        while heap:
-            _, target, _, path, extra, doors, node, origin = heappop(heap)
-            if (node or target) in done or not self._sees(origin, node.spot if node else self._targets[target]):
-                continue
-            done.add(node or target)
-            if node is None:
-                yield Way(target, path, extra, doors)
-            elif node.other is None:
-                push_all(node.spot, path, extra, doors, self._ways(node))
-            elif not math.isinf(toll := crossing(node.door)):
-                done.add(node.other)  # a way back through the door would be longer
-                push_all(node.other.spot, path, extra + toll, (*doors, node.door), self._ways(node.other))
 
-    def _ahead(
-        self, spot: Spot, ways: Iterable[tuple[float, _Node]], wanted: AbstractSet[str] | None
-    ) -> Iterator[tuple[float, str, _Node | None]]:
-        """Yield what the room of *spot* has, with metres through the air; only the nearest is looked at closely."""
-        yield from ((metres, "", node) for metres, node in ways)
-        here = self._in_room.get(spot.room, set())
-        for target in here if wanted is None else here & wanted:
-            yield _metres(spot, self._targets[target], HALF_HOP), target, None
+        def pop(until: float) -> Iterator[Way]:
+            while ahead and ahead[0][0] <= until:
+                metres, target, node = heappop(ahead)
+                if target not in done and self._sees(self._spot(node, begin), self._targets[target]):
+                    done.add(target)
+                    yield self._way(target, metres, node, came, crossing)
 
-    def _ways(self, node: _Node) -> list[tuple[float, _Node]]:
-        if node.ways is None:
-            others = (one for one in self._nodes[node.spot.room] if one is not node)
-            node.ways = [
-                (_metres(node.spot, one.spot, 2 * HALF_HOP), one) for one in others if self._sees(node.spot, one.spot)
-            ]
-        return node.ways
+        for bound, at, node in self._entered(begin, crossing, self._goal(wanted), math.inf, {}, came):
+            yield from pop(bound)
+            spot = self._spot(node, begin)
+            here = self._in_room.get(spot.room, _NOTHING)
+            for target in here if wanted is None else here & wanted:  # metres through the air: the least
+                heappush(ahead, (at + _metres(spot, self._targets[target], HALF_HOP), target, node))
+        yield from pop(math.inf)
+
+    def within(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str], most: float) -> set[str]:
+        """Return the *wanted* targets with a way, and doors on it, of at most so many metres."""
+        found: set[str] = set()
+        begin = self._inside(start)
+        for _, at, node in self._entered(begin, crossing, (), most, {}, {}):
+            spot = self._spot(node, begin)
+            for target in (self._in_room.get(spot.room, _NOTHING) & wanted) - found:
+                place = self._targets[target]
+                if at + _metres(spot, place, HALF_HOP) <= most and self._sees(spot, place):
+                    found.add(target)
+        return found
+
+    def _spot(self, node: int, begin: Spot) -> Spot:
+        return begin if node == _START else self._spots[node]
+
+    def _way(self, target: str, metres: float, node: int, came: Mapping[int, int], crossing: Crossing) -> Way:
+        """Return the way to a target from the last node on it; *came* has the node before each."""
+        doors = []
+        while node != _START:
+            before = came[node]
+            if before == self._others[node]:
+                doors.append(self._doors[node])
+            node = before
+        extra = sum(map(crossing, doors))
+        return Way(target, metres - extra, extra, tuple(reversed(doors)))
+
+    def _entered(
+        self, start: Spot, crossing: Crossing, goal: _Goal, most: float, best: dict[int, float], came: dict[int, int]
+    ) -> Iterator[tuple[float, float, int]]:
+        """Yield the start, and nodes where ways enter a room or turn in one, with metres, and before them a bound.
+
+        No target is nearer than that, and it never falls: Dijkstra's search, and with a goal A*, by the distances of
+        landmarks (Goldberg and Harrelson, "Computing the shortest path: A* search meets graph theory", 2005).
+
+        Args:
+            best: Is given the least metres to each node.
+            came: Is given the node before each.
+        """
+        nodes: list[tuple[float, float, int]] = []
+        limit = math.nextafter(most, math.inf)
+        bound, at, before = 0.0, 0.0, _START
+        while True:
+            yield bound, at, before
+            first = before == _START
+            ways = self._seen(start, self._nodes.get(start.room, ()), HALF_HOP) if first else self._ways_from(before)
+            for metres, one in ways:
+                if (reached := at + metres) < best.get(one, limit):
+                    best[one], came[one] = reached, before
+                    if (bound := reached + _least_ahead(one, goal)) < limit:
+                        heappush(nodes, (bound, reached, one))
+            while nodes:
+                bound, at, node = heappop(nodes)
+                before = self._others[node]
+                if at > best[node]:
+                    continue
+                if before == node:
+                    break
+                at += crossing(self._doors[node])
+                if at < best.get(before, limit):
+                    best[before], came[before] = at, node
+                    break
+            else:
+                return
+
+    def _goal(self, wanted: AbstractSet[str] | None) -> _Goal:
+        """Return of each landmark the distances of the nodes, and the least and the most of those of few targets."""
+        spots = [] if wanted is None or len(wanted) > _FEW else [*filter(None, map(self._targets.get, wanted))]
+        ways = [[*self._seen(spot, self._nodes.get(spot.room, ()), HALF_HOP)] for spot in spots]
+        goal = []
+        for known in self._landmarks if ways else ():
+            away = [min((metres + known[node] for metres, node in each), default=math.inf) for each in ways]
+            goal.append((known, min(away), max(away)))
+        return goal
+
+    def _add_node(self, spot: Spot, door: str, other: int) -> None:
+        self._nodes.setdefault(spot.room, []).append(len(self._spots))
+        self._spots.append(spot)
+        self._doors.append(door)
+        self._others.append(other)
+        self._ways.append(None)
+
+    def _ways_from(self, node: int) -> list[tuple[float, int]]:
+        """Return the nodes of its room that a node sees, each with its distance."""
+        if (ways := self._ways[node]) is None:
+            spot = self._spots[node]
+            others = (one for one in self._nodes[spot.room] if one != node)
+            ways = self._ways[node] = [*self._seen(spot, others, 2 * HALF_HOP)]
+        return ways
+
+    def _seen(self, spot: Spot, nodes: Iterable[int], otherwise: float) -> Iterator[tuple[float, int]]:
+        for one in nodes:
+            if self._sees(spot, self._spots[one]):
+                yield _metres(spot, self._spots[one], otherwise), one
 
     def _inside(self, place: Spot) -> Spot:
         """Return *place*, or the nearest one that is in its room."""
@@ -203,6 +286,18 @@ class PathFinder:
     def _sees(self, start: Spot, end: Spot) -> bool:
         room = self._rooms.get(start.room)
         return room is None or start.point is None or end.point is None or room.sees(start.point, end.point)
+
+
+def _least_ahead(node: int, goal: _Goal) -> float:
+    """Return the metres that no way from a node to a goal is below."""
+    ahead = 0.0
+    for known, nearest, farthest in goal:
+        away = known[node]
+        if nearest - away > ahead:
+            ahead = nearest - away
+        elif away - farthest > ahead:
+            ahead = away - farthest
+    return ahead
 
 
 def _metres(start: Spot, end: Spot, otherwise: float) -> float:

@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from homebot.discovery.search.near_rank import CostTerm, DoorState, nearest
+from homebot.discovery.search.near_rank import CostTerm, nearest
 from homebot.places.path import Doorway, PathFinder, Spot
 
 DEVICES = 2000
@@ -27,7 +27,9 @@ def house(random: Random) -> tuple[PathFinder, list[str]]:
         for dx, dy in ((1, 0), (0, 1))
         if x + dx < SIDE and y + dy < SIDE
     ]
-    finder = PathFinder({}, doors)
+    finder = PathFinder({})
+    for door in doors:
+        finder.add(door)
     for number in range(DEVICES):
         x, y = random.randrange(SIDE), random.randrange(SIDE)
         finder.put(f"d{number}", Spot(f"{x},{y}", (5 * x + random.random() * 5, 5 * y + random.random() * 5)))
@@ -48,12 +50,9 @@ def test_the_best_are_those_of_brute_force(seed: int, within: float) -> None:
         asked.append(device)
         return (CostTerm(against[device], "it is stale"),)
 
-    def doors(name: str) -> DoorState:
-        return DoorState((CostTerm(metres[name], "is closed"),))
-
     start = Spot("1,1", (7.0, 8.0))
     total = len(against.keys() - finder.unreachable(start.room, locked))
-    found, near = nearest(finder, start, doors, against.keys(), terms, total=total, within=within, limit=5)
+    found, near = nearest(finder, start, metres.__getitem__, against.keys(), terms, total=total, within=within, limit=5)
 
     def passing(name: str) -> float:
         return math.inf if name in locked else 0.0

@@ -11,10 +11,9 @@ import math
 from bisect import insort
 from collections.abc import Callable, Sequence
 from collections.abc import Set as AbstractSet
-from functools import cache
 from typing import NamedTuple, TypeAlias, final
 
-from homebot.places.path import PathFinder, Spot, Way
+from homebot.places.path import Crossing, PathFinder, Spot, Way
 
 __all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "ago_text", "cost_text", "nearest"]
 
@@ -69,7 +68,7 @@ class NearDevice(NamedTuple):
 def nearest(
     finder: PathFinder,
     start: Spot,
-    doors: Doors,
+    crossing: Crossing,
     wanted: AbstractSet[str],
     terms: Terms,
     *,
@@ -83,7 +82,7 @@ def nearest(
     Args:
         finder: Finds the ways.
         start: The place of the robot.
-        doors: The state of each door.
+        crossing: What going through each door costs.
         wanted: The ids of the devices that fit otherwise.
         terms: What speaks against each.
         total: To how many of them a way leads.
@@ -92,15 +91,11 @@ def nearest(
         limit: How many; 0 for all.
     """
 
-    @cache
-    def crossing(door: str) -> float:
-        return doors(door).metres
-
     def passing(door: str) -> float:
         return math.inf if math.isinf(crossing(door)) else 0.0
 
     if not math.isinf(within):
-        wanted = {route.target for route in finder.nearest(start, passing, wanted, within)}
+        wanted = finder.within(start, passing, wanted, within)
         total = len(wanted)
     found: list[NearDevice] = []
     for route in finder.nearest(start, crossing, wanted) if total else ():
