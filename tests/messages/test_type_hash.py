@@ -121,7 +121,7 @@ def test_every_shipped_message_is_compared_but_those_of_three_packages() -> None
 
 def test_a_service_of_ours_is_described_by_the_names_of_ros() -> None:
     """The request is a class with a name of its own."""
-    texts = "string type\nstring definition\n---\nbool success\nstring message\nstring type_hash\n"
+    texts = "string type\nstring definition\nstring issuer\n---\nbool success\nstring message\nstring type_hash\n"
     assert type_hash(Interfaces().define("homebot/srv/DefineType", texts)) == type_hash(DefineType)
 
 

@@ -50,16 +50,16 @@ def delete_parameter(graph: Graph, request: Any) -> Mapping[str, object]:
     return {"successful": False, "reason": reason}
 
 
-def has_parameter(graph: Graph, request: Any) -> Mapping[str, object]:
+def has_parameter(graph: Graph, request: Any) -> bool:
     """Return whether a parameter is declared."""
     try:
         parameters, name = _find(graph, request.name)
     except ParameterError:
-        return {"exists": False}
-    return {"exists": parameters.has(name)}
+        return False
+    return parameters.has(name)
 
 
-def list_parameters(graph: Graph, _request: Message) -> Mapping[str, object]:
+def list_parameters(graph: Graph, _request: Message) -> tuple[str, ...]:
     """Return all names; each node that has some offers ROS's own services for them from then on."""
     from homebot.graph.parameter_services import offer_parameter_services  # noqa: PLC0415 - few runs are asked
 
@@ -67,7 +67,7 @@ def list_parameters(graph: Graph, _request: Message) -> Mapping[str, object]:
     with_parameters = [node for node in nodes if node.parameters.names()]
     for node in with_parameters:
         offer_parameter_services(node)
-    return {"names": tuple(f"{node.full_name}:{name}" for node in with_parameters for name in node.parameters.names())}
+    return tuple(f"{node.full_name}:{name}" for node in with_parameters for name in node.parameters.names())
 
 
 def _find(graph: Graph, full_name: str) -> tuple[ParameterSet, str]:

@@ -5,9 +5,9 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from pydantic import create_model
 
@@ -25,54 +25,16 @@ from homebot.bridges.rosbridge.types import (
 )
 from homebot.devices.access_messages import DefineType
 from homebot.devices.names import DEFINE_TYPE
-from homebot.graph import EndpointInfo, EntityKind, Graph, Node
+from homebot.graph import EntityKind, Graph, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import definition_text
 from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import is_hidden
 
-__all__ = ["SERVICES", "RosApi", "RosApiService"]
+__all__ = ["RosApi"]
 
-_Fields: TypeAlias = Mapping[str, Any]
 _Answer: TypeAlias = Mapping[str, object]
-
-
-class RosApiService(NamedTuple):
-    """One service of ``/rosapi``.
-
-    Attributes:
-        name: Its name below ``/rosapi``.
-        ros_name: The name of its type in ``rosapi_msgs``.
-        request: The types of the fields of the request, with the default if there is one.
-        response: The types of the fields of the response.
-        answer: Returns the fields of the response to a request.
-    """
-
-    name: str
-    ros_name: str
-    request: _Fields
-    response: _Fields
-    answer: Callable[[Graph, Any], _Answer]
-
-    def serve(self, node: Node, error_log: ClientErrorLog) -> None:
-        """Offer the service on *node*; log why a parameter was not set, as the libraries of clients do not read it."""
-        ros_type = f"rosapi_msgs/srv/{self.ros_name}"
-        response = _message_type(f"{ros_type}_Response", self.response)
-        service_type = ServiceType(ros_type, _message_type(f"{ros_type}_Request", self.request), response)
-
-        def answer(request: Message) -> Message:
-            answered = self.answer(node.graph, request)
-            if self.response is _DONE and not answered["successful"]:
-                error_log.log(self.name, "rosapi.refused", f"{self.name} was refused: {answered['reason']}")
-            return response(**answered)
-
-        node.create_service(service_type, f"/rosapi/{self.name}", answer)
-
-
-def _message_type(ros_type: str, fields: _Fields) -> type[Message]:
-    definitions: dict[str, Any] = {name: one if isinstance(one, tuple) else (one, ...) for name, one in fields.items()}
-    name = ros_type.rpartition("/")[2].replace("_", "")
-    return create_model(name, __base__=Message, __cls_kwargs__={"ros_type": ros_type}, **definitions)
+_Answerer: TypeAlias = Callable[[Graph, Any], object]
 
 
 class TimeOfBothKinds(Message):
@@ -85,34 +47,53 @@ class TimeOfBothKinds(Message):
 
 
 def _topics(graph: Graph, _request: Message) -> _Answer:
-    topics = _visible(graph.get_topic_names_and_types())
-    return {"topics": tuple(topics), "types": tuple(topics.values())}
+    types = graph.get_topic_names_and_types()
+    topics = _visible(types)
+    return {"topics": topics, "types": tuple(types[topic] for topic in topics)}
 
 
-def _topics_with_texts(graph: Graph, _request: Message) -> _Answer:
-    topics = _visible(graph.get_topic_names_and_types())
-    texts = tuple(definition_text(found) for name in topics if (found := graph.get_message_type(name)))
-    return {"topics": tuple(topics), "types": tuple(topics.values()), "typedefs_full_text": texts}
+def _topics_with_texts(graph: Graph, request: Message) -> _Answer:
+    topics = _topics(graph, request)
+    carried = (graph.get_message_type(topic) for topic in _visible(graph.get_topic_names_and_types()))
+    return {**topics, "typedefs_full_text": tuple(definition_text(one) for one in carried if one)}
 
 
-def _topics_of_type(graph: Graph, request: Any) -> _Answer:
+def _topics_of_type(graph: Graph, request: Any) -> tuple[str, ...]:
     types = (known.ros_type for known in graph.get_message_types() if same_type(known.ros_type, request.type))
-    return {"topics": _unique(name for one in types for name in graph.get_topics_of_type(one) if not is_hidden(name))}
+    return _visible(_unique(name for one in types for name in graph.get_topics_of_type(one)))
 
 
-def _type_of_topic(graph: Graph, request: Any) -> _Answer:
+def _type_of_topic(graph: Graph, request: Any) -> str:
     found = graph.get_message_type(_absolute(request.topic))
-    return {"type": found.ros_type if found else ""}
+    return found.ros_type if found else ""
 
 
-def _type_of_service(graph: Graph, request: Any) -> _Answer:
-    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
-    return {"type": found[0].ros_type if found else ""}
+def _type_of_action(graph: Graph, request: Any) -> str:
+    return graph.get_action_names_and_types().get(_absolute(request.action), "")
 
 
-def _node_of_service(graph: Graph, request: Any) -> _Answer:
-    found = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
-    return {"node": found[0].node if found else ""}
+def _action_servers(graph: Graph, _request: Message) -> tuple[str, ...]:
+    return tuple(action.name for action in graph.actions() if action.servers)
+
+
+def _of_service(fact: str) -> _Answerer:
+    """Return the function that answers with a *fact* of the server of a service; empty without one."""
+
+    def answer(graph: Graph, request: Any) -> str:
+        servers = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
+        return next((getattr(server, fact) for server in servers), "")
+
+    return answer
+
+
+def _typedefs(find: Callable[[Graph, str], Any], part: str = "") -> _Answerer:
+    """Return the function that describes the type that *find* finds, or a *part* of it such as its Request."""
+
+    def answer(graph: Graph, request: Any) -> tuple[TypeDef, ...]:
+        found = find(graph, request.type)
+        return typedefs_of(getattr(found, part) if part else found)
+
+    return answer
 
 
 def _node_details(graph: Graph, request: Any) -> _Answer:
@@ -125,36 +106,29 @@ def _node_details(graph: Graph, request: Any) -> _Answer:
     }
 
 
-def _action_servers(graph: Graph, _request: Message) -> _Answer:
-    return {"action_servers": tuple(action.name for action in graph.actions() if action.servers)}
-
-
-def _type_of_action(graph: Graph, request: Any) -> _Answer:
-    return {"type": graph.get_action_names_and_types().get(_absolute(request.action), "")}
-
-
-def _details_of_action(part: str) -> Callable[[Graph, Any], _Answer]:
-    """Return the function that describes the *part* of an action type: its Goal, Result or Feedback."""
-    return lambda graph, request: {"typedefs": typedefs_of(getattr(find_action_type(graph, request.type), part))}
-
-
-def _time(graph: Graph, _request: Message) -> _Answer:
+def _time(graph: Graph, _request: Message) -> TimeOfBothKinds:
     now = Time.from_seconds(graph.clock.now())
-    return {"time": TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec)}
+    return TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec)
 
 
-def _served(graph: Graph, ros_type: str) -> Iterator[EndpointInfo]:
-    for known in graph.get_service_types():
-        if same_type(known.ros_type, ros_type):
-            yield from graph.get_services_of_type(known.ros_type)
+def _served(fact: str, type_field: str) -> _Answerer:
+    """Return the function that answers with a *fact* of each server of the type in a field."""
+
+    def answer(graph: Graph, request: Any) -> tuple[str, ...]:
+        wanted = getattr(request, type_field)
+        types = [known.ros_type for known in graph.get_service_types() if same_type(known.ros_type, wanted)]
+        return _visible(_unique(getattr(one, fact) for known in types for one in graph.get_services_of_type(known)))
+
+    return answer
 
 
-def _users(graph: Graph, kind: EntityKind, topic: str) -> tuple[str, ...]:
-    return _unique(info.node for info in graph.get_endpoints(kind=kind, name=_absolute(topic)))
+def _users(kind: EntityKind) -> _Answerer:
+    """Return the function that answers with the nodes that have an end of *kind* on a topic."""
+    return lambda graph, asked: _unique(one.node for one in graph.get_endpoints(kind=kind, name=_absolute(asked.topic)))
 
 
-def _visible(names_and_types: Mapping[str, str]) -> dict[str, str]:
-    return {name: ros_type for name, ros_type in names_and_types.items() if not is_hidden(name)}
+def _visible(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if not is_hidden(name))
 
 
 def _absolute(name: str) -> str:
@@ -166,134 +140,52 @@ def _unique(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(set(names)))
 
 
-_Names: TypeAlias = tuple[str, ...]
-_Types: TypeAlias = tuple[TypeDef, ...]
-_DONE: Final = {"successful": bool, "reason": str}
+_DONE: Final = "bool successful, string reason"
+_TYPES: Final[Mapping[str, object]] = {
+    "bool": bool,
+    "string": str,
+    "string[]": tuple[str, ...],
+    "time": TimeOfBothKinds,
+    "TypeDef[]": tuple[TypeDef, ...],
+    "uint8": UInt8,
+}
 
-SERVICES: Final = (
-    RosApiService("topics", "Topics", {}, {"topics": _Names, "types": _Names}, _topics),
-    RosApiService("topics_for_type", "TopicsForType", {"type": str}, {"topics": _Names}, _topics_of_type),
-    RosApiService(
-        "interfaces",
-        "Interfaces",
-        {},
-        {"interfaces": _Names},
-        lambda graph, _: {"interfaces": interfaces_of(graph).names()},
-    ),
-    RosApiService("topic_type", "TopicType", {"topic": str}, {"type": str}, _type_of_topic),
-    RosApiService(
-        "topics_and_raw_types",
-        "TopicsAndRawTypes",
-        {},
-        {"topics": _Names, "types": _Names, "typedefs_full_text": _Names},
-        _topics_with_texts,
-    ),
-    RosApiService(
-        "message_details",
-        "MessageDetails",
-        {"type": str},
-        {"typedefs": _Types},
-        lambda graph, request: {"typedefs": typedefs_of(find_message_type(graph, request.type))},
-    ),
-    RosApiService(
-        "publishers",
-        "Publishers",
-        {"topic": str},
-        {"publishers": _Names},
-        lambda graph, request: {"publishers": _users(graph, EntityKind.PUBLISHER, request.topic)},
-    ),
-    RosApiService(
-        "subscribers",
-        "Subscribers",
-        {"topic": str},
-        {"subscribers": _Names},
-        lambda graph, request: {"subscribers": _users(graph, EntityKind.SUBSCRIPTION, request.topic)},
-    ),
-    RosApiService(
-        "services",
-        "Services",
-        {},
-        {"services": _Names},
-        lambda graph, _: {"services": tuple(_visible(graph.get_service_names_and_types()))},
-    ),
-    RosApiService(
-        "services_for_type",
-        "ServicesForType",
-        {"type": str},
-        {"services": _Names},
-        lambda graph, request: {
-            "services": _unique(info.name for info in _served(graph, request.type) if not is_hidden(info.name))
-        },
-    ),
-    RosApiService("service_type", "ServiceType", {"service": str}, {"type": str}, _type_of_service),
-    RosApiService(
-        "service_request_details",
-        "ServiceRequestDetails",
-        {"type": str},
-        {"typedefs": _Types},
-        lambda graph, request: {"typedefs": typedefs_of(find_service_type(graph, request.type).Request)},
-    ),
-    RosApiService(
-        "service_response_details",
-        "ServiceResponseDetails",
-        {"type": str},
-        {"typedefs": _Types},
-        lambda graph, request: {"typedefs": typedefs_of(find_service_type(graph, request.type).Response)},
-    ),
-    RosApiService("service_node", "ServiceNode", {"service": str}, {"node": str}, _node_of_service),
-    RosApiService(
-        "service_providers",
-        "ServiceProviders",
-        {"service": str},
-        {"providers": _Names},
-        lambda graph, request: {"providers": _unique(info.node for info in _served(graph, request.service))},
-    ),
-    RosApiService(
-        "nodes",
-        "Nodes",
-        {},
-        {"nodes": _Names},
-        lambda graph, _: {"nodes": tuple(name for name in graph.get_node_names() if not is_hidden(name))},
-    ),
-    RosApiService(
-        "node_details",
-        "NodeDetails",
-        {"node": str},
-        {"subscribing": _Names, "publishing": _Names, "services": _Names},
-        _node_details,
-    ),
-    RosApiService("action_servers", "GetActionServers", {}, {"action_servers": _Names}, _action_servers),
-    RosApiService("action_type", "ActionType", {"action": str}, {"type": str}, _type_of_action),
-    *(
-        RosApiService(
-            f"action_{part.lower()}_details",
-            f"Action{part}Details",
-            {"type": str},
-            {"typedefs": _Types},
-            _details_of_action(part),
-        )
-        for part in ("Goal", "Result", "Feedback")
-    ),
-    RosApiService("get_time", "GetTime", {}, {"time": TimeOfBothKinds}, _time),
-    RosApiService(
-        "get_ros_version",
-        "GetROSVersion",
-        {},
-        {"version": UInt8, "distro": str},
-        lambda *_: {"version": 2, "distro": "homebot"},
-    ),
-    RosApiService(
-        "get_param",
-        "GetParam",
-        {"name": str, "default_value": (str, "")},
-        {"value": str, **_DONE},
-        parameters.get_parameter,
-    ),
-    RosApiService("set_param", "SetParam", {"name": str, "value": str}, _DONE, parameters.set_parameter),
-    RosApiService("delete_param", "DeleteParam", {"name": str}, _DONE, parameters.delete_parameter),
-    RosApiService("has_param", "HasParam", {"name": str}, {"exists": bool}, parameters.has_parameter),
-    RosApiService("get_param_names", "GetParamNames", {}, {"names": _Names}, parameters.list_parameters),
-)
+_SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
+    "action_feedback_details": ("string type", "TypeDef[] typedefs", _typedefs(find_action_type, "Feedback")),
+    "action_goal_details": ("string type", "TypeDef[] typedefs", _typedefs(find_action_type, "Goal")),
+    "action_result_details": ("string type", "TypeDef[] typedefs", _typedefs(find_action_type, "Result")),
+    "action_servers": ("", "string[] action_servers", _action_servers),
+    "action_type": ("string action", "string type", _type_of_action),
+    "delete_param": ("string name", _DONE, parameters.delete_parameter),
+    "get_param": ("string name, string default_value ''", f"string value, {_DONE}", parameters.get_parameter),
+    "get_param_names": ("", "string[] names", parameters.list_parameters),
+    "get_ros_version": ("", "uint8 version, string distro", lambda *_: {"version": 2, "distro": "homebot"}),
+    "get_time": ("", "time time", _time),
+    "has_param": ("string name", "bool exists", parameters.has_parameter),
+    "interfaces": ("", "string[] interfaces", lambda graph, _: interfaces_of(graph).names()),
+    "message_details": ("string type", "TypeDef[] typedefs", _typedefs(find_message_type)),
+    "node_details": ("string node", "string[] subscribing, string[] publishing, string[] services", _node_details),
+    "nodes": ("", "string[] nodes", lambda graph, _: _visible(graph.get_node_names())),
+    "publishers": ("string topic", "string[] publishers", _users(EntityKind.PUBLISHER)),
+    "service_node": ("string service", "string node", _of_service("node")),
+    "service_providers": ("string service", "string[] providers", _served("node", "service")),
+    "service_request_details": ("string type", "TypeDef[] typedefs", _typedefs(find_service_type, "Request")),
+    "service_response_details": ("string type", "TypeDef[] typedefs", _typedefs(find_service_type, "Response")),
+    "service_type": ("string service", "string type", _of_service("ros_type")),
+    "services": ("", "string[] services", lambda graph, _: _visible(graph.get_service_names_and_types())),
+    "services_for_type": ("string type", "string[] services", _served("name", "type")),
+    "set_param": ("string name, string value", _DONE, parameters.set_parameter),
+    "subscribers": ("string topic", "string[] subscribers", _users(EntityKind.SUBSCRIPTION)),
+    "topic_type": ("string topic", "string type", _type_of_topic),
+    "topics": ("", "string[] topics, string[] types", _topics),
+    "topics_and_raw_types": ("", "string[] topics, string[] types, string[] typedefs_full_text", _topics_with_texts),
+    "topics_for_type": ("string type", "string[] topics", _topics_of_type),
+}
+"""Fields of request and response as in ``.srv`` files, with commas between them, and the function that answers: with the
+fields of the response, or with the value if it has one field."""
+
+_OTHER_NAMES: Final = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+"""The types that have not the name of the service in CamelCase."""
 
 
 class RosApi:
@@ -307,7 +199,33 @@ class RosApi:
 
     def __init__(self, node: Node) -> None:
         error_log = ClientErrorLog(node)
-        for service in SERVICES:
-            service.serve(node, error_log)
+        for name in _SERVICES:
+            _serve(node, name, error_log)
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
+
+
+def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
+    """Offer a service on *node*; log why a parameter was not set, as the libraries of clients do not read it."""
+    request_fields, response_fields, answer = _SERVICES[name]
+    ros_type = f"rosapi_msgs/srv/{_OTHER_NAMES.get(name) or name.title().replace('_', '')}"
+    response = _message_type(f"{ros_type}_Response", response_fields)
+    service_type = ServiceType(ros_type, _message_type(f"{ros_type}_Request", request_fields), response)
+
+    def handle(request: Message) -> Message:
+        answered: Any = answer(node.graph, request)
+        fields = answered if isinstance(answered, dict) else dict.fromkeys(response.model_fields, answered)
+        if response_fields is _DONE and not fields["successful"]:
+            error_log.log(name, "rosapi.refused", f"{name} was refused: {fields['reason']}")
+        return response(**fields)
+
+    node.create_service(service_type, f"/rosapi/{name}", handle)
+
+
+def _message_type(ros_type: str, fields: str) -> type[Message]:
+    definitions: dict[str, Any] = {}
+    for field in filter(None, fields.split(", ")):
+        kind, name, *default = field.split(" ")
+        definitions[name] = (_TYPES[kind], "" if default else ...)
+    name = ros_type.rpartition("/")[2].replace("_", "")
+    return create_model(name, __base__=Message, __cls_kwargs__={"ros_type": ros_type}, **definitions)
