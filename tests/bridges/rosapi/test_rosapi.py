@@ -140,6 +140,14 @@ async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
     assert (device["constnames"], device["constvalues"]) == ([], [])
 
 
+async def test_the_constants_of_a_type_come_with_it(ask: Asker) -> None:
+    typedef = (await ask("message_details", type="diagnostic_msgs/DiagnosticStatus"))["typedefs"][0]
+    assert typedef["constnames"] == ["OK", "WARN", "ERROR", "STALE"]
+    assert typedef["constvalues"] == ["0", "1", "2", "3"]
+    known = (await ask("message_details", type="action_msgs/GoalStatus"))["typedefs"][0]
+    assert dict(zip(known["constnames"], known["constvalues"], strict=True))["STATUS_ABORTED"] == "6"
+
+
 async def test_bytes_are_an_array_of_uint8(ask: Asker) -> None:
     typedef = (await ask("message_details", type="homebot/msg/RawMessage"))["typedefs"][0]
     payload = typedef["fieldnames"].index("payload")

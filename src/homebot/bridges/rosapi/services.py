@@ -181,8 +181,8 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "topics_and_raw_types": ("", "string[] topics, string[] types, string[] typedefs_full_text", _topics_with_texts),
     "topics_for_type": ("string type", "string[] topics", _topics_of_type),
 }
-"""Fields of request and response as in ``.srv`` files, with commas between them, and the function that answers: with the
-fields of the response, or with the value if it has one field."""
+"""Fields of request and response as in ``.srv`` files, with commas between them, and the function that answers: with
+the fields of the response, or with the value if it has one field."""
 
 _OTHER_NAMES: Final = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
 """The types that have not the name of the service in CamelCase."""

@@ -29,8 +29,8 @@ class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
     fieldtypes: tuple[str, ...]
     fieldarraylen: tuple[Int32, ...]
     examples: tuple[str, ...]
-    constnames: tuple[str, ...] = ()
-    constvalues: tuple[str, ...] = ()
+    constnames: tuple[str, ...]
+    constvalues: tuple[str, ...]
 
 
 def typedefs_of(message_type: type[Message]) -> tuple[TypeDef, ...]:
@@ -40,12 +40,15 @@ def typedefs_of(message_type: type[Message]) -> tuple[TypeDef, ...]:
 
 def _typedef(message_type: type[Message]) -> TypeDef:
     fields = fields_of(message_type)
+    constants = {name: str(value) for name, value in vars(message_type).items() if name.isupper()}
     return TypeDef(
         type=_short(message_type.ros_type),
         fieldnames=tuple(field.name for field in fields),
         fieldtypes=tuple(_short(field.ros_type) for field in fields),
         fieldarraylen=tuple(_array_length(field) for field in fields),
         examples=tuple(_example(field) for field in fields),
+        constnames=tuple(constants),
+        constvalues=tuple(constants.values()),
     )
 
 
