@@ -1,13 +1,18 @@
-"""The guard that every test stands under: code of homebot must not block the event loop."""
+"""The guards that every test stands under: homebot must not block the event loop, and is tested as it is."""
 
 from __future__ import annotations
 
+import ast
+import gc
 import time
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from blockbuster import BlockingError
 
 import homebot
+from homebot.cli.main import gc_paused
 
 BLOCKING = "import time; time.sleep(0)"
 
@@ -23,3 +28,61 @@ async def test_code_of_a_test_may_block() -> None:
 
 def test_without_a_loop_anything_may_block() -> None:
     exec(compile(BLOCKING, homebot.__file__, "exec"))  # noqa: S102  # as if it stood in the package
+
+
+_PATCHES = {"setattr", "delattr", "setitem", "delitem", "patch", "object"}
+
+
+def test_no_test_patches_homebot() -> None:
+    """One that does tests something else: what a test has to change is an argument."""
+    files = sorted(Path(__file__).parent.rglob("*.py"))
+    gc.collect()  # what is garbage now may have something to warn of
+    with gc_paused():
+        found = [f"{file}:{line}" for file in files for line in _patched(file.read_text(encoding="utf-8"))]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "patch",
+    [
+        'monkeypatch.setattr("homebot.clock.NOW", 5)',
+        'monkeypatch.setattr(clock, "NOW", 5)',
+        'monkeypatch.setitem(clock.TABLE, "now", 5)',
+        'mock.patch.object(clock.Clock, "now")',
+        'setattr(clock, "NOW", 5)',
+        "clock.NOW = 5",
+    ],
+)
+def test_a_patch_of_homebot_is_found(patch: str) -> None:
+    assert list(_patched(f"from homebot import clock\n{patch}")) == [2]
+
+
+def _patched(text: str) -> Iterator[int]:
+    """Yield the lines of a test that patch something of homebot."""
+    tree = ast.parse(text)
+    found = [one for one in ast.walk(tree) if isinstance(one, ast.Import | ast.ImportFrom)]
+    ours = {
+        (alias.asname or alias.name).partition(".")[0]
+        for one in found
+        for alias in one.names
+        if ((one.module or "") if isinstance(one, ast.ImportFrom) else alias.name).partition(".")[0] == "homebot"
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and node.args and _name(node.func) in _PATCHES and _is_ours(node.args[0], ours):
+            yield node.lineno
+        if isinstance(node, ast.Assign) and any(
+            isinstance(one, ast.Attribute) and _is_ours(one.value, ours) for one in node.targets
+        ):
+            yield node.lineno
+
+
+def _name(function: ast.expr) -> str:
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def _is_ours(target: ast.expr, ours: set[str]) -> bool:
+    if isinstance(target, ast.Constant):
+        return isinstance(target.value, str) and target.value.startswith("homebot.")
+    while isinstance(target, ast.Attribute):
+        target = target.value
+    return isinstance(target, ast.Name) and target.id in ours

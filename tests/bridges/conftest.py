@@ -76,10 +76,10 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
     """Give what opens a house with a door on a free port."""
 
     @asynccontextmanager
-    async def opened(settings: DoorSettings | None = None) -> AsyncIterator[House]:
+    async def opened(settings: DoorSettings | None = None, open_timeout: float = 10.0) -> AsyncIterator[House]:
         graph = Graph()
         async with Node(graph, "rosbridge_websocket") as node, anyio.create_task_group() as tasks:
-            door = Door(node, settings or DoorSettings(port=0))
+            door = Door(node, settings or DoorSettings(port=0), open_timeout=open_timeout)
             RosApi(Node(graph, "rosapi"))
             await tasks.start(door.run)
             yield House(graph, door, node)

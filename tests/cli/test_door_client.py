@@ -14,7 +14,6 @@ from anyio.abc import SocketAttribute, SocketStream
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from homebot.cli import door_client
 from homebot.cli.door_client import DoorClient, ReceivedMessage, open_door
 from homebot.cli.main import main
 from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
@@ -149,9 +148,8 @@ async def test_a_message_in_fragments_is_one_message() -> None:
     assert received.message == {"data": "é"}
 
 
-async def test_a_server_that_says_nothing_is_not_waited_for_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_server_that_says_nothing_is_not_waited_for_without_end() -> None:
     """Neither for a message nor for an answer."""
-    monkeypatch.setattr(door_client, "_GRACE", 0.0)
     async with answering(lambda _connection, _frame: []) as port:
         with pytest.raises(TimeoutError):
             await to_thread.run_sync(use, port, lambda door: door.next(0.05))

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import anyio
 import anyio.lowlevel
-import pytest
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
@@ -40,9 +39,11 @@ def entry(number: int) -> JournalEntry:
 
 
 @asynccontextmanager
-async def opened(path: Path, days: float = 30.0, most_bytes: float = 1e9) -> AsyncIterator[FileStore]:
+async def opened(
+    path: Path, days: float = 30.0, most_bytes: float = 1e9, most_waiting: int = 10_000
+) -> AsyncIterator[FileStore]:
     async with Node(Graph(ManualClock(NOW)), "control") as node, anyio.create_task_group() as tasks:
-        store = FileStore(node, path, days * DAY, most_bytes, most_in_memory=100)
+        store = FileStore(node, path, days * DAY, most_bytes, most_in_memory=100, most_waiting=most_waiting)
         tasks.start_soon(store.run)
         yield store
         tasks.cancel_scope.cancel()
@@ -249,11 +250,8 @@ async def test_a_damaged_row_of_what_was_learnt_has_no_record(tmp_path: Path) ->
         assert await store.learnt() == (learnt("lamp", ""), learnt("plug", at=NOW + 1))
 
 
-async def test_a_flood_of_what_is_learnt_is_bounded_and_counted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
-    async with opened(tmp_path / "journal.sqlite") as store:
+async def test_a_flood_of_what_is_learnt_is_bounded_and_counted(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_waiting=10) as store:
         for number in range(25):
             store.learn(learnt(f"lamp{number}"))
             store.add(note(number))
@@ -262,22 +260,16 @@ async def test_a_flood_of_what_is_learnt_is_bounded_and_counted(
         assert {one.name for one in await store.learnt()} == {f"lamp{number}" for number in range(15, 25)}
 
 
-async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
-    async with opened(tmp_path / "journal.sqlite") as store:
+async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_waiting=10) as store:
         for number in range(25):
             store.add(note(number))
         assert store.failures == 15
         assert await read(store) == tuple(entry(number) for number in range(15, 25))
 
 
-async def test_what_comes_while_the_file_is_opened_costs_the_oldest_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("homebot.control.journal.file_store._MOST_WAITING", 10)
-    async with opened(tmp_path / "journal.sqlite") as store:
+async def test_what_comes_while_the_file_is_opened_costs_the_oldest_alone(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_waiting=10) as store:
         for number in range(10):
             store.add(note(number))
         async with anyio.create_task_group() as tasks:

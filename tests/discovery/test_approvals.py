@@ -11,7 +11,8 @@ import pytest
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import is_approved, waits_for_approval
 from homebot.devices.part import Capability, Part
-from homebot.discovery import DeviceIndex, OwnerFacts, approvals
+from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.discovery.approvals import MAX_APPROVALS
 from homebot.errors import RefusedError
 from homebot.places import NO_PLACES
 
@@ -183,13 +184,16 @@ def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(
     assert approved(index) == []
 
 
-def test_approvals_are_bounded(index: DeviceIndex, lock: Sighting, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(approvals, "MAX_APPROVALS", 1)
+def test_approvals_are_bounded(lock: Sighting) -> None:
+    owner = OwnerFacts("Home", NO_PLACES, 5.0)
+    some = ("", (), (), (), "")
+    owner.approvals.restore([("mqtt", f"other{number}", "", some, 1.0) for number in range(MAX_APPROVALS - 1)])
+    index = DeviceIndex(forget_after=1000.0, owner=owner)
     index.observe(lock)
     other = changed(lock, writes=("other/set",))
     index.observe(other.model_copy(update={"key": "homeassistant:other", "identifiers": (), "name": "Other"}))
     index.places.approve("door", 1.0)
-    with pytest.raises(RefusedError, match="there are 1 already"):
+    with pytest.raises(RefusedError, match="there are 10,000 already"):
         index.places.approve("other", 2.0)
     assert approved(index) == ["door"]
 

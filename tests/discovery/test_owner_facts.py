@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from itertools import permutations
 
@@ -13,8 +14,9 @@ from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
-from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
+from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.description import MAX_FACTS, position_of
+from homebot.discovery.owner_facts import MAX_STATEMENTS
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
 from homebot.places import HouseRoom, read_places
@@ -351,9 +353,11 @@ def test_a_name_that_cannot_be_one_is_refused(lamp: Sighting, name: str, reason:
         index.places.place("nobody", "Hall", 1.0)
 
 
-def test_statements_are_bounded(lamp: Sighting, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(owner_facts, "MAX_STATEMENTS", 2)
-    index = index_of()
+def test_statements_are_bounded(lamp: Sighting) -> None:
+    owner = OwnerFacts("Home")
+    others = [("mqtt", f"other{number}") for number in range(MAX_STATEMENTS - 2)]
+    owner.restore(json.dumps({"statements": [{"facts": [], "announcements": others}]}))
+    index = DeviceIndex(forget_after=1000.0, owner=owner)
     index.observe(lamp, 0.0)
     index.places.place("lamp", "Hall", 1.0)
     index.observe(lamp.model_copy(update={"key": "homeassistant:o", "identifiers": ("mac:1",), "name": "Other"}), 0.0)

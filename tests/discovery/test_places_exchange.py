@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import string
 from collections.abc import Generator, Mapping
 from typing import TypeVar
@@ -12,7 +13,8 @@ from hypothesis import strategies as st
 
 from homebot.devices import Sighting
 from homebot.devices.part import Capability, Part
-from homebot.discovery import DeviceIndex, OwnerFacts, owner_facts
+from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.discovery.owner_facts import MAX_STATEMENTS
 from homebot.discovery.places_exchange import Imported, parse_places
 from homebot.errors import ConfigError, RefusedError
 from homebot.messages import Time
@@ -155,9 +157,11 @@ def test_a_file_that_does_not_fit_the_house_changes_nothing(text: str, problem: 
     assert export(index) == before
 
 
-def test_too_many_statements_are_refused_as_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(owner_facts, "MAX_STATEMENTS", 2)
-    index = house()
+def test_too_many_statements_are_refused_as_a_whole() -> None:
+    owner = OwnerFacts("Home")
+    others = [("mqtt", f"other{number}") for number in range(MAX_STATEMENTS - 2)]
+    owner.restore(json.dumps({"statements": [{"facts": [], "announcements": others}]}))
+    index = DeviceIndex(forget_after=1000.0, owner=owner)
     before = export(index)
     with pytest.raises(RefusedError):
         take(index, "\n".join(f"[places.devices.l{number}]\ntags = ['a']" for number in range(3)))

@@ -8,7 +8,6 @@ import pytest
 
 from homebot.errors import DuplicateNameError
 from homebot.graph import EndpointInfo, EntityKind, Graph, GraphChange, Node, QoSProfile
-from homebot.graph import graph as graph_module
 from homebot.messages import Bool, String, Trigger
 from homebot.messages.std_srvs import SuccessResponse
 
@@ -100,11 +99,8 @@ async def test_a_watch_ends_with_its_block(graph: Graph) -> None:
     assert [change async for change in changes] == []
 
 
-async def test_a_watcher_that_falls_behind_loses_the_oldest_and_knows(
-    graph: Graph, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(graph_module, "WATCH_DEPTH", 1)
-    with graph.watch() as changes:
+async def test_a_watcher_that_falls_behind_loses_the_oldest_and_knows(graph: Graph) -> None:
+    with graph.watch(depth=1) as changes:
         Node(graph, "n")
         assert changes.lost == 1
         assert (await changes.receive()).entity.name == "/parameter_events"

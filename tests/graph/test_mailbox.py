@@ -10,7 +10,7 @@ import pytest
 from anyio.lowlevel import checkpoint
 
 from homebot.errors import ClosedError, UsageError
-from homebot.graph.mailbox import TURN, KeyedQueue, Mailbox, keyed_queue
+from homebot.graph.mailbox import MAX_KEYED_ITEMS, TURN, KeyedQueue, Mailbox, keyed_queue
 
 
 async def test_a_waiting_reader_is_woken() -> None:
@@ -159,38 +159,51 @@ def losses() -> list[int]:
 
 
 @pytest.fixture
-def small(losses: list[int], monkeypatch: pytest.MonkeyPatch) -> Callable[[int], KeyedQueue[str]]:
-    """Make a keyed queue that holds three items over all keys."""
-    monkeypatch.setattr("homebot.graph.mailbox.MAX_KEYED_ITEMS", 3)
-    return lambda depth: keyed_queue(depth, lambda item: item[0], lambda _item: losses.append(1))
+def nearly_full(losses: list[int]) -> Callable[[int], KeyedQueue[str]]:
+    """Make a keyed queue with a key for all but its last three items; they are taken first."""
+
+    def make(depth: int) -> KeyedQueue[str]:
+        queue: KeyedQueue[str] = keyed_queue(depth, lambda item: item[:-1], lambda _item: losses.append(1))
+        for item in ("a1", "b1"):
+            queue.append(item)
+        for number in range(MAX_KEYED_ITEMS - 3):
+            queue.append(f"{number}-")
+        queue.append("c1")
+        return queue
+
+    return make
+
+
+def ends(queue: KeyedQueue[str]) -> list[str]:
+    """The items but those that fill the queue."""
+    assert len(queue) == MAX_KEYED_ITEMS
+    return [one for one in queue if not one.endswith("-")]
 
 
 def test_too_many_keys_push_out_the_oldest_item_of_all(
-    small: Callable[[int], KeyedQueue[str]], losses: list[int]
+    nearly_full: Callable[[int], KeyedQueue[str]], losses: list[int]
 ) -> None:
-    queue = small(1)
-    for item in ("a1", "b1", "c1", "d1"):
-        queue.append(item)
-    assert list(queue) == ["b1", "c1", "d1"]
+    queue = nearly_full(1)
+    assert not losses
+    queue.append("d1")
+    assert ends(queue) == ["b1", "c1", "d1"]
     assert losses == [1]
     assert not queue.has_room_for("e1")
 
 
 def test_replacing_an_item_in_a_full_queue_costs_no_other(
-    small: Callable[[int], KeyedQueue[str]], losses: list[int]
+    nearly_full: Callable[[int], KeyedQueue[str]], losses: list[int]
 ) -> None:
-    queue = small(1)
-    for item in ("a1", "b1", "c1", "a2"):
-        queue.append(item)
-    assert list(queue) == ["b1", "c1", "a2"]
+    queue = nearly_full(1)
+    queue.append("a2")
+    assert ends(queue) == ["b1", "c1", "a2"]
     assert losses == [1]
 
 
 def test_the_bound_holds_also_where_the_pushed_out_item_is_of_the_same_key(
-    small: Callable[[int], KeyedQueue[str]],
+    nearly_full: Callable[[int], KeyedQueue[str]],
 ) -> None:
-    queue = small(3)
-    for item in ("a1", "b1", "b2", "a2"):
-        queue.append(item)
-    assert list(queue) == ["b1", "b2", "a2"]
+    queue = nearly_full(3)
+    queue.append("a2")
+    assert ends(queue) == ["b1", "c1", "a2"]
     assert queue.popleft() == "b1"

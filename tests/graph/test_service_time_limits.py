@@ -17,7 +17,8 @@ from homebot.errors import (
     ServiceTimeoutError,
     ServiceUnavailableError,
 )
-from homebot.graph import Client, Graph, Node, service
+from homebot.graph import Client, Graph, Node
+from homebot.graph.service import MAX_AT_WORK, MAX_WAITING
 from homebot.messages import Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
 
@@ -229,22 +230,21 @@ async def test_closing_a_service_answers_the_caller_at_once_also_if_the_handler_
 
 
 async def test_handlers_beyond_the_room_of_a_concurrent_service_wait_in_line(
-    graph: Graph, server: Node, client: TriggerClient, monkeypatch: pytest.MonkeyPatch
+    graph: Graph, server: Node, client: TriggerClient
 ) -> None:
-    monkeypatch.setattr(service, "MAX_AT_WORK", 2)
-    monkeypatch.setattr(service, "MAX_WAITING", 3)
     handler = Slow(seconds=10)
     server.create_service(Trigger, "/s", handler, concurrent=True)
-    for _ in range(2):
-        await give_up(client, 1)
     async with anyio.create_task_group() as tasks:
-        for _ in range(3):
+        for _ in range(MAX_AT_WORK):
+            tasks.start_soon(give_up, client, 1)
+    async with anyio.create_task_group() as tasks:
+        for _ in range(MAX_WAITING):
             tasks.start_soon(client.call, ASK, 100)
         await anyio.wait_all_tasks_blocked()
-        with pytest.raises(ServiceUnavailableError, match="has 3 calls waiting already"):
+        with pytest.raises(ServiceUnavailableError, match="has 1,000 calls waiting already"):
             await client.call(ASK)
-    assert (handler.most, len(handler.ends)) == (2, 5)
-    assert (graph.service_counts.late_answers, graph.service_counts.refused_calls) == (2, 1)
+    assert (handler.most, len(handler.ends)) == (MAX_AT_WORK, MAX_AT_WORK + MAX_WAITING)
+    assert (graph.service_counts.late_answers, graph.service_counts.refused_calls) == (MAX_AT_WORK, 1)
 
 
 async def test_a_service_of_a_node_that_does_not_run_is_served_by_the_callers_task(

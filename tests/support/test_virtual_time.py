@@ -15,7 +15,7 @@ import anyio.to_thread
 import pytest
 
 from homebot.errors import UsageError
-from homebot.support import virtual_time
+from homebot.support.virtual_time import Limits
 from homebot.testing import VirtualTimeLoop
 
 
@@ -153,8 +153,7 @@ async def test_a_thread_with_a_limiter_of_its_own_holds_no_time_up() -> None:
         has_passed.set()
 
 
-def test_a_worker_thread_that_never_ends_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(virtual_time, "THREAD_STUCK_AFTER", 0.01)
+def test_a_worker_thread_that_never_ends_is_an_error() -> None:
     has_ended = threading.Event()
 
     async def wait() -> None:
@@ -162,24 +161,22 @@ def test_a_worker_thread_that_never_ends_is_an_error(monkeypatch: pytest.MonkeyP
             tasks.start_soon(partial(anyio.to_thread.run_sync, has_ended.wait, 30.0))
             await anyio.sleep(60.0)
 
-    runner = asyncio.Runner(loop_factory=VirtualTimeLoop)
+    runner = asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(Limits(thread_stuck_after=1.0)))
     with pytest.raises(UsageError, match="a worker thread has worked"):
         runner.run(wait())
     has_ended.set()
-    monkeypatch.undo()
     runner.close()
 
 
-def test_waiting_for_what_cannot_come_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(virtual_time, "STUCK_AFTER", 0.0)
+def test_waiting_for_what_cannot_come_is_an_error() -> None:
     with (
-        asyncio.Runner(loop_factory=VirtualTimeLoop) as runner,
+        asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(Limits(stuck_after=0.0))) as runner,
         pytest.raises(UsageError, match="nothing is ready and no timer is set"),
     ):
         runner.run(anyio.sleep_forever())
 
 
-def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is() -> None:
     async def never_waits() -> None:
         while True:
             await anyio.lowlevel.checkpoint()
@@ -189,14 +186,14 @@ def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is(monkeypatch
             tasks.start_soon(never_waits, name="the hot one")
             await anyio.sleep(1)
 
-    monkeypatch.setattr(virtual_time, "HOT_AFTER", 0.05)
-    monkeypatch.setattr(virtual_time, "HOT_TURNS", 1_000)
+    limits = Limits(hot_after=0.05, hot_turns=1_000)
     told = rf"virtual time cannot advance: .*; now: the hot one in .*never_waits, {re.escape(__file__)}:\d+$"
-    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner, pytest.raises(UsageError, match=told):
+    loop = VirtualTimeLoop(limits)
+    with asyncio.Runner(loop_factory=lambda: loop) as runner, pytest.raises(UsageError, match=told):
         runner.run(program())
 
 
-def test_a_busy_program_that_comes_to_rest_each_time_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_busy_program_that_comes_to_rest_each_time_goes_on() -> None:
     async def program(loop: VirtualTimeLoop) -> float:
         for _ in range(100):
             for _ in range(100):
@@ -204,8 +201,6 @@ def test_a_busy_program_that_comes_to_rest_each_time_goes_on(monkeypatch: pytest
             await loop.settled()
         return loop.time()
 
-    monkeypatch.setattr(virtual_time, "HOT_AFTER", 0.0)
-    monkeypatch.setattr(virtual_time, "HOT_TURNS", 1_000)
-    loop = VirtualTimeLoop()
+    loop = VirtualTimeLoop(Limits(hot_after=0.0, hot_turns=1_000))
     with asyncio.Runner(loop_factory=lambda: loop) as runner:
         assert runner.run(program(loop)) == 0.0

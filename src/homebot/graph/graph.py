@@ -159,12 +159,12 @@ class Graph:
                 yield name, seconds
 
     @contextmanager
-    def watch(self) -> Iterator[Mailbox[GraphChange]]:
+    def watch(self, depth: int = WATCH_DEPTH) -> Iterator[Mailbox[GraphChange]]:
         """Stream every change from now on: ``with graph.watch() as changes: async for change in changes``.
 
-        At most 10,000 changes are queued; more drop the oldest, counted in ``changes.lost``.
+        At most *depth* changes are queued; more drop the oldest, counted in ``changes.lost``.
         """
-        changes: Mailbox[GraphChange] = Mailbox(WATCH_DEPTH)
+        changes: Mailbox[GraphChange] = Mailbox(depth)
         self._watchers.append(changes)
         try:
             yield changes

@@ -18,25 +18,40 @@ from concurrent.futures import Executor
 from contextvars import Context
 from pathlib import Path
 from types import CoroutineType, FrameType
-from typing import TypeVar, TypeVarTuple
+from typing import NamedTuple, TypeVar, TypeVarTuple
 
 import anyio
 from anyio import to_thread
 
 from homebot.errors import UsageError
 
-__all__ = ["VirtualTimeLoop"]
+__all__ = ["Limits", "VirtualTimeLoop"]
 
 Ts = TypeVarTuple("Ts")
 ResultT = TypeVar("ResultT")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
 SELDOM = 50  # turns of a busy loop after which files are looked at all the same
-HOT_AFTER = 30.0  # real seconds and
-HOT_TURNS = 500_000  # turns, both in one moment, in which no program that ever waits can still be busy
-STUCK_AFTER = 30.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
-THREAD_STUCK_AFTER = 120.0  # real seconds that a worker thread may take; it writes a file, and the disk may be slow
 _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
+
+
+class Limits(NamedTuple):
+    """Limits of programs in virtual time, in real seconds.
+
+    Attributes:
+        hot_after: Seconds and
+        hot_turns: turns, both in one moment, in which no program that ever waits can still be busy.
+        stuck_after: Seconds in which a thread or a signal may still wake a loop that has no timer.
+        thread_stuck_after: Seconds that a worker thread may take; it writes a file, and the disk may be slow.
+    """
+
+    hot_after: float = 30.0
+    hot_turns: int = 500_000
+    stuck_after: float = 30.0
+    thread_stuck_after: float = 120.0
+
+
+LIMITS = Limits()
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
@@ -48,10 +63,10 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     busy. A worker thread that takes longer than 120 real seconds ends it too.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, limits: Limits = LIMITS) -> None:
         self._limiter: anyio.CapacityLimiter | None = None
         self._executing = 0
-        self._jumping = _JumpingSelector(self._busy, self._threads_at_work)
+        self._jumping = _JumpingSelector(self._busy, self._threads_at_work, limits)
         super().__init__(self._jumping)
         self._clock_resolution = RESOLUTION  # asyncio's own is lost in the float after 97 days: no timer would be due
 
@@ -125,11 +140,12 @@ class _JumpingSelector(selectors.DefaultSelector):
 
     now = 0.0
 
-    def __init__(self, busy: Callable[[], str], threads_at_work: Callable[[], int | None]) -> None:
+    def __init__(self, busy: Callable[[], str], threads_at_work: Callable[[], int | None], limits: Limits) -> None:
         super().__init__()
         self.waiters: deque[asyncio.Future[None]] = deque()
         self._busy = busy
         self._threads_at_work = threads_at_work
+        self._limits = limits
         self._unasked = 0
         self._turns = 0
         self._busy_since = time.monotonic()
@@ -165,22 +181,23 @@ class _JumpingSelector(selectors.DefaultSelector):
         if self._turns == 0:
             self._busy_since = time.monotonic()
         self._turns += SELDOM
-        if self._turns >= HOT_TURNS and time.monotonic() - self._busy_since >= HOT_AFTER:
+        if self._turns >= self._limits.hot_turns and time.monotonic() - self._busy_since >= self._limits.hot_after:
             raise UsageError(
                 f"virtual time cannot advance: something is always busy and never waits; now: {self._busy()}"
             )
 
     def _select_thread(self) -> list[tuple[selectors.SelectorKey, int]]:
-        ready = super().select(THREAD_STUCK_AFTER)
+        longest = self._limits.thread_stuck_after
+        ready = super().select(longest)
         if not ready:
             raise UsageError(
-                f"virtual time cannot advance: a worker thread has worked for {THREAD_STUCK_AFTER:.0f} real seconds; "
+                f"virtual time cannot advance: a worker thread has worked for {longest:.0f} real seconds; "
                 "give one that runs for good a limiter of its own"
             )
         return ready
 
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
-        ready = super().select(STUCK_AFTER)
+        ready = super().select(self._limits.stuck_after)
         if not ready:
             raise UsageError("nothing is ready and no timer is set: the program waits for an event that cannot happen")
         return ready

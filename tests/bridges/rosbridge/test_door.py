@@ -15,7 +15,7 @@ from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from homebot.bridges.rosbridge import Door, DoorSettings, server
+from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String
@@ -84,12 +84,9 @@ async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
         stalled.connection.transport.abort()
 
 
-async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(
-    open_house: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(server, "_OPEN_TIMEOUT", 10 * PATIENCE)
+async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_house: Any) -> None:
     with anyio.fail_after(PATIENCE):
-        async with open_house() as house:
+        async with open_house(open_timeout=10 * PATIENCE) as house:
             silent = await anyio.connect_tcp("127.0.0.1", house.door.port)
             async with house.peer() as peer:
                 await peer.settle()

@@ -10,8 +10,7 @@ import pytest
 from homebot.devices import Device, Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
-from homebot.discovery.merging import decisions
-from homebot.discovery.merging.decisions import MergeDecisions
+from homebot.discovery.merging.decisions import MAX_DECISIONS, MergeDecisions
 from homebot.errors import RefusedError, WireError
 
 Announce = Callable[..., Sighting]
@@ -132,15 +131,14 @@ def test_a_merge_takes_two_devices_that_are_there(index: DeviceIndex, announced:
         index.merge(("radio", "attic"), 1.0)
 
 
-def test_too_many_are_refused_and_nothing_is_changed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(decisions, "MAX_DECISIONS", 2)
+def test_too_many_are_refused_and_nothing_is_changed() -> None:
     made = MergeDecisions()
-    made.merge([("a", "1"), ("a", "2")])
+    made.merge([("b", str(number)) for number in range(MAX_DECISIONS - 1)])
     before = made.record()
-    with pytest.raises(RefusedError, match="there are 2 decisions already"):
+    with pytest.raises(RefusedError, match="there are 10,000 decisions already"):
         made.merge([("a", "3"), ("a", "4")])
     with pytest.raises(RefusedError):
-        made.split(["id:one", "id:two", "id:three"], [])
+        made.split([f"id:{number}" for number in range(MAX_DECISIONS + 1)], [])
     assert made.record() == before
 
 

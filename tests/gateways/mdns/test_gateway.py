@@ -19,6 +19,7 @@ from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import Value
 from homebot.errors import UsageError
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
+from homebot.gateways.mdns.gateway import MAX_ASLEEP
 from homebot.gateways.mdns.services import CHANGE_EVERY, CHANGES_AT_ONCE
 from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES
 from homebot.graph import Graph, Node, Subscription
@@ -250,23 +251,28 @@ async def test_a_command_to_a_device_that_fell_asleep_before_it_was_connected_to
         assert "may be asleep: wake it, and try again" in refused.message
 
 
-@pytest.mark.parametrize(
-    ("most", "longest", "why"),
-    [
-        (100, 0.5, "it did not come back from sleep within 0.5 s"),
-        (0, 3600.0, "more than 0 devices are asleep"),
-    ],
-)
-async def test_a_device_that_sleeps_for_too_long_or_with_too_many_others_is_removed(
-    monkeypatch: pytest.MonkeyPatch, most: int, longest: float, why: str
-) -> None:
-    monkeypatch.setattr("homebot.gateways.mdns.gateway.MAX_ASLEEP", most)
-    async with house(drivers={}, sleeping={"Hall": 3600.0}, forget_sleeping_after=longest) as home:
+async def test_a_device_that_sleeps_for_too_long_is_removed() -> None:
+    async with house(drivers={}, sleeping={"Hall": 3600.0}, forget_sleeping_after=0.5) as home:
         await home.computer.announce("Hall", 80)
         await home.seen()
         await home.computer.withdraw("Hall")
         gone = await home.seen(kind="removed")
-        assert gone.why == why
+        assert gone.why == "it did not come back from sleep within 0.5 s"
+
+
+async def test_a_device_that_sleeps_with_too_many_others_is_removed() -> None:
+    names = [f"Hall {number}" for number in range(MAX_ASLEEP + 1)]
+    async with house(drivers={}, sleeping=dict.fromkeys(names, 3600.0)) as home:
+        async with anyio.create_task_group() as tasks:
+            for name in names:
+                tasks.start_soon(home.computer.announce, name, 80)
+        for _ in names:
+            await home.seen()
+        async with anyio.create_task_group() as tasks:
+            for name in names:
+                tasks.start_soon(home.computer.withdraw, name)
+        gone = await home.seen(kind="removed")
+        assert gone.why == "more than 100 devices are asleep"
 
 
 async def test_records_that_change_all_the_time_cause_few_connections() -> None:

@@ -46,7 +46,6 @@ SERVICE_TYPE = "_rosbridge._tcp"
 """Service type by DNS-SD that apps look for to find robots; the server of ROS announces nothing."""
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
-_OPEN_TIMEOUT: Final = 10.0  # seconds that a client has for its handshake, on however slow a computer
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
@@ -62,6 +61,7 @@ class Door:
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
         owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
+        open_timeout: Seconds that a client has for its handshake, on however slow a computer.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
@@ -74,6 +74,7 @@ class Door:
         announce: Callable[[NetworkService], None] = lambda _: None,
         local_rights: ClientRights = LOCAL_RIGHTS,
         owners: Callable[[], RobotOwners] | None = None,
+        open_timeout: float = 10.0,
     ) -> None:
         self._rights = settings.rights(local_rights)
         if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
@@ -104,6 +105,7 @@ class Door:
         self._arriving: dict[DoorConnection, None] = {}
         self._port = settings.port
         self._announce = announce
+        self._open_timeout = open_timeout
 
     @property
     def port(self) -> int:
@@ -174,7 +176,7 @@ class Door:
                 compression=None,  # costs more than a local link saves, and a small frame could grow without limit
                 server_header=None,
                 max_size=settings.max_frame_bytes,
-                open_timeout=_OPEN_TIMEOUT,
+                open_timeout=self._open_timeout,
                 close_timeout=_CLOSE_TIMEOUT,
                 max_queue=1,  # frames; a frame may be large
                 create_connection=cast("type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving)),

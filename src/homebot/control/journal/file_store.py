@@ -52,17 +52,27 @@ class FileStore(JournalStore):
         longest: Seconds for which an entry is stored.
         most_bytes: The size of all entries at most.
         most_in_memory: The number of entries at most if the file cannot be used.
+        most_waiting: The number of entries, and of rows, at most that wait to be written.
 
     Attributes:
         problem: The trouble of the file, as text; empty if there is none. A removal stays one.
     """
 
-    def __init__(self, node: Node, path: Path, longest: float, most_bytes: float, most_in_memory: int) -> None:
+    def __init__(
+        self,
+        node: Node,
+        path: Path,
+        longest: float,
+        most_bytes: float,
+        most_in_memory: int,
+        most_waiting: int = _MOST_WAITING,
+    ) -> None:
         super().__init__(most_in_memory, longest)
         self._node = node
         self._clock = node.graph.clock
         self._path = path
         self._most_bytes = most_bytes
+        self._most_waiting = most_waiting
         self._file: JournalFile | None = None
         self._waiting: deque[JournalNote] = deque()
         self._learnt: dict[tuple[str, str], LearntRow] = {}
@@ -80,7 +90,7 @@ class FileStore(JournalStore):
             super().add(note)
             return
         self._waiting.append(note)
-        if len(self._waiting) > _MOST_WAITING:
+        if len(self._waiting) > self._most_waiting:
             self._waiting.popleft()
             self._overrun += 1
             self.failures += 1
@@ -91,7 +101,7 @@ class FileStore(JournalStore):
         if self._is_unusable:
             return
         self._learnt[row.kind, row.name] = row
-        if len(self._learnt) > _MOST_WAITING:
+        if len(self._learnt) > self._most_waiting:
             del self._learnt[next(iter(self._learnt))]
             self.failures += 1
         self._has_news.set()
