@@ -50,7 +50,7 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
     """Return the results of *convert* for each device that offers *service_type* (all if it is empty), sorted by id."""
     found: dict[str, T] = {}
     if service_type:
-        answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type}))
+        answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type, "is_checked": False}))
         found = {one.id: convert(one) for one in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
         total = _add_all(door, convert, found)

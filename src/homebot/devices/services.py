@@ -76,7 +76,7 @@ class FindDevicesRequest(Message):
             not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
         ids: Only the devices with these ids; empty for all.
         is_checked: Whether the call fails for a name in the query that nothing in the house has, as of
-            :class:`QueryDevicesRequest`; it does for a query as text.
+            :class:`QueryDevicesRequest`; by default it does for programs outside.
     """
 
     service_type: str = ""

@@ -26,10 +26,12 @@ class FakeDirectory:
 
     def __init__(self, node: Node) -> None:
         self.asked: list[Query] = []
+        self.is_checked = False
         node.create_service(FindDevices, FIND_DEVICES, self._find)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        self.is_checked = request.is_checked
         self.asked.append(read_terms(request.query))
         return FindDevicesResponse(devices=(), sequence=7)
 
@@ -56,6 +58,16 @@ async def test_a_query_is_sent_as_text_or_as_terms(
         directory = FakeDirectory(house.node("directory"))
         assert (await peer.call(service, **sent))["result"] is True
         assert directory.asked == [meant]
+
+
+@pytest.mark.parametrize("sent", [{}, {"is_checked": False}])
+async def test_the_names_in_a_question_of_a_program_outside_are_checked(
+    open_house: Any, sent: dict[str, object]
+) -> None:
+    async with open_house() as house, house.peer() as peer:
+        directory = FakeDirectory(house.node("directory"))
+        assert (await peer.call(FIND_DEVICES, service_type="lihgts", **sent))["result"] is True
+        assert directory.is_checked == sent.get("is_checked", True)
 
 
 async def test_a_list_of_arguments_may_have_a_text_query(open_house: Any) -> None:

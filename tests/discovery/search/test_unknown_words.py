@@ -43,6 +43,7 @@ REFUSED = {
     "dimable": "no device has the word 'dimable'; did you mean dimmable?",
     "ligths": "no device has the word 'ligths'; did you mean lights?",
     "plug or vavle": "no device has the word 'vavle'; did you mean valve?",
+    "light naer rosie": "no device has the word 'naer'; did you mean near?",
     "gateway=mqt": "",
     "gateway=mqttt": "no device is reached through 'mqttt'; did you mean mqtt?",
     "convention=homeasistant": "no device was announced by 'homeasistant'; did you mean homeassistant?",

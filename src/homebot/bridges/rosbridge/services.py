@@ -37,7 +37,7 @@ __all__ = ["call_service", "missing_service", "parse_queries", "refusal"]
 def parse_queries(
     request_type: type[Message], values: Mapping[str, object]
 ) -> tuple[Mapping[str, object], UsageError | None]:
-    """Return *values* of a request with each text query parsed, and the problem with one.
+    """Return *values* of a request with each text query parsed, and the problem with one; names are checked.
 
     In the place of a query that cannot be parsed stands one that nothing matches.
     """
@@ -50,8 +50,8 @@ def parse_queries(
                 parsed[field.name] = query_terms(parse_query(text))
             except UsageError as exc:
                 parsed[field.name], problem = query_terms(Or(())), exc
-    if parsed and "is_checked" in {field.name for field in fields_of(request_type)}:
-        parsed["is_checked"] = True
+        if field.name == "is_checked" and field.name not in values:
+            parsed[field.name] = True
     return {**values, **parsed}, problem
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Not, Or, Query, TypeIs
-from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
+from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
@@ -20,7 +20,7 @@ from homebot.support.similar import did_you_mean
 __all__ = ["check_words"]
 
 _SHOWN = 12
-_WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS})
+_WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
 
 
 def check_words(
