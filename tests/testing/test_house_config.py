@@ -42,3 +42,9 @@ def test_other_gateways_are_left_alone() -> None:
     made = house_config([], "villa", OURS, parse_config({"gateways": {"fake": fake, "other": unknown}}, "tables"))
     assert made.gateways == {"fake": fake, "other": unknown}
     assert mqtt_gateway_of(made) is None
+
+
+def test_an_app_that_the_configuration_has_runs_once_with_its_settings() -> None:
+    tables = {"apps": {"lights_out": {"quiet_after": 60}, "mine": {"class": "my_app:MyApp"}}}
+    made = house_config(["lights_out", "my_app:MyApp", "light_service"], "villa", OURS, tables)
+    assert made.apps == tables["apps"] | {"app_3": {"class": "light_service"}}

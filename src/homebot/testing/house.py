@@ -47,7 +47,7 @@ def house_config(
     free one unless it has one.
 
     Args:
-        apps: Each a plug-in's name or ``module:Class``; they come last.
+        apps: Each a plug-in's name or ``module:Class``; they come last, unless *given* has a table for them.
         given: A configuration, or tables as in ``homebot.toml``.
 
     Raises:
@@ -55,10 +55,12 @@ def house_config(
     """
     given = given if isinstance(given, Config) else parse_config(given or {}, "config")
     gateways = given.gateways or {"mqtt": {}}
+    configured = {table.get("class", name) for name, table in given.apps.items()}
+    more = {f"app_{number}": {"class": app} for number, app in enumerate(apps, 1) if app not in configured}
     return given.model_copy(
         update={
             "gateways": {name: _on_test_broker(name, table, root, url) for name, table in gateways.items()},
-            "apps": given.apps | {f"app_{number}": {"class": app} for number, app in enumerate(apps, 1)},
+            "apps": given.apps | more,
             "door": {"port": 0} | given.door,
         }
     )
