@@ -62,49 +62,27 @@ class RosType:
 
 
 Int8 = Annotated[int, RosType("int8"), Field(ge=-(2**7), lt=2**7)]
-
 Int16 = Annotated[int, RosType("int16"), Field(ge=-(2**15), lt=2**15)]
-
 Int32 = Annotated[int, RosType("int32"), Field(ge=-(2**31), lt=2**31)]
-
 Int64 = Annotated[int, RosType("int64"), Field(ge=-(2**63), lt=2**63)]
-
 UInt8 = Annotated[int, RosType("uint8"), Field(ge=0, lt=2**8)]
-
 UInt16 = Annotated[int, RosType("uint16"), Field(ge=0, lt=2**16)]
-
 UInt32 = Annotated[int, RosType("uint32"), Field(ge=0, lt=2**32)]
-
 UInt64 = Annotated[int, RosType("uint64"), Field(ge=0, lt=2**64)]
-
 Byte = Annotated[int, RosType("byte"), Field(ge=0, lt=2**8)]
-
 Char = Annotated[int, RosType("char"), Field(ge=0, lt=2**8)]
-
 Float32 = Annotated[float, RosType("float32")]
-
 Float64 = Annotated[float, RosType("float64")]
-
 Int8Array = Annotated[Sequence[int], RosArray("int8", Int8)]
-
 Int16Array = Annotated[Sequence[int], RosArray("int16", Int16)]
-
 Int32Array = Annotated[Sequence[int], RosArray("int32", Int32)]
-
 Int64Array = Annotated[Sequence[int], RosArray("int64", Int64)]
-
 UInt16Array = Annotated[Sequence[int], RosArray("uint16", UInt16)]
-
 UInt32Array = Annotated[Sequence[int], RosArray("uint32", UInt32)]
-
 UInt64Array = Annotated[Sequence[int], RosArray("uint64", UInt64)]
-
 ByteArray = Annotated[Sequence[int], RosArray("byte", Byte)]
-
 CharArray = Annotated[Sequence[int], RosArray("char", Char)]
-
 Float32Array = Annotated[Sequence[float], RosArray("float32", Float32)]
-
 Float64Array = Annotated[Sequence[float], RosArray("float64", Float64)]
 
 

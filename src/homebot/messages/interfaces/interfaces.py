@@ -34,7 +34,6 @@ _CLASSES: Final = {
     "action_msgs": f"{_HOME}.action_msgs",
     "builtin_interfaces": f"{_HOME}.builtin_interfaces",
     "diagnostic_msgs": f"{_HOME}.key_value",
-    "example_interfaces": f"{_HOME}.example_interfaces",
     "geometry_msgs": f"{_HOME}.geometry_msgs",
     "nav_msgs": f"{_HOME}.nav_msgs",
     "rcl_interfaces": f"{_HOME}.rcl_interfaces",
