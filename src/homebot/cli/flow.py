@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from collections.abc import Iterator
 from typing import TypeAlias, cast
 
 from homebot.errors import WireError
@@ -74,34 +75,34 @@ class _Flow:
         if following == "{":
             return self._mapping()
         if following == "[":
-            return self._sequence()
+            return [self._value() for _ in self._places("]")]
         if following and following in "\"'":
             return self._quoted()
         return self._plain()
 
     def _mapping(self) -> FlowValue:
         fields: dict[str, FlowValue] = {}
-        self._open()
-        while not self._take("}"):
-            if fields:
-                self._expect(",")
+        for _ in self._places("}"):
             key = self._key()
             if key in fields:
                 raise self._error(f"the field {key[:60]!r} occurs twice")
             self._expect(":")
             fields[key] = self._value()
-        self._depth -= 1
         return fields
 
-    def _sequence(self) -> FlowValue:
-        items: list[FlowValue] = []
-        self._open()
-        while not self._take("]"):
-            if items:
+    def _places(self, end: str) -> Iterator[None]:
+        """Yield at the beginning of each item of a collection, until its *end*."""
+        self._depth += 1
+        if self._depth > _MAX_NESTING:
+            raise self._error(f"nested more than {_MAX_NESTING} deep")
+        self._at += 1
+        is_first = True
+        while not self._take(end):
+            if not is_first:
                 self._expect(",")
-            items.append(self._value())
+            is_first = False
+            yield
         self._depth -= 1
-        return items
 
     def _key(self) -> str:
         self._skip_space()
@@ -136,12 +137,6 @@ class _Flow:
         if _INTEGER.fullmatch(text) and len(text) < 1000:
             return int(text)
         return float(text) if _NUMBER.fullmatch(text) else text
-
-    def _open(self) -> None:
-        self._depth += 1
-        if self._depth > _MAX_NESTING:
-            raise self._error(f"nested more than {_MAX_NESTING} deep")
-        self._at += 1
 
     def _take(self, sign: str) -> bool:
         self._skip_space()

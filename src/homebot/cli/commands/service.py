@@ -49,7 +49,12 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was left out
         expected, request = "", expected
-    ros_type = _type(door, options.service, expected)
+    ros_type = type_of(door, "service", options.service)
+    if expected and "/" not in expected and not request:
+        (typedef,) = cast("list[MessageTypeRecord]", door.call(_REQUEST, {"type": ros_type})["typedefs"])[:1]
+        field = next(iter(typedef["fieldnames"]), "field")
+        raise UsageError(f"{expected!r} was taken as a type; write the request as {{{field}: {expected}}}")
+    check_type("service", options.service, ros_type, expected)
     response = door.call(options.service, request, options.timeout)
     if options.json:
         print(json.dumps(response))
@@ -68,14 +73,3 @@ def _exit_code(service: str, response: Mapping[str, object]) -> int:
             print(f"homebot: {service} reported a failure: {printable(reason)}", file=sys.stderr)
             return 1
     return 0
-
-
-def _type(door: DoorClient, service: str, expected: str) -> str:
-    """Return the type of *service*, which should be the *expected* one, if any."""
-    ros_type = type_of(door, "service", service)
-    if expected and "/" not in expected:
-        (request,) = cast("list[MessageTypeRecord]", door.call(_REQUEST, {"type": ros_type})["typedefs"])[:1]
-        field = next(iter(request["fieldnames"]), "field")
-        raise UsageError(f"{expected!r} was taken as a type; write the request as {{{field}: {expected}}}")
-    check_type("service", service, ros_type, expected)
-    return ros_type
