@@ -128,6 +128,10 @@ def test_services_are_listed_and_called(homebot: Any, capsys: Text) -> None:
         ),
         (["/switch", "true"], "homebot: 'true' was taken as a type; write the request as {data: true}\n"),
         (
+            ["/switch", "SetBool", "{data: true}"],
+            "homebot: service /switch is a std_srvs/srv/SetBool, not a SetBool\n",
+        ),
+        (
             ["/switch", "std_srvs/Trigger"],
             "homebot: service /switch is a std_srvs/srv/SetBool, not a std_srvs/Trigger\n",
         ),

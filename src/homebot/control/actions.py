@@ -84,15 +84,9 @@ class ControlActions:
         by = request.by.strip() or issuer.removeprefix("client:")[:100]
         _publish_phase(goal, "commanding", request.seconds)
         holder = HolderRequest(lease=lease, by=by, issuer=issuer)
+        device, part, setting, scope = request.device, request.part, request.setting, request.scope
         wanted = HoldRequest(
-            device=request.device,
-            part=request.part,
-            setting=request.setting,
-            lease=lease,
-            by=by,
-            ttl=_TTL,
-            issuer=issuer,
-            scope=request.scope,
+            device=device, part=part, setting=setting, lease=lease, by=by, ttl=_TTL, issuer=issuer, scope=scope
         )
         try:
             answer = await self._hold_until_over(goal, leases, wanted, holder)

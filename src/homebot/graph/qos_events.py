@@ -44,8 +44,6 @@ class TopicEnd(Protocol):
 class QosStatus:
     """Base of the statuses."""
 
-    __slots__ = ()
-
     @classmethod
     def watch(cls, end: TopicEnd, callback: Callable[[Self], None]) -> EventWatcher[Self]:
         """Return a watcher of *end* that calls back with statuses of this kind."""
@@ -74,19 +72,13 @@ class _CountedStatus(QosStatus):
 class OfferedDeadlineMissedStatus(_CountedStatus):
     """The number of deadlines in which a publisher did not publish, counted from its first message."""
 
-    __slots__ = ()
-
 
 class RequestedDeadlineMissedStatus(_CountedStatus):
     """The number of deadlines in which a subscription received nothing, counted from its first message."""
 
-    __slots__ = ()
-
 
 class LivelinessLostStatus(_CountedStatus):
     """The number of leases in which a publisher with MANUAL_BY_TOPIC asserted nothing."""
-
-    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
