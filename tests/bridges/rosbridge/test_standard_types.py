@@ -89,7 +89,7 @@ async def test_a_class_of_an_app_for_a_standard_type_is_used() -> None:
         ("std_msgs/Duration", ""),
         ("turtlesim/Pose", ""),
         ("homebot/Devic", "; similar: homebot/msg/Device"),
-        ("Twist", ""),
+        ("Twist", "; similar: geometry_msgs/msg/Twist"),
     ],
 )
 async def test_an_unknown_message_type_is_told_with_similar_ones(wrong: str, hint: str) -> None:
