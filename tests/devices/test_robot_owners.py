@@ -87,7 +87,7 @@ def test_a_client_publishes_for_the_robots_of_its_scope_alone() -> None:
         with pytest.raises(MissingRightError):
             rosie.check(Advertise(op="advertise", topic=topic, type="x/msg/X"), str)
     rosie.check(AdvertiseAction(op="advertise_action", action="/rosie/spin", type="x/action/X"), str)
-    with pytest.raises(MissingRightError, match="the right robot is missing"):
+    with pytest.raises(MissingRightError, match=r"the right robot is missing; the token rosie has: robot: rosie\. "):
         rosie.check(AdvertiseAction(op="advertise_action", action="/bob/spin", type="x/action/X"), str)
     with pytest.raises(MissingRightError, match=r"'bob/odom'.* is not of the robot rosie"):
         rosie.check_robot("/tf", tf("map>rosie/odom", "map>bob/odom"))

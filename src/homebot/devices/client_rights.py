@@ -146,7 +146,8 @@ class ClientRights(NamedTuple):
     @property
     def text(self) -> str:
         """Their names, for people."""
-        return ", ".join(one.value for one in Right if self.has(one)) or "none"
+        names = [one.value for one in Right if one is not Right.ROBOT and self.has(one)]
+        return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 
 LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(_ANY,), manages=True)
