@@ -185,6 +185,7 @@ def test_a_shutter_may_be_the_wrong_way_round() -> None:
         "movement": "closing",
     }
     assert told(shutter, "position", 70.0) == ("c/ShutterPosition1", "30")
+    assert shutter.part.payloads != only(rl=[3, 3]).part.payloads  # an approval of the one is none of the other
     assert "tilt" not in [one.name for one in shutter.part.capabilities]
 
 

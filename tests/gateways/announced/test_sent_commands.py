@@ -129,6 +129,19 @@ def test_the_digest_of_an_alarm_does_not_follow_from_its_code() -> None:
     assert one.part.payloads == other.part.payloads
 
 
+def test_a_cover_that_is_sent_other_positions_has_another_digest() -> None:
+    cover = {"set_position_topic": "door/position", "device_class": "gate"}
+    same = announced("cover", **cover, position_topic="p", position_template="{{ value }}")
+    upside_down = announced("cover", **cover, set_position_template="{{ 100 - position }}")
+    assert announced("cover", **cover).part.payloads == same.part.payloads != upside_down.part.payloads
+    assert "Bolt: position=100: door/position 0" in sent_commands(upside_down)
+
+
+def test_an_alarm_that_takes_no_code_any_more_has_another_digest() -> None:
+    coded = announced("alarm_control_panel", state_topic="s", code="4711")
+    assert coded.part.payloads != announced("alarm_control_panel", state_topic="s").part.payloads
+
+
 def test_the_values_of_a_zigbee_lock_are_in_its_digest() -> None:
     assert list(sent_commands(z2m_lock()))[:2] == [
         'lock: lock=locked: zigbee2mqtt/d/set {"state":"LOCK"}',

@@ -73,9 +73,9 @@ class DiscoveryConfig:
         return clean_text(self.text("unique_id") or self.discovery_id, _MAX_ID)
 
     def of_commands(self) -> list[tuple[str, object]]:
-        """Return the fields that may determine the payloads of commands, sorted, without topics."""
+        """Return the fields that may determine the payloads of commands, sorted, without topics; no code's value."""
         keys = sorted(filter(_is_of_commands, self.values))
-        return list(zip(keys, map(self.values.__getitem__, keys), strict=True))
+        return [(key, self.has(key) if key == "code" else self.values[key]) for key in keys]
 
     def has(self, key: str) -> bool:
         """Return whether the field exists and is not null."""
@@ -231,19 +231,19 @@ _TRANSPORT = frozenset({"encoding", "qos", "retain"})
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
 _SHOWN = frozenset(
     {
-        *("availability", "availability_mode", "code", "default_entity_id", "device", "device_class"),
+        *("availability", "availability_mode", "default_entity_id", "device", "device_class"),
         *("enabled_by_default", "entity_category", "entity_picture", "expire_after", "force_update", "icon", "name"),
         *("object_id", "origin", "payload_available", "payload_not_available", "payload_reset", "platform"),
         *("suggested_display_precision", "unique_id"),
     }
 )
-"""Fields of presentation and reports, and the code, which homebot compares: no command depends on them."""
+"""Fields of presentation and reports: no command depends on them."""
 
 
 @lru_cache(maxsize=1024)
 def _is_of_commands(key: str) -> bool:
     if key.endswith("template"):
-        return "command" in key
+        return "command" in key or key == "set_position_template"
     return key not in _SHOWN and not key.startswith("state_") and not key.endswith("_topic")
 
 

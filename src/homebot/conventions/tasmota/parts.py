@@ -81,8 +81,8 @@ def count_shutters(outputs: tuple[int, ...]) -> int:
     return pairs
 
 
-def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
-    """Add the capabilities of the shutter *index*."""
+def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> tuple[object, ...]:
+    """Add the capabilities of the shutter *index*; return the options from which the payloads of commands follow."""
     config = topics.config
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
@@ -97,6 +97,7 @@ def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
     if tilt is not None:
         part.add_command_topics(topics.topic(f"ShutterTilt{index + 1}"))
     part.add_state_request(*topics.sensor_requests)
+    return shutter.is_inverted, shutter.tilt
 
 
 _INVERTED = 1
@@ -184,8 +185,7 @@ def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
             yield _relay(topics, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
         part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
-        _add_shutter(part, topics, index)
-        yield part.build()
+        yield part.build(_add_shutter(part, topics, index))
     if config.is_fan:
         part = JsonPart("fan", "fan", advertised="fan")
         _add_fan(part, topics)
