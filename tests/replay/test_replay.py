@@ -12,6 +12,7 @@ from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, 
 from tests.sizes import NIGHTLY, nightly, size
 
 import homebot.apps.lights_out
+from homebot.errors import UsageError
 from homebot.recording.recording import Recording
 
 pytestmark = pytest.mark.slow
@@ -96,6 +97,11 @@ def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
     diff = diff_of(mine, [str(files["follow_me"]), str(files["lights_out"])])
     assert texts(mine, diff) == []
     assert diff.same == len(mine.commands)
+    changed = files["lights_out"].rename(tmp_path / "changed.py")  # it is in the place of what no other file is
+    diff = diff_of(mine, [str(files["follow_me"]), str(changed)])
+    assert texts(mine, diff) == []
+    with pytest.raises(UsageError, match="changed:MyApp may take the place of mine_follow_me:MyApp or mine_lights_out"):
+        diff_of(mine, [str(changed)])
 
 
 def test_a_policy_that_refuses_is_named(evening: Recording) -> None:

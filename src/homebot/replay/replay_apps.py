@@ -38,8 +38,11 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
     if not wanted:
         _check_installed(known)
         tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
-    for text in wanted:
-        tables |= _in_place(_found(text), known)
+    classes = [_found(text) for text in wanted]
+    kinds = {_kind_of(one) for one in classes}
+    for one in classes:
+        same = [app for app in known if app.kind == _kind_of(one)]
+        tables |= _in_place(one, same or [app for app in known if app.kind not in kinds])
     return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
 
 
@@ -58,17 +61,23 @@ def _check_installed(recorded: Iterable[RecordedApp]) -> None:
         )
 
 
-def _in_place(kind: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
-    """Return the tables of an app of the class *kind* in place of recorded ones; if there are none, its own.
+def _kind_of(app: type[object]) -> str:
+    return f"{app.__module__}:{app.__qualname__}"
 
-    Those of the same class are replaced; if there are none, those of a class of the same name.
+
+def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
+    """Return the tables of *app* in place of those *recorded* whose class has its name; if there are none, its own.
+
+    Raises:
+        UsageError: These are several classes.
     """
-    wanted = f"{kind.__module__}:{kind.__qualname__}"
-    same = [one for one in recorded if one.kind == wanted]
-    same = same or [one for one in recorded if one.kind.rpartition(":")[2] == kind.__qualname__]
+    same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
+    if len(kinds := sorted({one.kind for one in same})) > 1:
+        named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MOST_SHOWN])
+        raise UsageError(f"{_kind_of(app)} may take the place of {named}: name its file as the one that it replaces")
     if same:
-        return {one.name: _settings(one) | {"class": wanted} for one in same}
-    return {re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", kind.__name__).lower(): {"class": wanted}}
+        return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}
+    return {re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", app.__name__).lower(): {"class": _kind_of(app)}}
 
 
 def _settings(app: RecordedApp) -> Table:
