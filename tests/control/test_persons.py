@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, obey, report
+from tests.control.conftest import Home, OpenHome, ignore, obey, report
 
 from homebot.devices.handles import Handle, Light, OccupancySensor
-from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence
+from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer
 
 pytestmark = pytest.mark.virtual_time
 
@@ -25,6 +25,22 @@ async def test_a_command_after_a_lost_connection_is_sent(open_home: OpenHome) ->
         await anyio.sleep(1)
         assert isinstance(await lamp.turn_on(), Confirmed)
         assert len(home.commands) == 1
+
+
+async def test_silence_after_a_lost_connection_does_not_prove_that_it_is_so_still(open_home: OpenHome) -> None:
+    """It may be dead; one that is online by its last will reports only changes."""
+    async with open_home() as home:
+        for name in ("lamp", "relay"):
+            home.put(name, "light", "on_off")
+            home.behaviours[name] = ignore
+            await home.report(name, "on_off", True)
+        home.gateway.set_unavailable("the cable is out")
+        await anyio.sleep(10)
+        home.gateway.set_available()
+        home.gateway.devices.report_reachable("relay", reachable=True)
+        await anyio.sleep(1)
+        outcomes = {one.name: await one.turn_on() for one in await home.devices.find(Light)}
+        assert {name: type(outcome) for name, outcome in outcomes.items()} == {"Lamp": NoAnswer, "Relay": AlreadySo}
 
 
 async def test_a_report_after_a_lost_connection_is_recent(open_home: OpenHome) -> None:

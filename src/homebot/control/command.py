@@ -239,8 +239,9 @@ def known_state(
 ) -> KnownState:
     """Return the certain values of the commanded part, of the capabilities *asked*.
 
-    A retained value is certain if the device is online by its last will: many devices report only changes. After a
-    failed command older values are not certain, and newer ones are not recent.
+    If the device is online by its last will, its retained value is certain, and one from before the connection was
+    lost: many devices report only changes. After a failed command older values are not certain, and newer ones are not
+    recent.
 
     Args:
         command: The command.
@@ -257,9 +258,9 @@ def known_state(
         state = command.states.get(capability)
         if state is None or not (state.live or is_online):
             continue
-        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability)
-        is_sure = state.live and unsure_at is None and told_at > lost_at
+        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability, -inf)
+        is_sure = state.live and unsure_at == -inf and told_at > lost_at
         is_recent = is_recent and is_sure and abs(command.issued_at - told_at) <= durations.FRESH
-        if unsure_at is None or told_at > unsure_at:
+        if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
             values[capability] = state.value.plain()
     return KnownState(values, is_recent)
