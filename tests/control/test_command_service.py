@@ -473,6 +473,9 @@ async def test_alternatives_are_commanded_if_they_mean_one_thing(
         ),
         ("hall lamp or kettel", "no device fits 'kettel'; did you mean Kettle?"),
         ("hall lamp or sprinkler", "'sprinkler' in 'hall lamp or sprinkler' is the name of no device"),
+        ("either hall lamp or kettle", "'either hall lamp' in 'either hall lamp or kettle' is the name of no device"),
+        ("sink or sprinkler", "no device fits 'sink or sprinkler'; `homebot find` shows what does"),
+        ("hall lamp and kettle", "no device fits 'hall lamp and kettle'; join devices with 'or'"),
     ],
 )
 async def test_alternatives_that_may_mean_more_are_asked_back(open_home: OpenHome, target: str, asked: str) -> None:

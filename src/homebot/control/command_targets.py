@@ -88,7 +88,8 @@ class CommandTargets:
         found = await (self._one_query(request, target) if is_one else self._any_of(request, target, readings))
         if not found:
             names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
-            hint = did_you_mean(target, names, "`homebot find` shows what does", _TYPO)
+            joined = "join devices with 'or'" if _JOINED.search(target) else "`homebot find` shows what does"
+            hint = did_you_mean(target, names, joined, _TYPO)
             raise NoTargetError(f"no device fits {target!r}; {hint}")
         return found
 
@@ -127,14 +128,14 @@ class CommandTargets:
             raise NoTargetError(
                 f"{target!r} can mean {distributed!r}, which commands {_names(others)}, or {literal}; give one of them"
             )
-        if unnamed:
+        if unnamed and found:
             raise NoTargetError(f"{unnamed[0]!r} in {target!r} is the name of no device; give names, or {literal}")
         return found
 
     async def _all_of(
         self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
     ) -> tuple[list[_Target], list[str]]:
-        """Return the targets that fit any of *alternatives*, and those of *words* that are no name."""
+        """Return the targets that fit any of *alternatives*, and those with words that are no name or fit no device."""
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
         for text in alternatives:
@@ -142,6 +143,8 @@ class CommandTargets:
             if not targets and text in words and not (targets := await self._named_part(text)):
                 unnamed.append(text)
             targets = targets or await self._one_query(request, text, is_alternative=True)
+            if not (targets or text in unnamed or text.startswith("(")) and _texts(parse_query(text)):
+                unnamed.append(text)
             for device, parts in targets:
                 found.setdefault(device.id, (device, {}))[1].update({one.id: one for one in parts})
         return [(device, tuple(parts.values())) for device, parts in found.values()], unnamed
@@ -235,6 +238,7 @@ _APPLIANCES = frozenset(
 _FUNCTIONS = frozenset({"plug", "switch"})
 """Types of the parts of an appliance that turn one of its functions on and off: its display, its powerful mode."""
 _SETTINGS = frozenset({"x_setting"})
+_JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
 _MOST_NAMES = 8
 
