@@ -87,7 +87,9 @@ NAMES_THAT_ASK = (
     "Haustür, Haustuer Summer, Türschloss, Schloss Haustür, Türöffner unten, Wasserventil Garten, Backofen, "
     "Boiler Bad, Oven plug, Porte de garage, Porte du garage gauche, Serrure de la porte d'entrée, "
     "Ouverture portail, Portail voiture, Vanne d'eau, Chauffe-eau, Cancello, Apri cancello, Porta del garage, "
-    "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen"
+    "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen, Sprinkler zone 1, Heizkessel, "
+    "Warmwasserspeicher, Bewässerung Garten, Hauptwasserhahn, Tür öffnen, Arrosage jardin, Ouvrir la porte, "
+    "Irrigazione, Apri la porta, Riego, Abrir puerta, CV-ketel, Beregening, Deur openen"
 )
 
 
@@ -117,6 +119,13 @@ def test_a_contact_that_can_be_set_asks() -> None:
 def test_a_choice_without_a_name_is_called_as_its_device() -> None:
     one = device("Garage door", part("x_setting", "option"))
     assert always_asks(one, one.parts[0])
+
+
+@pytest.mark.parametrize(("name", "asks"), [("", True), ("Volume", False)])
+def test_a_text_without_a_name_is_called_as_its_device(name: str, *, asks: bool) -> None:
+    """As Home Assistant calls an entity that is announced with the name null."""
+    one = device("Unlock door", part("x_setting", "text", name=name))
+    assert always_asks(one, one.parts[0]) is asks
 
 
 def test_a_deed_without_a_name_is_called_by_its_id() -> None:

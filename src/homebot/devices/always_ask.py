@@ -197,10 +197,10 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
     if capability.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
         return _why_named(ALL_THAT_ASK, *_names(device, part))
+    names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
-        names = (told.name,) if told.name else _names(device, part)
         return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
-    return _why_named(OPEN, _own_name(part)) if capability.name in _OPENING else None
+    return _why_named(OPEN, *names) if capability.name in _OPENING else None
 
 
 def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
