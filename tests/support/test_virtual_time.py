@@ -15,7 +15,7 @@ import anyio.to_thread
 import pytest
 
 from homebot.errors import UsageError
-from homebot.support.virtual_time import Limits
+from homebot.support.virtual_time import LoopLimits
 from homebot.testing import VirtualTimeLoop
 
 
@@ -161,7 +161,7 @@ def test_a_worker_thread_that_never_ends_is_an_error() -> None:
             tasks.start_soon(partial(anyio.to_thread.run_sync, has_ended.wait, 30.0))
             await anyio.sleep(60.0)
 
-    runner = asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(Limits(thread_stuck_after=1.0)))
+    runner = asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(LoopLimits(thread_stuck_after=1.0)))
     with pytest.raises(UsageError, match="a worker thread has worked"):
         runner.run(wait())
     has_ended.set()
@@ -170,7 +170,7 @@ def test_a_worker_thread_that_never_ends_is_an_error() -> None:
 
 def test_waiting_for_what_cannot_come_is_an_error() -> None:
     with (
-        asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(Limits(stuck_after=0.0))) as runner,
+        asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(LoopLimits(stuck_after=0.0))) as runner,
         pytest.raises(UsageError, match="nothing is ready and no timer is set"),
     ):
         runner.run(anyio.sleep_forever())
@@ -186,7 +186,7 @@ def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is() -> None:
             tasks.start_soon(never_waits, name="the hot one")
             await anyio.sleep(1)
 
-    limits = Limits(hot_after=0.05, hot_turns=1_000)
+    limits = LoopLimits(hot_after=0.05, hot_turns=1_000)
     told = rf"virtual time cannot advance: .*; now: the hot one in .*never_waits, {re.escape(__file__)}:\d+$"
     loop = VirtualTimeLoop(limits)
     with asyncio.Runner(loop_factory=lambda: loop) as runner, pytest.raises(UsageError, match=told):
@@ -201,6 +201,6 @@ def test_a_busy_program_that_comes_to_rest_each_time_goes_on() -> None:
             await loop.settled()
         return loop.time()
 
-    loop = VirtualTimeLoop(Limits(hot_after=0.0, hot_turns=1_000))
+    loop = VirtualTimeLoop(LoopLimits(hot_after=0.0, hot_turns=1_000))
     with asyncio.Runner(loop_factory=lambda: loop) as runner:
         assert runner.run(program(loop)) == 0.0

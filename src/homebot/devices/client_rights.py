@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
+import homebot.devices.query
 from homebot.devices.always_ask import is_declared
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
@@ -220,9 +221,7 @@ def _check_robot(text: str, name: str) -> None:
 
 
 def _parse(text: str) -> Query:
-    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - for clients with scopes
-
     try:
-        return parse_exact_query(text)
+        return homebot.devices.query.parse_exact_query(text)
     except UsageError as exc:
         raise UsageError(f"'act: {text}': {exc}") from exc

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
 import anyio
 import anyio.lowlevel
 
+import homebot.devices.query
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
 from homebot.devices.query import And, Not, Or, Query, StateIs, TypeIs, facets_of, fits, type_is
@@ -191,13 +192,11 @@ class Follow(LiveQuery[DeviceChange]):
     def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
-            terms.append(_parsed(query) if isinstance(query, str) else query)
+            terms.append(homebot.devices.query.parse_query(query) if isinstance(query, str) else query)
         self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
         near: Query | None = None
         if query:
-            from homebot.devices.query.near import split_near  # noqa: PLC0415 - most queries are for a type
-
-            near, self._query = split_near(self._query)
+            near, self._query = homebot.devices.query.split_near(self._query)
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
@@ -255,9 +254,3 @@ def _has_states(query: Query) -> bool:
             return _has_states(term)
         case _:
             return isinstance(query, StateIs)
-
-
-def _parsed(text: str) -> Query:
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - most apps ask for handles, not by text
-
-    return parse_query(text)

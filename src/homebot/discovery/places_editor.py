@@ -173,17 +173,7 @@ class PlacesEditor:
             UsageError: The tag's room is unknown, its room cannot be one, or is probably a typo.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
-        source = f"{gateway}/{tag or 'code'}"
-        at = self._table.owners.get((gateway, tag))
-        place = None if at is None or at is entry else at.to_device(self._table.topics)
-        facts = []
-        if place is not None and (position := position_of(place.facts)) is not None:
-            position = position._replace(error=max(position.error, TAG_ERROR))
-            facts.append(OwnerFact("taught_position", position.text, source, now))
-        if not facts or room or (place is not None and place.area):
-            name, _ = self._table.owner.plan.locate(check_name((place.area if place is not None else "") or room))
-            self._check_typo(name)
-            facts.append(OwnerFact("taught_area", name, source, now))
+        facts = self._taught(entry, gateway, tag, room, now)
         before = {(fact.name, fact.value) for fact in stated if fact.name in _TAUGHT}
         is_new = before != {(fact.name, fact.value) for fact in facts}
         if is_new:
@@ -191,6 +181,21 @@ class PlacesEditor:
             where = " at ".join(fact.value for fact in reversed(facts))
             self.state(entry, [*others, *facts], f"a tag says that it is in {where}")
         return entry.to_device(self._table.topics).area, is_new
+
+    def _taught(self, entry: Entry, gateway: str, tag: str, room: str, now: float) -> list[OwnerFact]:
+        """Return the position and the room that a tag at a device says; at least one of them."""
+        source = f"{gateway}/{tag or 'code'}"
+        at = self._table.owners.get((gateway, tag))
+        place = None if at is None or at is entry else at.to_device(self._table.topics)
+        facts, area = [], "" if place is None else place.area
+        if place is not None and (position := position_of(place.facts)) is not None:
+            position = position._replace(error=max(position.error, TAG_ERROR))
+            facts.append(OwnerFact("taught_position", position.text, source, now))
+        if not facts or room or area:
+            name, _ = self._table.owner.plan.locate(check_name(area or room))
+            self._check_typo(name)
+            facts.append(OwnerFact("taught_area", name, source, now))
+        return facts
 
     def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:
         """Add an alias or a tag of a device; return all that it has.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import anyio.lowlevel
 from anyio import to_thread
 
+import homebot.devices.query
 import homebot.places
 from homebot.devices import (
     FIND_DEVICES,
@@ -129,10 +130,8 @@ class DirectoryServices:
         return self._found(request)
 
     async def _find_near(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        from homebot.devices.query.near import split_near  # noqa: PLC0415 - few queries ask for it
-
         await self._catch_up()
-        near, rest = split_near(read_terms(request.query))
+        near, rest = homebot.devices.query.split_near(read_terms(request.query))
         found = [] if near is None else (await (await self._nearness()).find(near, rest)).devices
         return self._found(request, {one.device for one in found})
 
@@ -156,8 +155,7 @@ class DirectoryServices:
         return sorted(found.intersection(request.ids) if request.ids else found)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
-        from homebot.devices.query.near import split_near  # noqa: PLC0415 - for searches alone
-        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - likewise
+        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
 
         await self._catch_up()
         index, limit = self._index, request.offset + request.limit if request.limit else None
@@ -165,7 +163,7 @@ class DirectoryServices:
         try:
             query = read_terms(request.query)
             self._check_words(query)
-            near, rest = split_near(query)
+            near, rest = homebot.devices.query.split_near(query)
             if near is None:
                 ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
                 answer = QueryDevicesResponse(success=True, total=len(ranked))

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
+import homebot.control
+import homebot.places
 from homebot.apps import App
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
@@ -221,9 +223,7 @@ def _without_act(table: Table) -> Table:
 def _control(config: Config) -> ControlSettings | None:
     if not config.control:
         return None
-    from homebot.control import ControlSettings  # noqa: PLC0415 - only with the table
-
-    settings = parse_settings(ControlSettings, config.control, config.source, "control", config.folder)
+    settings = parse_settings(homebot.control.ControlSettings, config.control, config.source, "control", config.folder)
     if settings.presence_guard is not None and settings.presence_guard.doors:
         try:
             places = _places(config)
@@ -317,9 +317,7 @@ def _interfaces(config: Config) -> Interfaces | None:
 def _places(config: Config) -> Places:
     if not config.places:
         return NO_PLACES
-    from homebot.places.settings import read_places  # noqa: PLC0415 - only with the table
-
-    return read_places(config.places, config.home.name, config.source, "configuration")
+    return homebot.places.read_places(config.places, config.home.name, config.source, "configuration")
 
 
 def _robots(config: Config) -> Mapping[str, RobotSettings]:

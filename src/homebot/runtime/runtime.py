@@ -391,9 +391,10 @@ class Runtime:
 
 
 def _offer_settings(node: Node, settings: BaseModel) -> None:
-    def declare() -> None:
-        from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
+    node.parameters.declare_later(partial(_declare_settings, node, settings))
 
-        declare_settings(node, settings)
 
-    node.parameters.declare_later(declare)
+def _declare_settings(node: Node, settings: BaseModel) -> None:
+    from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
+
+    declare_settings(node, settings)

@@ -131,8 +131,7 @@ class HouseOfRun:
     async def _serve_robot(self, house: SimulatedHouse, graph: Graph) -> None:
         """Run the robot of the house: the first device that is one, else one that is in the first room."""
         await anyio.sleep(_BOOTS)
-        from homebot.house.robot_actions import RobotActions  # noqa: PLC0415 - as above
-        from homebot.house.ros_robot import RosRobot  # noqa: PLC0415 - as above
+        from homebot.house import robot_actions, ros_robot  # noqa: PLC0415 - as above
 
         world, clock = self._world, graph.clock
         devices = [name for name, one in world.devices.items() if isinstance(unwrap(one.device), Robot)]
@@ -155,8 +154,8 @@ class HouseOfRun:
                 own.handle_command(text, clock.now())
 
         async with Node(graph, self.robot) as node:
-            robot = RosRobot(node, read, command)
-            RobotActions(robot)
+            robot = ros_robot.RosRobot(node, read, command)
+            robot_actions.RobotActions(robot)
             message = f"the robot is in {read().room}; ask what is near it: homebot find 'light near {self.robot}'"
             node.log.info(ROBOT, message=message)
             await robot.serve()

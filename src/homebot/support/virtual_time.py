@@ -25,7 +25,7 @@ from anyio import to_thread
 
 from homebot.errors import UsageError
 
-__all__ = ["Limits", "VirtualTimeLoop"]
+__all__ = ["LoopLimits", "VirtualTimeLoop"]
 
 Ts = TypeVarTuple("Ts")
 ResultT = TypeVar("ResultT")
@@ -35,8 +35,8 @@ SELDOM = 50  # turns of a busy loop after which files are looked at all the same
 _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
 
 
-class Limits(NamedTuple):
-    """Limits of programs in virtual time, in real seconds.
+class LoopLimits(NamedTuple):
+    """LoopLimits of programs in virtual time, in real seconds.
 
     Attributes:
         hot_after: Seconds and
@@ -51,7 +51,7 @@ class Limits(NamedTuple):
     thread_stuck_after: float = 120.0
 
 
-LIMITS = Limits()
+LOOP_LIMITS = LoopLimits()
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
@@ -63,7 +63,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     busy. A worker thread that takes longer than 120 real seconds ends it too.
     """
 
-    def __init__(self, limits: Limits = LIMITS) -> None:
+    def __init__(self, limits: LoopLimits = LOOP_LIMITS) -> None:
         self._limiter: anyio.CapacityLimiter | None = None
         self._executing = 0
         self._jumping = _JumpingSelector(self._busy, self._threads_at_work, limits)
@@ -140,7 +140,7 @@ class _JumpingSelector(selectors.DefaultSelector):
 
     now = 0.0
 
-    def __init__(self, busy: Callable[[], str], threads_at_work: Callable[[], int | None], limits: Limits) -> None:
+    def __init__(self, busy: Callable[[], str], threads_at_work: Callable[[], int | None], limits: LoopLimits) -> None:
         super().__init__()
         self.waiters: deque[asyncio.Future[None]] = deque()
         self._busy = busy

@@ -141,9 +141,8 @@ class Holdings:
                 provided.unadvertise(op)
 
     def _load_actions(self) -> tuple[SentGoals, ProvidedActions]:
-        from homebot.bridges.rosbridge.provided_actions import ProvidedActions  # noqa: PLC0415 - with the first one
-        from homebot.bridges.rosbridge.sent_goals import SentGoals  # noqa: PLC0415
+        from homebot.bridges.rosbridge import provided_actions, sent_goals  # noqa: PLC0415 - with the first one
 
         node, limit = self._shared.node, self._shared.settings.max_calls
-        sent = SentGoals(self._shared, self._access, self._outbox, self._tasks)
-        return sent, ProvidedActions(node, limit, self._outbox, self._provisions)
+        sent = sent_goals.SentGoals(self._shared, self._access, self._outbox, self._tasks)
+        return sent, provided_actions.ProvidedActions(node, limit, self._outbox, self._provisions)

@@ -238,10 +238,7 @@ class Door:
         if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
             return
-        from homebot.bridges.rosbridge.session import (  # noqa: PLC0415 - loaded with the first client
-            ClientSession,
-            DoorLink,
-        )
+        from homebot.bridges.rosbridge import session as sessions  # noqa: PLC0415 - loaded with the first client
 
         async def send(frame: str | bytes) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
@@ -268,8 +265,8 @@ class Door:
         rights, page = self._rights[name], self._unnamed_page(connection)
         address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
         is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
-        link = DoorLink(send, cut, ping, is_excused)
-        session = ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
+        link = sessions.DoorLink(send, cut, ping, is_excused)
+        session = sessions.ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))

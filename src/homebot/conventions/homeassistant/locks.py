@@ -99,12 +99,6 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
         for state, action in _ALARM_ACTIONS.items()
     }
 
-    def check(state: str, code: str) -> None:
-        if not code:
-            raise WrongCodeError(f"alarm {state}", "it needs a code")
-        if known_code not in _REMOTE_CODES and not compare_digest(code.encode(), known_code.encode()):
-            raise WrongCodeError(f"alarm {state}", "the code is wrong")
-
     def read(text: str) -> Readings:
         if text == "None":
             return {"alarm": None}
@@ -113,7 +107,7 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     def write(value: PlainValue, code: str) -> Publications:
         state = require_option("alarm", value, payloads)
         if is_coded[state]:
-            check(state, code)
+            _check_code(state, code, known_code)
         action = payloads[state]
         payload = action if command.template is None else None
         return (command.publication_with_code(payload, code, {"action": action}),)
@@ -123,3 +117,10 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     entity.add_coded_capability("alarm", write, readable=readable, options=_ALARM_STATES)
     entity.add_commands(command)
     return entity.build()
+
+
+def _check_code(state: str, code: str, known: str) -> None:
+    if not code:
+        raise WrongCodeError(f"alarm {state}", "it needs a code")
+    if known not in _REMOTE_CODES and not compare_digest(code.encode(), known.encode()):
+        raise WrongCodeError(f"alarm {state}", "the code is wrong")

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar, get_args
 
+import homebot.devices.query
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import Device
 from homebot.devices.part import Category
@@ -110,37 +111,25 @@ class HandleQuery(Generic[HandleT]):
 
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
-        found: list[Query] = [term for term in terms if not isinstance(term, Not)]  # another part may match that
-        device_terms: list[Query] = []
-        part_terms: list[Query] = []
         self._category: Final = filters.get("category", "")
-        if kind.service_types:
-            part_terms.append(TypeIs("", kind.service_types, by_word=False))
-        found += [FactIs("category", self._category)] if self._category else part_terms  # such parts give no type
-        if "area" in filters:
-            device_terms.append(AreaIs(fold(filters["area"])))
-        if "tag" in filters:
-            device_terms.append(FactIs("tag", fold(filters["tag"])))
-        found += device_terms
-        names = list(device_terms)
-        if filters.get("area") == "":
-            del names[0]  # no name: it asks for devices without a room
-        if "fresh" in filters:
-            fresh = FreshnessIs("fresh")
-            device_terms.append(fresh if filters["fresh"] else Not(fresh))
-        if "name" in filters:
-            names.append(NameIs(fold(filters["name"])))
-            part_terms.append(names[-1])
-        if "reachable" in filters:
-            part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
-        self._device_terms: Final = device_terms
-        self._part_terms: Final = (*part_terms, *terms)
+        category: Query = FactIs("category", self._category)
+        types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
+        places = _terms_of_place(filters)
+        names: list[Query] = [NameIs(fold(filters["name"]))] if "name" in filters else []
+        self._device_terms: Final = [*places, *_terms_of_freshness(filters)]
+        self._part_terms: Final = (*types, *names, *_terms_of_reachability(filters), *terms)
         self.kind: Final = kind
-        self.names: Final = tuple(names)
+        named = places[1:] if filters.get("area") == "" else places  # the empty name is that of no room
+        self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
-        if self.near is not None:
-            found.append(self.near)
-        self.search: Final[Query] = And(tuple(found))
+        self.search: Final[Query] = And(
+            (
+                *[term for term in terms if not isinstance(term, Not)],  # another part may match that
+                *([category] if self._category else types),  # such parts give no type
+                *places,
+                *([] if self.near is None else [self.near]),
+            )
+        )
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
 
     @property
@@ -214,12 +203,27 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
                 raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
 
 
-def _hint(kind: type[Handle], name: str) -> str:
-    from homebot.devices.query.vocabulary import FIELDS  # noqa: PLC0415  # for the error alone
+def _terms_of_place(filters: CommonFilters) -> list[Query]:
+    room: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
+    return [*room, FactIs("tag", fold(filters["tag"]))] if "tag" in filters else room
 
+
+def _terms_of_freshness(filters: CommonFilters) -> list[Query]:
+    if "fresh" not in filters:
+        return []
+    fresh = FreshnessIs("fresh")
+    return [fresh if filters["fresh"] else Not(fresh)]
+
+
+def _terms_of_reachability(filters: CommonFilters) -> list[Query]:
+    return [ReachableIs("yes" if filters["reachable"] else "no")] if "reachable" in filters else []
+
+
+def _hint(kind: type[Handle], name: str) -> str:
+    fields = homebot.devices.query.FIELDS
     known = [one for one in inspect.signature(kind.where).parameters if one != "filters"] + list(_FILTER_TYPES)
-    meant = [FIELDS[name]] if FIELDS.get(name) in known else known
-    return did_you_mean(FIELDS.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
+    meant = [fields[name]] if fields.get(name) in known else known
+    return did_you_mean(fields.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
 
 
 def _called(kind: type) -> str:

@@ -4,6 +4,7 @@ from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from homebot.devices.query.exact import parse_exact_query
     from homebot.devices.query.facets import Facets, facets_of
     from homebot.devices.query.matching import PartFacets, fits
     from homebot.devices.query.near import split_near
@@ -33,8 +34,10 @@ if TYPE_CHECKING:
         type_is,
     )
     from homebot.devices.query.tokens import quoted
+    from homebot.devices.query.vocabulary import FIELDS
 
 __all__ = [
+    "FIELDS",
     "And",
     "AreaIs",
     "CanDo",
@@ -58,6 +61,7 @@ __all__ = [
     "TypeIs",
     "facets_of",
     "fits",
+    "parse_exact_query",
     "parse_query",
     "query_terms",
     "quoted",
@@ -70,6 +74,7 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(
         __name__,
         {
+            "homebot.devices.query.exact": "parse_exact_query",
             "homebot.devices.query.facets": "Facets facets_of",
             "homebot.devices.query.matching": "PartFacets fits",
             "homebot.devices.query.near": "split_near",
@@ -79,5 +84,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
                 Or Query QueryTerm ReachableIs StateIs TypeIs query_terms read_terms type_is
                 """,
             "homebot.devices.query.tokens": "quoted",
+            "homebot.devices.query.vocabulary": "FIELDS",
         },
     )

@@ -11,6 +11,7 @@ import math
 from bisect import insort
 from collections.abc import Callable, Sequence
 from collections.abc import Set as AbstractSet
+from functools import partial
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.path import Crossing, PathFinder, Spot, Way
@@ -90,12 +91,8 @@ def nearest(
         least: The metres that speak against each at least.
         limit: How many; 0 for all.
     """
-
-    def passing(door: str) -> float:
-        return math.inf if math.isinf(crossing(door)) else 0.0
-
     if not math.isinf(within):
-        wanted = finder.within(start, passing, wanted, within)
+        wanted = finder.within(start, partial(_passing, crossing), wanted, within)
         total = len(wanted)
     found: list[NearDevice] = []
     for route in finder.nearest(start, crossing, wanted) if total else ():
@@ -107,6 +104,10 @@ def nearest(
         if len(found) == total:
             break
     return (found[:limit] if limit else found), total
+
+
+def _passing(crossing: Crossing, door: str) -> float:
+    return math.inf if math.isinf(crossing(door)) else 0.0
 
 
 def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str:
