@@ -111,10 +111,12 @@ async def test_with_its_map_in_the_house_it_has_a_position_and_places_other_pose
         assert (pose.is_nearest_room, pose.error) == (False, 0.25)
 
 
-async def test_what_is_no_map_costs_one_message() -> None:
+async def test_what_is_no_map_costs_one_message(capsys: pytest.CaptureFixture[str]) -> None:
     async with vacuum(vacuum=BASE) as dusty:
         await dusty.say("$state", "ready")
-        await dusty.say("MapData/map-data", b"no map")
+        for number in range(20):
+            await dusty.say("MapData/map-data", b"no map %d" % number)
+        assert capsys.readouterr().out.count("a map of dusty is not read") == 1
         await dusty.say("$state", b"\xff\xfe")
         await dusty.say("MapData/map-data", DREAME)
         assert (await dusty.ask()).pose[0].room == "dusty room 5"

@@ -13,6 +13,7 @@ from homebot.devices.devices import Devices
 from homebot.devices.gateway_messages import RawMessage
 from homebot.errors import WireError
 from homebot.graph import Node
+from homebot.log import LogLimit
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.outline import simplified
 from homebot.places.plan import HousePlan, HouseRoom
@@ -57,6 +58,7 @@ class Vacuum:
         self._state = self._status = ""
         self._waiting = b""
         self._arrived = anyio.Event()
+        self._log = LogLimit(node.graph.clock)
 
     async def run(self) -> None:
         """Read maps, the newest only, until cancelled; they are decoded in a thread."""
@@ -73,7 +75,8 @@ class Vacuum:
             try:
                 found, shapes = await to_thread.run_sync(_decoded, self._waiting, self._map, self._shapes)
             except WireError as exc:
-                self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
+                if self._log.allows(MAP_REFUSED) is not None:
+                    self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
                 continue
             self._warn_of_new_map(found)
             self._map, self._shapes, self._received_at = found, shapes, self._robot.now()
