@@ -28,7 +28,7 @@ from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
 from homebot.errors import GoalRejectedError
 from homebot.graph import actions, qos
 from homebot.graph.parameter_services import offer_parameter_services, set_parameters
-from homebot.messages import Time as TimeMessage
+from homebot.messages import Time
 from homebot.support.logger import get_logger as logger_of
 
 __all__ = [
@@ -110,7 +110,7 @@ class get_logger:  # noqa: N801 - rclpy's name
             write(str(message))
 
 
-class Time(int):
+class RclpyTime(int):
     """A point in time, or the difference of two, in nanoseconds."""
 
     @property
@@ -118,13 +118,13 @@ class Time(int):
         """The whole of it."""
         return int(self)
 
-    def __sub__(self, other: int) -> Time:
-        return Time(int(self) - int(other))
+    def __sub__(self, other: int) -> RclpyTime:
+        return RclpyTime(int(self) - int(other))
 
     def to_msg(self) -> Any:
         """Return it as ``builtin_interfaces/msg/Time``."""
         sec, nanosec = divmod(int(self), 10**9)
-        return to_program(TimeMessage(sec=sec, nanosec=nanosec))
+        return to_program(Time(sec=sec, nanosec=nanosec))
 
 
 class RclpyParameter(graph.Parameter):
@@ -166,7 +166,7 @@ class RclpyNode(Remote):
 
     def get_clock(self) -> SimpleNamespace:
         """Return the clock of the graph; its ``now()`` is a time with ``nanoseconds`` and ``to_msg()``."""
-        return SimpleNamespace(now=lambda: Time(CONTEXT.graph.clock.now() * 10**9))
+        return SimpleNamespace(now=lambda: RclpyTime(CONTEXT.graph.clock.now() * 10**9))
 
     def count_publishers(self, topic_name: str) -> int:
         """Return the number of publishers on *topic_name*."""
