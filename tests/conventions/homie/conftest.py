@@ -27,11 +27,11 @@ def say(homie: Homie) -> Say:
 
 @pytest.fixture
 def introduce(say: Say) -> Callable[..., dict[str, DescribedPart]]:
-    """Return a function that announces a device of version 5 and returns its parts by id."""
+    """Return a function that announces a device of version 5, perhaps anew, and returns its parts by id."""
 
     def introduce(nodes: object, **fields: object) -> dict[str, DescribedPart]:
-        say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})
-        (device,) = say("homie/5/thing/$state", "ready")
+        said = say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})
+        (device,) = (*said, *say("homie/5/thing/$state", "ready"))
         assert isinstance(device, DeviceAnnounced)
         return {one.part.id: one for one in device.parts}
 

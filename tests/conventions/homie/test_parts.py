@@ -125,6 +125,17 @@ def test_a_garage_door_is_a_closure(introduce: Introduce) -> None:
     assert told(door, "movement", "closed") == [("garage-door/action/set", "close")]
 
 
+def test_a_garage_door_that_takes_other_words_has_another_digest(introduce: Introduce) -> None:
+    def door(words: str) -> DescribedPart:
+        properties = {"action": order(*words.split(","))}
+        return introduce({"garage-door": {"type": f"{CAP}garage-door", "properties": properties}})["garage-door"]
+
+    first, other, again = door("up,down"), door("open,down"), door("up,down")
+    assert told(first, "movement", "open") == [("garage-door/action/set", "up")]
+    assert told(other, "movement", "open") == [("garage-door/action/set", "open")]
+    assert first.part.payloads == again.part.payloads != other.part.payloads
+
+
 def test_a_lock_is_locked_where_it_is_true(introduce: Introduce) -> None:
     lock = introduce({"lock": {"type": f"{CAP}lock", "properties": {"state": FLAG}}})["lock"]
     assert lock.part.service_type == "door_lock"

@@ -48,7 +48,9 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
             controls.extend(_controls(device, node))
         others.extend(_meters(node))
         others.extend(_singles(node))
-    return tuple(part.build() for part in (*controls, *others))
+    settable = [one for node in device.nodes for one in node.properties if one.is_settable]
+    formats = [(one.topic, one.datatype, one.unit, one.range, one.options) for one in settable]
+    return tuple(part.build(formats or None) for part in (*controls, *others))
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
