@@ -347,3 +347,24 @@ def test_a_meter_counts_drawn_and_returned_energy(say: Say, part: Find) -> None:
     topic = "shellies/shellyem3-A8032A1339F2/emeter/0"
     assert meter.read(f"{topic}/total", b"1500.0", retained=False) == {"energy": 1.5}
     assert meter.read(f"{topic}/total_returned", b"250.0", retained=False) == {"energy_returned": 0.25}
+
+
+GAS = {"id": "shellygas-122881", "model": "SHGS-1", "mac": "A8032A122881"}
+
+
+def test_a_gas_detector_without_its_valve_has_none(say: Say) -> None:
+    say("shellies/announce", GAS)
+    assert say("shellies/shellygas-122881/valve/0/state", "not_connected") == ()
+
+
+def test_the_valve_of_a_gas_detector_is_a_valve(say: Say, part: Find) -> None:
+    """As enesbcs/shellyteacher4domo, issue 53, and the changes of firmware 1.9.2 name the topics."""
+    say("shellies/announce", GAS)
+    valve = part(say("shellies/shellygas-122881/valve/0/state", "opened"), "valve:0")
+    assert (valve.part.service_type, valve.part.tag) == ("water_valve", "gas")
+    topic = "shellies/shellygas-122881/valve/0"
+    assert any(topic_matches(one, f"{topic}/state") for one in Shelly(ShellySettings()).filters())
+    states = [b"opened", b"closing", b"closed", b"checking", b"not_connected"]
+    read = [valve.codec.read(f"{topic}/state", one, retained=False)["valve"] for one in states]
+    assert read == ["open", "closing", "closed", None, None]
+    assert valve.codec.write("valve", "closed") == (Publication(f"{topic}/command", b"close"),)

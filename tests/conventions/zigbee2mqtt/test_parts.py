@@ -570,3 +570,14 @@ def test_equal_parts_of_several_devices_are_described_once_and_each_on_its_own_t
         assert [one.topic for one in parts[0].codec.write("number", 5.0)] == [f"{topic}/set"]
         with pytest.raises(RefusedError):
             parts[0].codec.write("number", 10.0)
+
+
+def test_a_gas_valve_is_a_valve_and_no_setting() -> None:
+    """The model SiHAS GCM-300Z (zigbee-herdsman-converters)."""
+    valve, timeout = built(
+        feature("binary", "gas_valve_state", value_on="OPEN", value_off="CLOSE"),
+        feature("numeric", "close_timeout", value_min=1, value_max=540),
+    )
+    assert (valve.part.service_type, valve.part.category, timeout.part.service_type) == ("water_valve", "", "x_setting")
+    assert [said(valve, gas_valve_state=one) for one in ("OPEN", "CLOSE")] == [{"valve": "open"}, {"valve": "closed"}]
+    assert told(valve, "valve", "closed") == {"gas_valve_state": "CLOSE"}

@@ -71,6 +71,7 @@ _FIRST = (
     *(f"shellies/+/{kind}/+/power" for kind in ("relay", "roller", "light", "color", "white")),
     *(f"shellies/+/{kind}/+/energy" for kind in ("relay", "roller", "light", "color", "white")),
     "shellies/+/emeter/+/+",
+    "shellies/+/valve/+/state",
     *(f"shellies/+/{kind}/+" for kind in ("adc", "ext_temperature", "ext_humidity", "ext_switch", "sensor")),
     *(f"shellies/+/{kind}" for kind in ("temperature", "overtemperature", "overpower", "status")),
 )

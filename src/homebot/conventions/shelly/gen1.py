@@ -23,7 +23,7 @@ from homebot.conventions.description import (
     LastWillAvailability,
 )
 from homebot.conventions.payload import clean_text, parse_object, shown, text_of
-from homebot.conventions.shelly.gen1_controls import Presses
+from homebot.conventions.shelly.gen1_controls import NO_VALVE, Presses
 from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics, find_model
 from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
 from homebot.devices.identity import identifiers
@@ -159,7 +159,8 @@ class Gen1:
             return self._announced(topic, name, payload) if payload else ()
         if suffix == "online":
             return self._online(topic, name, payload)
-        return self._on_state(topic, name, suffix) if payload and is_known_topic(suffix) else ()
+        is_state = payload not in {b"", NO_VALVE} and is_known_topic(suffix)
+        return self._on_state(topic, name, suffix) if is_state else ()
 
     def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         announcement = parse_object(payload)

@@ -1,6 +1,6 @@
-"""Relays, rollers, inputs and lamps of Shelly's first generation. Pure.
+"""Relays, rollers, valves, inputs and lamps of Shelly's first generation. Pure.
 
-Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Dimmer, Duo, Bulb and RGBW2, and of ``input/<i>`` and
+Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Gas, Dimmer, Duo, Bulb and RGBW2, and of ``input/<i>`` and
 ``input_event/<i>``; ``transition`` is in milliseconds.
 """
 
@@ -29,7 +29,7 @@ from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
 
-__all__ = ["Presses", "build_input", "build_light", "build_relay", "build_roller"]
+__all__ = ["NO_VALVE", "Presses", "build_gas_valve", "build_input", "build_light", "build_relay", "build_roller"]
 
 
 _SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower": False}
@@ -75,6 +75,33 @@ def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
         options=("open", "closed", "opening", "closing", "stopped"),
     )
     part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
+    return part
+
+
+NO_VALVE = b"not_connected"
+"""The state of the valve of a gas detector that has none."""
+
+_VALVES: Mapping[bytes, PlainValue] = {
+    **{name.encode(): name for name in ("closed", "opening", "closing")},
+    b"opened": "open",
+    **dict.fromkeys((NO_VALVE, b"unknown", b"failure", b"checking")),
+}
+
+
+def build_gas_valve(topics: Gen1Topics, index: int) -> BytesPart:
+    """Describe the valve that a gas detector closes."""
+    topic = topics.at(f"valve/{index}")
+    commands = {"open": b"open", "closed": b"close"}
+
+    def turn(target: str) -> Publications:
+        return (Publication(f"{topic}/command", commands[target]),)
+
+    part = BytesPart(f"valve:{index}", "water_valve", advertised="valve", tag="gas")
+    part.read_from(f"{topic}/state", meaning_reader("valve", _VALVES))
+    part.add_command_topics(f"{topic}/command")
+    part.add_capability(
+        "valve", writer=option_writer("valve", commands, turn), options=("open", "closed", "opening", "closing")
+    )
     return part
 
 

@@ -12,7 +12,14 @@ from typing import NamedTuple
 
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.shelly.gen1_controls import Presses, build_input, build_light, build_relay, build_roller
+from homebot.conventions.shelly.gen1_controls import (
+    Presses,
+    build_gas_valve,
+    build_input,
+    build_light,
+    build_relay,
+    build_roller,
+)
 from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics
 from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_motion, build_sensor, build_valve
 
@@ -22,7 +29,7 @@ _MAX_CHANNELS = 16
 """Most channels of one kind; no Shelly has more."""
 
 _CHANNEL = re.compile(
-    r"(?P<kind>relay|roller|light|color|white|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
+    r"(?P<kind>relay|roller|light|color|white|valve|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
     r"/(?P<index>[0-9]{1,2})(?:/(?P<rest>[a-z_]+))?"
 )
 _WHOLE = frozenset({"relay/power", "relay/energy", "status"})
@@ -34,6 +41,7 @@ _RESTS: Mapping[str, frozenset[str]] = {
     "emeter": frozenset(_EMETER),
     "relay": _METERED,
     "roller": _METERED | {"pos"},
+    "valve": frozenset({"state"}),
     **dict.fromkeys(("light", "color", "white"), _METERED | {"status"}),
     **dict.fromkeys(("input", "input_event", "adc", "ext_temperature", "ext_humidity", "ext_switch"), _PLAIN),
 }
@@ -112,6 +120,8 @@ def _build_channel(
             yield build_relay(topics, index, is_plug=model is not None and model.is_plug)
         case "roller":
             yield build_roller(topics, index)
+        case "valve":
+            yield build_gas_valve(topics, index)
         case "light" | "color" | "white":
             yield build_light(topics, kind, index, _name_of(model))
         case "input":

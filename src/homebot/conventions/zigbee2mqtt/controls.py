@@ -1,4 +1,4 @@
-"""Covers, locks, fans and sirens that Zigbee2MQTT knows. Pure.
+"""Covers, locks, fans, valves and sirens that Zigbee2MQTT knows. Pure.
 
 Source: zigbee2mqtt.io, Usage > Exposes > cover, lock and fan; zigbee-herdsman-converters 26.105.0, ``warning``;
 percentages as Zigbee2MQTT 2.14.1 announces them to Home Assistant.
@@ -27,6 +27,7 @@ __all__ = [
     "build_lock",
     "build_opener",
     "build_siren",
+    "build_valve",
 ]
 
 
@@ -223,6 +224,19 @@ def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_
 
 
 _DOORS: Mapping[bool, str] = {True: "closed", False: "open"}
+
+
+def build_valve(part: Zigbee2MqttPart, state: Expose) -> DescribedPart:
+    """Describe a valve by the binary of its *state*, which is on while it is open."""
+    targets = {"open": state.value_on, "closed": state.value_off}
+    part.read_feature(
+        state, "valve", lambda value: next((at for at in targets if same_scalar(value, targets[at])), None)
+    )
+    writer = option_writer("valve", targets, lambda target: part.topics.publish({state.key: targets[target]}))
+    part.add_capability("valve", readable=state.is_published, writer=writer, options=tuple(targets))
+    part.add_command_topics(part.topics.command)
+    part.request(state)
+    return part.build()
 
 
 def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:

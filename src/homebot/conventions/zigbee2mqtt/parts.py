@@ -29,6 +29,7 @@ from homebot.conventions.zigbee2mqtt.controls import (
     build_lock,
     build_opener,
     build_siren,
+    build_valve,
 )
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
@@ -64,6 +65,9 @@ _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "l
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 _DOOR = "garage_door_contact"
+_VALVE = ("binary", "gas_valve_state")
+"""Type and name of a valve that is no switch: SiHAS GCM-300Z."""
+
 _ROLES: Mapping[tuple[str, str], str] = {
     **dict.fromkeys((("binary", "trigger"), ("binary", "state")), "opener"),
     **dict.fromkeys((("binary", "alarm"), ("binary", "siren_on")), "siren"),
@@ -156,7 +160,9 @@ class _PartsBuilder:
         return [part for part in (*found, *(build_generic(topics, other) for other in others)) if part]
 
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
-        """Describe a generic expose that is a whole siren or opener; None for any other."""
+        """Describe a generic expose that is a whole siren, valve or opener; None for any other."""
+        if (expose.type, expose.name) == _VALVE and expose.is_settable:
+            return build_valve(_part_of(topics, expose, "water_valve"), expose)
         if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
         if expose is self._auxiliary.get("opener"):
