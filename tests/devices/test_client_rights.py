@@ -89,7 +89,8 @@ NAMES_THAT_ASK = (
     "Ouverture portail, Portail voiture, Vanne d'eau, Chauffe-eau, Cancello, Apri cancello, Porta del garage, "
     "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen, Sprinkler zone 1, Heizkessel, "
     "Warmwasserspeicher, Bewässerung Garten, Hauptwasserhahn, Tür öffnen, Arrosage jardin, Ouvrir la porte, "
-    "Irrigazione, Apri la porta, Riego, Abrir puerta, CV-ketel, Beregening, Deur openen"
+    "Irrigazione, Apri la porta, Riego, Abrir puerta, CV-ketel, Beregening, Deur openen, "
+    "bestin_gas1, Beregnung Rasen 2"
 )
 
 
@@ -173,7 +174,7 @@ OTHER_NAMES = (
     "Cold water, Sauna light, Fireplace lamp, Boiler room fan, Boilerraum, Cooker hood, Garagentor Licht, "
     "Torbeleuchtung, Hauslicht, Ventilator, Motor, Monitor, Store, Kinderzimmer, Radiator, Lampe du portail, "
     "Sonnette portail, Porte, Lumière garage, Luce cancello, Luz puerta garaje, Poortlamp, Deurbel poort, "
-    "Puerta"
+    "Puerta, Gas meter, Gas alarm"
 )
 
 

@@ -2,7 +2,8 @@
 
 The words of the table have small letters without accents, see :mod:`homebot.support.folding`. Its groups:
 
-- ``heat``: loads that burn or scald. ``water``: loads that flood. ``entry``: gates, doors and bolts. ``lock``: locks.
+- ``heat``: loads that burn or scald. ``water``: loads that flood, and valves of gas. ``entry``: gates, doors, bolts.
+- ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
 - ``siren``: loads that sound. It does not always ask, but is no load like others.
 
