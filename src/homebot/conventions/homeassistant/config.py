@@ -75,7 +75,8 @@ class DiscoveryConfig:
     def of_commands(self) -> list[tuple[str, object]]:
         """Return the fields that may determine the payloads of commands, sorted, without topics; no code's value."""
         keys = sorted(filter(_is_of_commands, self.values))
-        return [(key, self.has(key) if key == "code" else self.values[key]) for key in keys]
+        values = {**self.values, "code": self.has("code")} if "code" in self.values else self.values
+        return list(zip(keys, map(values.__getitem__, keys), strict=True))
 
     def has(self, key: str) -> bool:
         """Return whether the field exists and is not null."""

@@ -112,25 +112,30 @@ class HandleQuery(Generic[HandleT]):
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
-        category: Query = FactIs("category", self._category)
         types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
-        places = _terms_of_place(filters)
+        places: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
+        if "tag" in filters:
+            places.append(FactIs("tag", fold(filters["tag"])))
         names: list[Query] = [NameIs(fold(filters["name"]))] if "name" in filters else []
-        self._device_terms: Final = [*places, *_terms_of_freshness(filters)]
-        self._part_terms: Final = (*types, *names, *_terms_of_reachability(filters), *terms)
+        part_terms = [*types, *names]
+        if "reachable" in filters:
+            part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
+        fresh = FreshnessIs("fresh")
+        freshness: list[Query] = [fresh if filters["fresh"] else Not(fresh)] if "fresh" in filters else []
+        self._device_terms: Final = [*places, *freshness]
+        self._part_terms: Final = (*part_terms, *terms)
         self.kind: Final = kind
         named = places[1:] if filters.get("area") == "" else places  # the empty name is that of no room
         self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
-        self.search: Final[Query] = And(
-            (
-                *[term for term in terms if not isinstance(term, Not)],  # another part may match that
-                *([category] if self._category else types),  # such parts give no type
-                *places,
-                *([] if self.near is None else [self.near]),
-            )
-        )
+        self.search: Final[Query] = self._search(types, places, terms)
         self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
+
+    def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
+        """Return the query for the devices that may have such a part; an own category gives no type."""
+        found: list[Query] = [one for one in terms if not isinstance(one, Not)]  # another part may match that
+        found += [FactIs("category", self._category)] if self._category else types
+        return And((*found, *places) if self.near is None else (*found, *places, self.near))
 
     @property
     def near_search(self) -> Query | None:
@@ -201,22 +206,6 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
             expected = {"bool": bool, "number": float, "text": str}.get(capability.kind, tuple)
             if not isinstance(term.value, expected):
                 raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
-
-
-def _terms_of_place(filters: CommonFilters) -> list[Query]:
-    room: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
-    return [*room, FactIs("tag", fold(filters["tag"]))] if "tag" in filters else room
-
-
-def _terms_of_freshness(filters: CommonFilters) -> list[Query]:
-    if "fresh" not in filters:
-        return []
-    fresh = FreshnessIs("fresh")
-    return [fresh if filters["fresh"] else Not(fresh)]
-
-
-def _terms_of_reachability(filters: CommonFilters) -> list[Query]:
-    return [ReachableIs("yes" if filters["reachable"] else "no")] if "reachable" in filters else []
 
 
 def _hint(kind: type[Handle], name: str) -> str:
