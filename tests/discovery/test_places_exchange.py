@@ -32,6 +32,27 @@ FACTS = st.lists(
 )
 
 
+def test_a_door_of_a_file_may_lead_to_a_room_that_the_house_has() -> None:
+    """One more room, and its door: in GeoJSON the rooms of a line are those at it, also those of the house."""
+    square = [[0, 0], [4, 0], [4, 5], [0, 5]]
+    house = read_places({"rooms": {"Hall": {"polygon": square}}}, "Home", "homebot.toml", "configuration").rooms
+    bath = {"type": "Polygon", "coordinates": [[[0, 5], [4, 5], [4, 8], [0, 8]]]}
+    door = {"type": "LineString", "coordinates": [[1, 5], [2, 5]]}
+    features = [
+        {"type": "Feature", "properties": {"name": "Bath"}, "geometry": bath},
+        {"type": "Feature", "properties": {}, "geometry": door},
+    ]
+    for text in (json.dumps({"features": features}), '[places.rooms.Bath]\ndoors = ["Hall"]'):
+        assert [room.name for room in parse_places(text, "Home", 0.0, house).rooms] == ["Bath"]
+        with pytest.raises(ConfigError, match=r"Hall|at Bath alone"):
+            parse_places(text, "Home", 0.0)
+
+
+def test_a_file_that_is_neither_toml_nor_geojson_is_called_so() -> None:
+    with pytest.raises(ConfigError, match=r"is no GeoJSON, .* and is invalid TOML"):
+        parse_places("[" * 20_000, "Home", 0.0)
+
+
 def done(work: Generator[None, None, T]) -> T:
     while True:
         try:

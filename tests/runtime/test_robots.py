@@ -100,10 +100,15 @@ class VacuumHouse:
 
 
 @asynccontextmanager
-async def vacuum_house(rooms: Mapping[str, object], **vacuum: object) -> AsyncIterator[VacuumHouse]:
+async def vacuum_house(
+    rooms: Mapping[str, object], index: Path | None = None, **vacuum: object
+) -> AsyncIterator[VacuumHouse]:
     robots = {"dusty": {"vacuum": "valetudo/dusty", **vacuum}, "rosie": {}}
     config = parse_config({"robots": robots, "places": {"rooms": rooms}}, "homebot.toml")
-    async with Runtime(config, with_door=False) as runtime, Node(runtime.graph, "mqtt", namespace="/gateway") as node:
+    async with (
+        Runtime(config, with_door=False, index_file=index) as runtime,
+        Node(runtime.graph, "mqtt", namespace="/gateway") as node,
+    ):
         house = VacuumHouse(runtime, node)
         await anyio.sleep(1)
         yield house
@@ -159,6 +164,24 @@ async def test_rooms_of_a_vacuum_s_map_follow_the_map_and_those_of_the_owner_sta
         tables["layers"] = [one for one in tables["layers"] if one["metaData"].get("name") != "Bad"]
         await house.say_map(packed(tables))
         assert (await house.areas()).keys() == {"Flur", "Kitchen"}
+
+
+@pytest.mark.virtual_time
+async def test_a_map_that_changed_while_homebot_was_off_changes_its_rooms(tmp_path: Path) -> None:
+    file = tmp_path / "index.sqlite3"
+    table = {"segments": {"5": "Kitchen"}, "map_transform": LIES_AT}
+    async with vacuum_house(HALL, file, **table) as house:
+        await house.say_map(DREAME)
+        before = await house.areas()
+        await anyio.sleep(60)
+    tables = without(changed(DREAME), "5")
+    tables["layers"] = [one for one in tables["layers"] if one["metaData"].get("name") != "Bad"]
+    async with vacuum_house(HALL, file, **table) as house:
+        assert await house.areas() == before
+        await house.say_map(packed(tables))
+        after = await house.areas()
+        assert after.keys() == {"Hall", "Kitchen", "Flur"}
+        assert after["Kitchen"] < 0.7 * before["Kitchen"]
 
 
 @pytest.mark.virtual_time

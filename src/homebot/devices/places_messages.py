@@ -248,10 +248,12 @@ class ImportPlacesRequest(Message):
     Attributes:
         text: Its text.
         replaces: Whether its room of a device wins over one that was stated here before.
+        source: The robot whose map the areas of its rooms are from; empty for the owner's word.
     """
 
     text: Annotated[str, Field(max_length=_LONGEST)]
     replaces: bool = False
+    source: str = ""
 
 
 class ImportPlacesResponse(ServiceAnswer):

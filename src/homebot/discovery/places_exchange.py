@@ -12,7 +12,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
-from homebot.places import HousePlan, OwnerFact, Places, check_name, places_text, read_places
+from homebot.places import HousePlan, HouseRoom, OwnerFact, Places, check_name, places_text, read_places
 from homebot.places.geojson import geojson_table
 from homebot.support.folding import fold
 from homebot.support.toml_file import parse_toml
@@ -184,28 +184,32 @@ class PlacesExchange:
         return tuple(dict.fromkeys(owners[key] for key in keys))
 
 
-def parse_places(text: str, home: str, now: float) -> Places:
+def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = ()) -> Places:
     """Return the content of a places file.
 
     Args:
         text: Its text: TOML, or GeoJSON.
         home: The name of the home.
         now: Seconds since the Unix epoch.
+        known: The rooms of the house, to which doors of the file may lead.
 
     Raises:
         ConfigError: The first mistake; names the key and the value.
     """
-    return read_places(_places_table(text), home, SOURCE, "import", now)
+    return read_places(_places_table(text, known), home, SOURCE, "import", now, known)
 
 
 def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
     return tuple(fact for fact in facts if fact.name in {"area", "position", "name", "tag"})
 
 
-def _places_table(text: str) -> Mapping[str, object]:
+def _places_table(text: str, known: Iterable[HouseRoom]) -> Mapping[str, object]:
     if text.lstrip().startswith("{"):
-        return geojson_table(text, SOURCE)
-    tables = parse_toml(text, SOURCE)
+        return geojson_table(text, SOURCE, known)
+    try:
+        tables = parse_toml(text, SOURCE)
+    except ConfigError as exc:
+        raise ConfigError(SOURCE, exc.key, f"is no GeoJSON, which is an object {{…}}, and {exc.reason}") from exc
     for name in tables:
         if name != "places":
             raise ConfigError(SOURCE, name, "unknown key; known is places")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -201,8 +202,10 @@ class PlacesServices:
 
         index = self._index
         try:
-            parse = partial(parse_places, request.text, index.owner.plan.home, self._clock.now())
+            plan = index.owner.plan
+            parse = partial(parse_places, request.text, plan.home, self._clock.now(), plan.rooms)
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
+            places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
             owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
             imported = await TimeSlice(self._clock).do(index.places_exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:

@@ -7,13 +7,13 @@ the frame ``map`` begins, and its y axis points to. A drawing without it is in m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeAlias, cast
 
 from homebot.errors import ConfigError
 from homebot.places.facts import OWNER_ERROR, Position
 from homebot.places.floor_plan import FloorPlan
-from homebot.places.plan import OUTSIDE, HousePlan, Point
+from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom, Point
 from homebot.places.settings import read_places
 from homebot.support.strict_json import parse_strict
 
@@ -27,8 +27,8 @@ _DEGREE = 111_195.0
 _LEAST_METRES = 1.5
 
 
-def geojson_table(text: str, source: str) -> Mapping[str, object]:
-    """Return the table ``[places]`` of a GeoJSON file.
+def geojson_table(text: str, source: str, known: Iterable[HouseRoom] = ()) -> Mapping[str, object]:
+    """Return the table ``[places]`` of a GeoJSON file, whose doors may lead to rooms that are *known*.
 
     Raises:
         ConfigError: It is none, or lacks something; names the place and the value.
@@ -40,19 +40,20 @@ def geojson_table(text: str, source: str) -> Mapping[str, object]:
     features = document.get("features") if isinstance(document, dict) else None
     if not isinstance(features, list) or not all(isinstance(one, dict) for one in features):
         raise ConfigError(source, "features", "must be an array: GeoJSON is an object with an array of features")
-    file = _File(cast("list[_Table]", features), source, _object(cast("_Table", document), "homebot"))
+    file = _File(cast("list[_Table]", features), source, _object(cast("_Table", document), "homebot"), known)
     return {"rooms": file.rooms(), "doors": [*file.doors()], "devices": dict(file.devices())}
 
 
 class _File:
     """The features of a file, in metres."""
 
-    def __init__(self, features: list[_Table], source: str, settings: _Table) -> None:
+    def __init__(self, features: list[_Table], source: str, settings: _Table, known: Iterable[HouseRoom]) -> None:
         self._source = source
+        self._known = tuple(known)
         self._features = [(f"features.{index}", one) for index, one in enumerate(features)]
         self._origin: Point | None = None
         self._bearing = 0.0
-        self._plan = HousePlan(source, source=source)
+        self._plan = HousePlan(source, self._known, source)
         if settings:
             self._origin = self._point(settings.get("origin"), "homebot.origin")
             bearing = settings.get("bearing", 0)
@@ -75,9 +76,8 @@ class _File:
         if corners and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES:
             hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
             raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
-        self._plan = HousePlan(
-            self._source, read_places({"rooms": found}, self._source, self._source, "").rooms, self._source
-        )
+        rooms = read_places({"rooms": found}, self._source, self._source, "").rooms
+        self._plan = HousePlan(self._source, (*self._known, *rooms), self._source)
         return found
 
     def doors(self) -> Iterator[_Table]:
@@ -117,7 +117,7 @@ class _File:
         if len(rooms) < 2:
             at = f"at {rooms[0]} alone" if rooms else "at no room"
             hint = f'state its "rooms", such as ["{(*rooms, "Hall")[0]}", "{OUTSIDE}"]'
-            raise ConfigError(self._source, f"{key}.properties.rooms", f"the door is {at} of this file; {hint}")
+            raise ConfigError(self._source, f"{key}.properties.rooms", f"the door is {at}; {hint}")
         return rooms
 
     def _point(self, value: object, key: str) -> Point:

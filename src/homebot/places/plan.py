@@ -59,12 +59,14 @@ class HouseRoom(NamedTuple):
         floor: The floor that it is on; empty where that is not stated.
         doors: The rooms that a door joins it to.
         polygons: Its area; empty where that is not known.
+        source: The robot whose map the area is from; empty for the owner's word.
     """
 
     name: str
     floor: str = ""
     doors: tuple[str, ...] = ()
     polygons: tuple[Rings, ...] = ()
+    source: str = ""
 
 
 class HouseDoor(NamedTuple):
@@ -235,6 +237,7 @@ def _merged(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
             floor=room.floor or known.floor,
             doors=(*known.doors, *room.doors),
             polygons=room.polygons or known.polygons,
+            source=(room if room.polygons else known).source,
         )
     if len(found) > MAX_ROOMS:
         raise ConfigError(source, _ROOMS, f"has {len(found):,} rooms; {MAX_ROOMS:,} is the limit")

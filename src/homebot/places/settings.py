@@ -169,7 +169,14 @@ class PlacesSettings(BaseModel):
     devices: dict[str, DeviceSettings] = Field(default_factory=dict)
 
 
-def read_places(table: Mapping[str, object], home: str, source: str, stated_by: str, now: float = 0.0) -> Places:
+def read_places(
+    table: Mapping[str, object],
+    home: str,
+    source: str,
+    stated_by: str,
+    now: float = 0.0,
+    known: Iterable[HouseRoom] = (),
+) -> Places:
     """Return the table ``[places]``, checked.
 
     Args:
@@ -178,6 +185,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
         source: The file, for messages.
         stated_by: See :attr:`OwnerFact.source`.
         now: See :attr:`OwnerFact.said_at`.
+        known: Further rooms of the house, to which doors may lead.
 
     Raises:
         ConfigError: A key is unknown or a value invalid; names *source*, the key, and the value.
@@ -185,7 +193,7 @@ def read_places(table: Mapping[str, object], home: str, source: str, stated_by: 
     settings = parse_settings(PlacesSettings, table, source, "places")
     rooms = _rooms(settings.rooms, source)
     house_doors = _doors(settings.doors, source)
-    plan = HousePlan(home, rooms, source, house_doors)
+    plan = HousePlan(home, (*known, *rooms) if rooms or house_doors else (), source, house_doors)
     if plan.has_areas:
         from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
 

@@ -22,6 +22,7 @@ __all__ = [
     "ExtrapolationException",
     "InvalidArgumentException",
     "LookupException",
+    "Sample",
     "TransformBuffer",
     "TransformException",
     "rigid_of",
@@ -61,7 +62,7 @@ class InvalidArgumentException(TransformException):
     """The name of a frame or a transform is invalid."""
 
 
-class _Sample(NamedTuple):
+class Sample(NamedTuple):
     """A transform of a frame at a time, in nanoseconds."""
 
     stamp: int
@@ -77,8 +78,8 @@ class TransformBuffer:
     """The frames of one robot or house, and the transforms between them."""
 
     def __init__(self) -> None:
-        self._moving: dict[str, list[_Sample]] = {}  # by time
-        self._static: dict[str, _Sample] = {}
+        self._moving: dict[str, list[Sample]] = {}  # by time
+        self._static: dict[str, Sample] = {}
         self._frames: set[str] = set()
 
     def set_transform(self, transform: TransformStamped, authority: str = "") -> bool:
@@ -91,7 +92,20 @@ class TransformBuffer:
             InvalidArgumentException: A frame name is empty, a frame is its own ancestor, a number is not finite, the
                 quaternion is not of length 1, or there are too many frames.
         """
-        child, sample = self._checked(transform, authority)
+        return self.insert(transform.child_frame_id, _sample_of(transform), authority)
+
+    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> None:
+        """Insert *transform*, which holds at any time; see :meth:`set_transform`."""
+        self.insert(transform.child_frame_id, _sample_of(transform), authority, is_static=True)
+
+    def insert(self, child: str, sample: Sample, authority: str, *, is_static: bool = False) -> bool:
+        """Insert the transform of the frame *child*; see :meth:`set_transform`."""
+        child = child.removeprefix("/")
+        self._check(child, sample, authority)
+        if is_static:
+            self._static[child] = sample
+            self._moving.pop(child, None)
+            return True
         samples = self._moving.get(child, [])
         if not samples or sample.stamp > samples[-1].stamp:
             samples.append(sample)
@@ -104,12 +118,6 @@ class TransformBuffer:
         self._moving[child] = samples
         self._static.pop(child, None)
         return True
-
-    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> None:
-        """Insert *transform*, which holds at any time; see :meth:`set_transform`."""
-        child, sample = self._checked(transform, authority)
-        self._static[child] = sample
-        self._moving.pop(child, None)
 
     def lookup_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> TransformStamped:
         """Return the transform that maps points of *source_frame* into *target_frame*.
@@ -153,16 +161,13 @@ class TransformBuffer:
         """Forget all transforms but static ones."""
         self._moving = {}
 
-    def _checked(self, transform: TransformStamped, authority: str) -> tuple[str, _Sample]:
-        parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
-        sample = _Sample(_nanoseconds(transform.header.stamp), parent, rigid_of(transform.transform))
+    def _check(self, child: str, sample: Sample, authority: str) -> None:
         if problem := self._problem(child, sample):
-            sender = f" from {authority}" if authority else ""
-            raise InvalidArgumentException(f"the transform{sender} from {child[:100]!r} to {parent[:100]!r} {problem}")
-        self._frames |= {parent, child}
-        return child, sample
+            sender, ends = f" from {authority}" if authority else "", (child[:100], sample.parent[:100])
+            raise InvalidArgumentException(f"the transform{sender} from {ends[0]!r} to {ends[1]!r} {problem}")
+        self._frames |= {sample.parent, child}
 
-    def _problem(self, child: str, sample: _Sample) -> str:
+    def _problem(self, child: str, sample: Sample) -> str:
         parent, rigid = sample.parent, sample.rigid
         if not parent or not child:
             return "lacks the name of a frame"
@@ -238,13 +243,18 @@ class TransformBuffer:
         return walked, ""
 
 
+def _sample_of(transform: TransformStamped) -> Sample:
+    parent = transform.header.frame_id.removeprefix("/")
+    return Sample(_nanoseconds(transform.header.stamp), parent, rigid_of(transform.transform))
+
+
 def rigid_of(transform: Transform) -> Rigid:
     """Return *transform* to compute with."""
     moved, turned = transform.translation, transform.rotation
     return Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
 
 
-def _at(samples: Sequence[_Sample], time: int) -> _Sample:
+def _at(samples: Sequence[Sample], time: int) -> Sample:
     """Return the transform at *time*, the newest for 0, one between two that have the same parent.
 
     Raises:
@@ -267,7 +277,7 @@ def _at(samples: Sequence[_Sample], time: int) -> _Sample:
     if earlier.parent != later.parent:
         return earlier
     share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
-    return _Sample(time, earlier.parent, earlier.rigid.between(later.rigid, share))
+    return Sample(time, earlier.parent, earlier.rigid.between(later.rigid, share))
 
 
 def _unconnected(target: str, source: str) -> ConnectivityException:

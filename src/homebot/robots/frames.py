@@ -6,13 +6,13 @@ from contextlib import suppress
 from typing import Final, final
 
 from homebot.devices.robot_owners import MAP, RobotOwners
-from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Pose, TransformStamped
 from homebot.places.rigid import MapPose, Rigid, yaw_of
 from homebot.places.transforms import (
     MAX_FRAMES,
     InvalidArgumentException,
     LookupException,
+    Sample,
     TransformBuffer,
     TransformException,
     rigid_of,
@@ -48,16 +48,14 @@ class RobotFrames:
         Raises:
             TransformException: It is refused; the message says why.
         """
-        header, child = transform.header, self.name_of(transform.child_frame_id, robot)
+        child, parent = (self.name_of(one, robot) for one in (transform.child_frame_id, transform.header.frame_id))
         owner = robot or self._owners.of_frame(child)
-        parent = self.name_of(header.frame_id, robot)
-        named = self._named.get(owner, {MAP}) | {parent, child}
-        if len(named) > self._most:
+        named = self._named.setdefault(owner, {MAP})
+        if len(named) + len({parent, child} - named) > self._most:
             raise InvalidArgumentException(f"{child[:100]!r} is of one frame of {owner} more than {self._most:,}")
-        header = header.model_copy(update={"frame_id": parent, "stamp": Time.from_seconds(now)})
-        insert = self._buffer.set_transform_static if is_static else self._buffer.set_transform
-        insert(transform.model_copy(update={"header": header, "child_frame_id": child}), owner)
-        self._named[owner] = named
+        sample = Sample(round(now * 1e9), parent, rigid_of(transform.transform))
+        self._buffer.insert(child, sample, owner, is_static=is_static)
+        named |= {parent, child}
         return owner
 
     def name_of(self, frame: str, robot: str) -> str:

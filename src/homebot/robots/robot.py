@@ -60,7 +60,16 @@ class TrackedRobot:
         self._poses: dict[str, RobotPose] = {}
         self._consistent = 0
 
-    def place(self, source: str, limit: float, at: MapPose | None = None, *, age: float = 0.0, **place: object) -> None:
+    def place(
+        self,
+        source: str,
+        limit: float,
+        at: MapPose | None = None,
+        *,
+        age: float = 0.0,
+        by_robot: bool = True,
+        **place: object,
+    ) -> None:
         """Take the place that *source* states instead of its last, and check whether the robot was carried away.
 
         Args:
@@ -68,6 +77,7 @@ class TrackedRobot:
             limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, for a parked one.
             at: The position; None where only the room is known.
             age: Seconds since it was received.
+            by_robot: Whether the robot states it, so that it lives.
             place: Further fields of the pose: ``error``, ``room``, ``floor``, ``is_nearest_room``.
         """
         values: dict[str, object] = {
@@ -90,7 +100,10 @@ class TrackedRobot:
             self._consistent += 1
             if self._consistent >= _CONSISTENT:
                 self.unsure_because = ""
-        self.add_life(age)
+        if by_robot:
+            self.add_life(age)
+        else:
+            self._on_change()
 
     def add_life(self, age: float = 0.0) -> None:
         """Take a message of the robot, which came *age* seconds ago, as a sign that it lives."""

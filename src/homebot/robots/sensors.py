@@ -44,7 +44,7 @@ async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> Non
         handle = change.handle
         robot = by_sensor.get(handle.id) or by_sensor.get(fold(handle.name))
         if robot is not None and handle.area and handle.occupied and change.kind != "removed":
-            robot.place(handle.id, MOTION_LIMIT, room=handle.area)
+            robot.place(handle.id, MOTION_LIMIT, room=handle.area, by_robot=False)
 
 
 async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
@@ -56,7 +56,10 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
             told = JsonPose.model_validate_json(message.payload[:_LONGEST_POSE])
         except ValidationError as exc:
             if log.allows(NOT_READ) is not None:
-                problem = exc.errors(include_url=False)[0]["msg"]
+                error = exc.errors(include_url=False)[0]
+                problem = (
+                    f"{'.'.join(map(str, error['loc']))} {error['msg']}, got {str(error['input'])[:100]!r}".strip()
+                )
                 node.log.warning(NOT_READ, message=f"a pose on {message.address} is not read: {problem}")
             return
         limit = settings.limit if told.limit is None else told.limit
@@ -64,7 +67,7 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
         at = None if told.x is None or told.y is None else MapPose(told.x, told.y, told.yaw)
         if at is not None:
             place["error"] = told.error
-        robot.place(settings.topic, limit, at, age=0.0, **place)
+        robot.place(settings.topic, limit, at, age=0.0, by_robot=True, **place)
 
     await listen(node, devices, settings.gateway, settings.topic, on_pose)
 

@@ -49,7 +49,7 @@ class Vacuum:
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
         self._source = f"{robot.settings.vacuum}/MapData"
-        self._rooms = ImportedRooms(node, house)
+        self._rooms = ImportedRooms(node, house, robot.name)
         self._map: VacuumMap | None = None
         self._first_id: str | None = None
         self._shapes: Mapping[str, Polygon] = {}
@@ -146,7 +146,8 @@ class Vacuum:
         if place:
             position = None if self._lies_at is None else self._lies_at.then(at)
             limit = _ACTIVE_LIMIT if self._status in _ACTIVE else _IDLE_LIMIT
-            robot.place(self._source, limit, position, age=robot.now() - self._received_at, **place)
+            age = robot.now() - self._received_at
+            robot.place(self._source, limit, position, age=age, by_robot=True, **place)
 
 
 def _decoded(
