@@ -209,7 +209,7 @@ def _places_table(text: str, known: Iterable[HouseRoom]) -> Mapping[str, object]
     try:
         tables = parse_toml(text, SOURCE)
     except ConfigError as exc:
-        raise ConfigError(SOURCE, exc.key, f"is no GeoJSON, which is an object {{…}}, and {exc.reason}") from exc
+        raise ConfigError(SOURCE, exc.key, f"{exc.reason}; GeoJSON would begin with {{") from exc
     for name in tables:
         if name != "places":
             raise ConfigError(SOURCE, name, "unknown key; known is places")
