@@ -41,8 +41,13 @@ MOST_MEMORY = 150
 @pytest.fixture(scope="module")
 def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     with attacked(tmp_path_factory.mktemp("door")) as running:
-        until(lambda: "/robots" in running.toll().entities or None, PATIENCE)  # the robot of the house joins last
+        until_the_robot_joined(running)
         yield running
+
+
+def until_the_robot_joined(homebot: Attacked) -> None:
+    """Wait until all of the simulated house is loaded: its robot joins last."""
+    until(lambda: "/robots" in homebot.toll().entities or None, PATIENCE)
 
 
 def client(homebot: Attacked) -> ClientConnection:
@@ -324,7 +329,7 @@ def test_twelve_guessers_do_not_lock_out_the_program_that_came_in_before(tmp_pat
                     connect(f"{locked.url}?token=wrong{tried}", proxy=None, open_timeout=PATIENCE).close()
             return tried
 
-        locked.toll()  # comes in with the token
+        until_the_robot_joined(locked)  # comes in with the token
         guessers = [threads.submit(guess) for _ in range(12)]
         try:
             until(lambda: True if "too many wrong tokens" in locked.text() else None, PATIENCE)
