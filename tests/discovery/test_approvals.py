@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -196,19 +195,6 @@ def test_approvals_are_bounded(lock: Sighting) -> None:
     with pytest.raises(RefusedError, match="there are 10,000 already"):
         index.places.approve("other", 2.0)
     assert approved(index) == ["door"]
-
-
-def test_an_approval_of_an_older_index_file_waits_again(index: DeviceIndex, lock: Sighting) -> None:
-    """It does not say what was approved; the room beside it stays."""
-    index.observe(lock)
-    facts = [["area", "Hall", "command", 1.0], ["approved", "yes", "command", 2.0]]
-    names = ("name", "value", "source", "said_at")
-    stated = [dict(zip(names, one, strict=True)) for one in facts]
-    owner = OwnerFacts("Home", NO_PLACES, 5.0)
-    owner.restore(json.dumps({"statements": [{"facts": stated, "announcements": [["mqtt", lock.key]]}]}))
-    again = DeviceIndex(forget_after=1000.0, owner=owner)
-    again.observe(lock)
-    assert (only(again).area, waits_for_approval(only(again))) == ("Hall", True)
 
 
 def test_a_places_file_has_no_approvals(index: DeviceIndex, lock: Sighting) -> None:

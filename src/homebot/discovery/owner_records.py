@@ -23,14 +23,6 @@ class _StatementRecord(BaseModel):
     announcements: tuple[tuple[str, str], ...] = ()
     names: tuple[str, ...] = ()
 
-    @field_validator("facts", mode="before")
-    @classmethod
-    def _without_old_approvals(cls, facts: object) -> object:
-        """Return *facts* without approvals: older files do not name the approved commands, so the devices wait."""
-        if not isinstance(facts, list):
-            return facts
-        return [one for one in facts if not isinstance(one, dict) or one.get("name") != "approved"]
-
     @field_validator("facts")
     @classmethod
     def _with_positions_that_can_be_read(cls, facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:

@@ -117,15 +117,10 @@ def _order(one: DifferentCommand) -> tuple[float, str, str, str]:
 
 def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
     """Return why the same command among *others* was refused; empty if there is none."""
-    wanted = given.command
+    wanted = _key(given.command)
     for one in others:
-        command = one.command
-        is_near = abs(one.at - given.at) <= _TOLERANCE
-        is_same = (command.issuer, command.device, command.part, command.settings) == (
-            *(wanted.issuer, wanted.device, wanted.part),
-            wanted.settings,
-        )
-        if is_near and is_same and one.result is not None and not is_carried_out(one):
+        is_same = abs(one.at - given.at) <= _TOLERANCE and _key(one.command) == wanted
+        if is_same and one.result is not None and not is_carried_out(one):
             return f"{one.result.policy}: {one.result.reason}"
     return ""
 

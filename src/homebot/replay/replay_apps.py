@@ -38,7 +38,9 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
     if not wanted:
         _check_installed(known)
         tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
-    classes = [_found(text) for text in wanted]
+    classes: list[type[object]] = [
+        load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text) for text in wanted
+    ]
     kinds = {_kind_of(one) for one in classes}
     for one in classes:
         same = [app for app in known if app.kind == _kind_of(one)]
@@ -88,9 +90,3 @@ def _settings(app: RecordedApp) -> Table:
     if not isinstance(found, dict):
         raise UsageError(f"the settings of {app.name} in the recording are no table")
     return {**found}
-
-
-def _found(text: str) -> type[object]:
-    """Return the class that *text* names."""
-    found: type[object] = load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text)
-    return found
