@@ -101,14 +101,6 @@ class RobotMap(NamedTuple):
         origin = MapPose(at.x, at.y, yaw_of((turn.x, turn.y, turn.z, turn.w)))
         return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
 
-    def free_share(self, rings: Iterable[tuple[Sequence[Point], bool]]) -> float:
-        """Return the share of an area that is free; *rings* are its corners, each with whether it is a hole."""
-        mask = Image.new("1", self.cells.size)
-        for corners, is_hole in rings:
-            ImageDraw.Draw(mask).polygon([self._pixel(one) for one in corners], fill=int(not is_hole))
-        counts = self.cells.histogram(mask)
-        return counts[0] / sum(counts) if any(counts) else 0.0
-
     def rooms(self, points: Mapping[str, Point], doors: Iterable[Sequence[Point]]) -> Iterator[HouseRoom]:
         """Yield the room around each point: its free cells up to walls and to the lines between the ends of *doors*.
 

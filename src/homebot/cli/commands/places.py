@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from homebot.cli.robot_map import RobotMap
     from homebot.devices import Device, KeyValue
     from homebot.devices.places_messages import (
-        AreaRing,
         ChangeRoomResponse,
         DoorInfo,
         ExportPlacesResponse,
@@ -42,9 +41,6 @@ _MOST_NAMED = 5
 _MAP = "/map"
 _WAIT = 10.0
 """Seconds for a robot's map to come."""
-
-_MOST_MISFIT = 0.25
-"""The share of a room that may be occupied or unknown in a map: furniture and its shadows."""
 
 _LIST = """\
   homebot places list
@@ -77,13 +73,6 @@ An import adds; what was stated here stays. With a mistake in the file nothing i
 `name` are rooms, lines doors, and points with a `device` positions. A robot's map, of map_server (YAML) or on the topic
 /map, has walls and no rooms: each is the free area around a point in it, up to the doors with both ends in [places].
 """
-_CHECK = """\
-  homebot places check /map
-  homebot places check map.yaml
-
-Names the rooms of which more than a quarter is not free in the map: their polygons are misplaced, or the map is another
-one. The exit status is 1 if there are any.
-"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -115,11 +104,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     imported.add_argument(
         "--replace", action="store_true", help="where a device is in another room in the file, take that of the file"
-    )
-    checked = add_verb(verbs, "check", "compare the areas of rooms with a robot's map")
-    set_client_command(checked, _check, _CHECK)
-    checked.add_argument(
-        "file", nargs="?", default=_MAP, metavar="FILE", help="the map's YAML file; without one the topic /map"
     )
 
 
@@ -222,25 +206,6 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-@door_command
-def _check(door: DoorClient, options: argparse.Namespace) -> int:
-    """Compare the areas of rooms with a map."""
-    robot_map, rooms = (
-        _map(door, options.file),
-        cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).rooms,
-    )
-    areas = {room.name: [(_points(one), one.is_hole) for one in room.areas] for room in rooms if room.areas}
-    taken = {name: 1 - robot_map.free_share(rings) for name, rings in areas.items()}
-    found = {name: share for name, share in taken.items() if share > _MOST_MISFIT}
-    for name, share in found.items():
-        print(f"{share:.0%} of {printable(name)} is not free in the map")
-    if not found:
-        print(
-            f"the areas of {len(areas)} rooms fit the map" if areas else "no room has an area; state a polygon of each"
-        )
-    return 1 if found else 0
-
-
 def _import(options: argparse.Namespace) -> int:
     """Read a places file, or a map, and import its content."""
     is_map = options.file == _MAP or Path(options.file).suffix in {".yaml", ".yml"}
@@ -306,7 +271,7 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     return robot_map
 
 
-def _points(line: AreaRing | DoorInfo) -> list[tuple[float, float]]:
+def _points(line: DoorInfo) -> list[tuple[float, float]]:
     return [*zip(line.x, line.y, strict=True)]
 
 

@@ -1,4 +1,4 @@
-"""``homebot places check`` and ``import`` with a map: of a file, and of the topic ``/map``."""
+"""``homebot places import`` with a map: of a file, and of the topic ``/map``."""
 
 from __future__ import annotations
 
@@ -60,24 +60,22 @@ def run(
     return command
 
 
-def test_a_room_that_a_map_does_not_have_is_named(run: Run, tmp_path: Path) -> None:
+def test_rooms_are_imported_from_a_file_and_a_threshold_that_makes_unknown_cells_free_is_named(
+    run: Run, tmp_path: Path
+) -> None:
     (tmp_path / "map.pgm").write_bytes(b"P5 80 50 255\n" + ROW * 50)
-    (tmp_path / "map.yaml").write_text(YAML.replace("0.25", "0.196"))
-
-    assert run("places", "check", str(tmp_path / "map.yaml")) == (
-        1,
-        "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
-    )
-    (tmp_path / "map.yaml").write_text(YAML)
-    code, printed = run("places", "check", str(tmp_path / "map.yaml"))
-    assert code == 0
-    assert "warning: free_thresh 0.25 makes the grey 205" in printed
-    assert printed.endswith("the areas of 2 rooms fit the map\n")
+    for threshold, warning, area in (("0.196", "", "30.0"), ("0.25", "makes the grey 205", "40.0")):
+        (tmp_path / "map.yaml").write_text(YAML.replace("0.25", threshold))
+        code, printed = run("places", "import", str(tmp_path / "map.yaml"), "--room", "Attic=5,1")
+        assert code == 0
+        assert warning in printed
+        assert ("warning" in printed) is bool(warning)
+        assert f"the map has 80 x 50 cells of 0.1 m\nAttic has {area} m²\nimported room Attic\n" in printed
 
 
 def test_a_map_without_its_image_is_refused(run: Run, tmp_path: Path) -> None:
     (tmp_path / "map.yaml").write_text(YAML)
-    code, printed = run("places", "check", str(tmp_path / "map.yaml"))
+    code, printed = run("places", "import", str(tmp_path / "map.yaml"), "--room", "Attic=5,1")
     assert code == 1
     assert "map.pgm cannot be read: No such file" in printed
 
@@ -108,14 +106,6 @@ FLOOR = OccupancyGrid(
     ),
     data=((0,) * 60 + (-1,) * 20) * 50,
 )
-
-
-@pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
-def test_the_map_of_a_robot_is_compared(run: Run) -> None:
-    assert run("places", "check") == (
-        1,
-        "the map has 80 x 50 cells of 0.1 m\n50% of Kitchen is not free in the map\n",
-    )
 
 
 @pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
