@@ -75,6 +75,43 @@ def test_a_device_with_an_early_state_is_described_once_complete(say: Say) -> No
     assert described(tell(say, late)).name == "Hall lamp"
 
 
+def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last(say: Say) -> None:
+    """Source: mjcumming/Homie4: a device says that it is ready, then its nodes, and of a speed the format last."""
+    late = {
+        "$homie": "4.0.0",
+        "$name": "Attic fan",
+        "$state": "ready",
+        "$nodes": "speed",
+        "speed/$type": "speed",
+        "speed/$properties": "speed",
+        "speed/speed/$settable": "true",
+        "speed/speed/$datatype": "enum",
+        "speed/speed/$format": "OFF,LOW,HIGH",
+    }
+    (part,) = described(tell(say, late)).parts
+    (capability,) = part.part.capabilities
+    assert capability.options == ("off", "low", "high")
+
+
+@pytest.mark.parametrize(("settable", "is_settable"), [("True", True), ("true", True), ("False", False), ("", False)])
+def test_settable_may_be_spelt_as_python_spells_it(say: Say, settable: str, *, is_settable: bool) -> None:
+    """Source: mjcumming/Homie4 publishes the booleans of Python, which its MQTT client spells True and False."""
+    part = described(tell(say, {**LAMP, "$nodes": "light", "light/on/$settable": settable})).parts[0]
+    assert {one.name: one.settable for one in part.part.capabilities}.get("on_off", False) is is_settable
+
+
+def test_retained_may_be_spelt_as_python_spells_it(say: Say) -> None:
+    button = {
+        "light/$properties": "press",
+        "light/press/$datatype": "enum",
+        "light/press/$format": "single,double",
+        "light/press/$retained": "False",
+    }
+    kept = {name: value for name, value in LAMP.items() if not name.startswith(("light/on", "light/color", "$state"))}
+    (part,) = described(tell(say, {**kept, **button, "$state": "ready"})).parts
+    assert [one.name for one in part.part.capabilities] == ["press"]
+
+
 @pytest.mark.parametrize("missing", ["$nodes", "light/$properties", "light/on/$datatype", "$homie", "$state"])
 def test_an_incomplete_one_is_no_device(say: Say, missing: str) -> None:
     assert tell(say, {name: value for name, value in LAMP.items() if name != missing}) == ()

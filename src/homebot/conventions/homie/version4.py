@@ -100,8 +100,8 @@ class _AttributeCollector:
             lambda name: "" if name == "format" and field("datatype") == "boolean" else field(name),
             prop_id=prop_id,
             topic=f"{self._topic}/{element}/{prop_id}",
-            is_settable=field("settable") == "true",
-            is_retained=field("retained") != "false",
+            is_settable=field("settable").casefold() == "true",
+            is_retained=field("retained").casefold() != "false",
             names_form=False,
         )
 
@@ -240,4 +240,4 @@ def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
     )
 
 
-_LAST = ("$datatype", "$properties", "$nodes", "$homie", "$array")
+_LAST = ("$datatype", "$format", "$properties", "$nodes", "$homie", "$array")
