@@ -162,6 +162,17 @@ def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
     assert parse_query(f"with {name}") == CanDo(name)
 
 
+@pytest.mark.parametrize(
+    ("words", "capability"),
+    [("carbon dioxide", "carbon_dioxide"), ("colour temperature", "color_temperature"), ("co2", "carbon_dioxide")],
+)
+def test_a_capability_is_compared_by_all_its_words(words: str, capability: str) -> None:
+    wanted = StateIs(capability, ">", 400.0)
+    assert parse_query(f"{words} > 400") == wanted
+    assert parse_query(f"not {words} > 400") == Not(wanted)
+    assert parse_query(f"{words} > 400 in hall") == And((wanted, InArea("hall")))
+
+
 def test_a_repeated_query_is_parsed_once() -> None:
     """Apps ask the same at every event; what is wrong is refused each time."""
     assert parse_query("on lights in kitchen") is parse_query("on lights in kitchen")

@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from functools import partial
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
@@ -157,20 +157,6 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
     tones = config.options("available_tones")
     has_volume = config.flag("support_volume_set", default=True)
 
-    def read(text: str) -> Readings:
-        if text in states:
-            return {"on_off": states[text]}
-        message = fields_of(text)
-        found: dict[str, PlainValue] = {}
-        state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
-        if isinstance(state, str) and state in states:
-            found["on_off"] = states[state]
-        if isinstance(tone, str) and tone in tones:
-            found["siren_tone"] = tone
-        if has_volume and volume is not None and 0 <= volume <= 1:
-            found["volume"] = volume * 100
-        return found
-
     def publish(on: bool = True, **fields: object) -> Publications:  # noqa: FBT001, FBT002 - a writer gives it by place
         command = on_command if on else off_command
         variables = {"state": payloads[on], **fields}
@@ -182,6 +168,7 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         return (publication,)
 
     entity = Entity(config, "siren")
+    read = partial(_siren_readings, states, tones, has_volume)
     readable = entity.read_text_from(config.source("state_topic", "state_value_template"), read)
     entity.add_capability("on_off", readable=readable, writer=bool_writer("on_off", publish))
     if tones:
@@ -192,6 +179,26 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         entity.add_capability("volume", readable=readable, writer=writer)
     entity.add_commands(on_command)
     return entity.build()
+
+
+def _siren_readings(
+    states: Mapping[str, bool | None],
+    tones: Container[str],
+    has_volume: bool,  # noqa: FBT001 - given by place
+    text: str,
+) -> Readings:
+    if text in states:
+        return {"on_off": states[text]}
+    message = fields_of(text)
+    found: dict[str, PlainValue] = {}
+    state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
+    if isinstance(state, str) and state in states:
+        found["on_off"] = states[state]
+    if isinstance(tone, str) and tone in tones:
+        found["siren_tone"] = tone
+    if has_volume and volume is not None and 0 <= volume <= 1:
+        found["volume"] = volume * 100
+    return found
 
 
 def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:

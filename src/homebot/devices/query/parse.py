@@ -207,8 +207,10 @@ class _Parser:
             raise UsageError(f"the query is nested deeper than {_MAX_DEPTH} at character {token.at}")
 
     def _compared(self) -> tuple[Token, Token, Token]:
-        name, operator = self._tokens[self._place : self._place + 2]
-        self._place += 2
+        length = self._length_of_name()
+        *words, operator = self._tokens[self._place : self._place + length + 1]
+        name = replace(words[0], text=" ".join([one.text for one in words]))
+        self._place += length + 1
         value = self._peek()
         if value is None or value.kind not in {"word", "text"}:
             raise UsageError(f"'{name.text} {operator.text}' is not followed by a value")
@@ -221,8 +223,15 @@ class _Parser:
         return name, operator, value
 
     def _is_compared(self) -> bool:
-        following = self._tokens[self._place + 1 : self._place + 2]
-        return bool(following) and following[0].kind == "operator"
+        return self._length_of_name() > 0
+
+    def _length_of_name(self) -> int:
+        """Return the number of words before an operator: one, or those of a capability; 0 if there is none."""
+        for length in range(1, _LONGEST_PHRASE + 1):
+            following = self._tokens[self._place + length : self._place + length + 1]
+            if following and following[0].kind == "operator":
+                return length if length == 1 or self._folded(length) in CAPABILITY_WORDS else 0
+        return 0
 
     def _near(self, token: Token) -> IsNear:
         robot = self._robot(token)
