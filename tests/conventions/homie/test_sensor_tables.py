@@ -30,6 +30,12 @@ def test_a_unit_alone_identifies_a_quantity(unit: str, capability: str, number: 
     assert conversion.value(number) == pytest.approx(expected)
 
 
+def test_the_rating_of_a_breaker_is_no_measured_current() -> None:
+    """Source: SPAN panel, eBus, Homie 5: the property breaker-rating has the unit A."""
+    assert quantity_of("A", frozenset({"breaker", "rating", "main"})) == ("measurement", False)
+    assert quantity_of("A", frozenset({"breaker", "main"})) == ("current", False)
+
+
 @pytest.mark.parametrize(
     ("unit", "words", "expected"),
     [

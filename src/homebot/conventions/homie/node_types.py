@@ -198,6 +198,9 @@ _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
 _NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
 """Words that change the meaning of others: the temperature of a colour, the cycles of a battery."""
 
+_RATINGS = frozenset({"rated", "rating"})
+"""Words of what a thing is made for, not of what is measured: a breaker of 200 A."""
+
 _SHORT = 4
 """Longer words also count as the beginning of another, as ``battery`` in ``batterystate``."""
 
@@ -219,6 +222,8 @@ _CONDITIONS: Mapping[str, str] = {one: capability for capability, names in _COND
 def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
     """Return the capability of a number by its unit and its words, and whether that is a guess."""
     unit = unit.strip()
+    if not tokens.isdisjoint(_RATINGS):
+        return "measurement", False
     if unit in _BY_UNIT:
         return _BY_UNIT[unit], False
     if not tokens.isdisjoint(_NO_MEASURE):
