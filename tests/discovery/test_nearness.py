@@ -119,14 +119,18 @@ def golden(announce: Announce, part: MakePart) -> Golden:
 
 @asynccontextmanager
 async def _house(
-    announce: Announce, part: MakePart, closed_door: float = 3.0, clock: Clock | None = None
+    announce: Announce,
+    part: MakePart,
+    closed_door: float = 3.0,
+    clock: Clock | None = None,
+    rooms: tuple[HouseRoom, ...] = (HALL, KITCHEN),
 ) -> AsyncIterator[House]:
     graph, names = Graph(clock or LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
         (name,): (OwnerFact("position", at, "configuration", 0.0),) for name, at in POSITIONS.items()
     }
-    owner = OwnerFacts("Home", Places((HALL, KITCHEN), devices, (DOOR,), closed_door))
+    owner = OwnerFacts("Home", Places(rooms, devices, (DOOR,), closed_door))
     async with (
         Node(graph, "mqtt", namespace="/gateway") as gateway,
         Node(graph, "discovery") as node,
@@ -204,6 +208,13 @@ async def test_the_metres_of_a_closed_door_are_a_setting(golden: Golden, door: C
         assert (await house.why("lamps near robi"))["kitchen_lamp"].startswith(
             "14.6 m = 7.1 path by Hall-Kitchen + 7.5"
         )
+
+
+async def test_on_one_of_several_floors_a_robot_has_to_say_which(golden: Golden) -> None:
+    async with golden(rooms=(HALL._replace(floor="Ground"), KITCHEN._replace(floor="Top"))) as house:
+        await house.robot_at(3.5, 1.0, room="")
+        answer = await house.find("lamp near robi")
+        assert answer.message == "the house has several floors; state its floor in [robots.robi]"
 
 
 async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is(

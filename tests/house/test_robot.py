@@ -6,8 +6,9 @@ import math
 
 import pytest
 
-from homebot.house.robot import Robot, SimulatedPose
+from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
+from homebot.places.rigid import MapPose
 
 PLAN = Rooms(
     {"hall": Room(), "living": Room(x=4.0), "kitchen": Room(x=4.0, y=2.0), "loft": Room()},
@@ -20,10 +21,10 @@ def test_a_robot_says_each_room_on_its_way() -> None:
     robot = Robot("robot", PLAN, "hall", speed=0.5)
     assert robot.handle_command("go kitchen", 0.0) == ("moving",)
     assert robot.advance(4.0) == ()
-    assert robot.pose() == SimulatedPose(2.0, 0.0, 0.0)
+    assert robot.pose() == MapPose(2.0, 0.0, 0.0)
     assert robot.advance(8.0) == ("living",)
     assert robot.advance(12.0) == ("kitchen",)
-    assert robot.pose() == SimulatedPose(4.0, 2.0, math.pi / 2)
+    assert robot.pose() == MapPose(4.0, 2.0, math.pi / 2)
     assert (robot.state(), robot.next_event()) == ("kitchen", None)
 
 
@@ -33,7 +34,7 @@ def test_a_stopped_robot_stays_and_drives_on_from_there() -> None:
     robot.handle_command("go living", 0.0)
     assert robot.handle_command("stop", 4.0) == ("hall",)
     assert robot.advance(100.0) == ()
-    assert robot.pose() == SimulatedPose(2.0, 0.0, 0.0)
+    assert robot.pose() == MapPose(2.0, 0.0, 0.0)
     robot.handle_command("go hall", 100.0)
     assert robot.advance(104.0) == ("hall",)
     assert (robot.pose().x, robot.pose().y) == (0.0, 0.0)

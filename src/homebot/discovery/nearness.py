@@ -153,7 +153,10 @@ class Nearness:
         if pose.has_position:
             place = self._floor_plan.place_of(Position(pose.x, pose.y, pose.floor, pose.error), pose.room)
         if place is None:
-            raise RefusedError(f"what is near {pose.robot}", "it is in no room of the plan; see [places]")
+            has_no_floor = not pose.floor and len(self._floor_plan.plan.floors) > 1
+            problem = f"the house has several floors; state its floor in [robots.{pose.robot}]"
+            reason = problem if has_no_floor else "it is in no room of the plan; see [places]"
+            raise RefusedError(f"what is near {pose.robot}", reason)
         return place
 
     def _in_room(self, room: str) -> Spot:

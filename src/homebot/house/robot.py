@@ -9,22 +9,10 @@ from typing import ClassVar, NamedTuple
 from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
 from homebot.house.simulated_device import SimulatedDevice
+from homebot.places import read_position
+from homebot.places.rigid import MapPose
 
-__all__ = ["Robot", "SimulatedPose"]
-
-
-class SimulatedPose(NamedTuple):
-    """A position and the direction of view.
-
-    Attributes:
-        x: Metres east.
-        y: Metres north.
-        heading: Radians from east, counter-clockwise.
-    """
-
-    x: float
-    y: float
-    heading: float
+__all__ = ["Robot"]
 
 
 class _Leg(NamedTuple):
@@ -57,7 +45,7 @@ class Robot(SimulatedDevice):
 
     def __post_init__(self) -> None:
         start = self.rooms.rooms[self.room]
-        self._from = self._at_rest = SimulatedPose(start.x, start.y, 0.0)
+        self._from = self._at_rest = MapPose(start.x, start.y, 0.0)
         self._left_at = self.now
         self._ahead: tuple[_Leg, ...] = ()
 
@@ -74,14 +62,14 @@ class Robot(SimulatedDevice):
         """True while it is on its way."""
         return bool(self._ahead)
 
-    def pose(self) -> SimulatedPose:
+    def pose(self) -> MapPose:
         """Return where it is at :attr:`now`."""
         if not self._ahead:
             return self._at_rest
         goal = self._ahead[0]
         share = (self.now - self._left_at) / self._leg()
         heading = math.atan2(goal.y - self._from.y, goal.x - self._from.x)
-        return SimulatedPose(
+        return MapPose(
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
 
@@ -136,11 +124,11 @@ class Robot(SimulatedDevice):
             return ()
 
     def _on_timer(self) -> tuple[str, ...]:
-        heading = self.pose().heading
+        heading = self.pose().yaw
         self._left_at += self._leg()
         leg, self._ahead = self._ahead[0], self._ahead[1:]
         self.room = leg.room
-        self._from = self._at_rest = SimulatedPose(leg.x, leg.y, heading)
+        self._from = self._at_rest = MapPose(leg.x, leg.y, heading)
         return (self.room,)
 
     def _leg(self) -> float:
@@ -151,9 +139,7 @@ class Robot(SimulatedDevice):
 
 def _point(text: str) -> tuple[float, float] | None:
     """Return the point that *text* spells, as ``X,Y``; None if it is none."""
-    x, comma, y = text.partition(",")
     try:
-        found = (float(x), float(y)) if comma else None
-    except ValueError:
+        return read_position(text)[:2]
+    except UsageError:
         return None
-    return found if found and all(map(math.isfinite, found)) else None

@@ -10,7 +10,7 @@ import anyio
 
 from homebot.graph import Node, qos_profile_latched
 from homebot.house.floor_map import occupancy_grid
-from homebot.house.robot import Robot, SimulatedPose
+from homebot.house.robot import Robot
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import (
@@ -27,6 +27,7 @@ from homebot.messages.interfaces import find_message
 from homebot.messages.nav_msgs import OccupancyGrid
 from homebot.messages.std_msgs.header import Header
 from homebot.messages.tf2_msgs import TFMessage
+from homebot.places.rigid import MapPose
 
 __all__ = ["RosRobot", "ros_pose"]
 
@@ -76,7 +77,7 @@ class RosRobot:
         self._woken = anyio.Event()
         self._charge = 1.0
         self._charged_at = self._clock.monotonic()
-        self._last: SimulatedPose | None = None
+        self._last: MapPose | None = None
         self._battery_type = find_message("sensor_msgs/msg/BatteryState")
         map_publisher = node.create_publisher(OccupancyGrid, "/map", qos_profile_latched)
         static = node.create_publisher(TFMessage, "/tf_static", qos_profile_latched)
@@ -105,10 +106,10 @@ class RosRobot:
         """Return the header of a message in *frame*."""
         return Header(stamp=Time.from_seconds(self._clock.now()), frame_id=frame)
 
-    def _publish(self, pose: SimulatedPose) -> None:
+    def _publish(self, pose: MapPose) -> None:
         start = self.dock
         origin = self._transform("map", "odom", start.x, start.y)
-        driven = self._transform("odom", "base_footprint", pose.x - start.x, pose.y - start.y, yaw=pose.heading)
+        driven = self._transform("odom", "base_footprint", pose.x - start.x, pose.y - start.y, yaw=pose.yaw)
         self._tf.publish(TFMessage(transforms=(origin, driven)))
         if self._last is None or _has_moved(self._last, pose):
             self._last = pose
@@ -134,15 +135,15 @@ class RosRobot:
         return TransformStamped(header=self.header(parent), child_frame_id=child, transform=transform)
 
 
-def ros_pose(pose: SimulatedPose) -> Pose:
+def ros_pose(pose: MapPose) -> Pose:
     """Return *pose* as a message."""
-    return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turned(pose.heading))
+    return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turned(pose.yaw))
 
 
 def _turned(yaw: float) -> Quaternion:
     return Quaternion(x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
 
 
-def _has_moved(before: SimulatedPose, pose: SimulatedPose) -> bool:
-    turned = abs(math.remainder(pose.heading - before.heading, math.tau))
+def _has_moved(before: MapPose, pose: MapPose) -> bool:
+    turned = abs(math.remainder(pose.yaw - before.yaw, math.tau))
     return math.dist(before[:2], pose[:2]) >= _MOVED or turned >= _TURNED
