@@ -24,7 +24,7 @@ from homebot.conventions.bthome.objects import (
     TEXT,
     TIMESTAMP,
 )
-from homebot.conventions.bthome.packet import BTHOME_UUID, read_frame, read_objects, read_packet
+from homebot.conventions.bthome.packet import BTHOME_UUID, read_frame, read_objects
 
 ADDRESS = "5448E68F80A5"
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")
@@ -83,7 +83,7 @@ def ours(data: bytes) -> list[object]:
     return sorted(
         (
             (not one.value) if one.object.is_inverted else one.value
-            for one in read_packet(data).values
+            for one in read_objects(read_frame(data).body).values
             if one.value is not None
         ),
         key=str,

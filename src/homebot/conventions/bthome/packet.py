@@ -35,7 +35,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["BTHOME_UUID", "BTHomeFrame", "BTHomePacket", "Measured", "read_frame", "read_objects", "read_packet"]
+__all__ = ["BTHOME_UUID", "BTHomeFrame", "BTHomePacket", "Measured", "read_frame", "read_objects"]
 
 BTHOME_UUID = "0000fcd2-0000-1000-8000-00805f9b34fb"
 VERSION = 2
@@ -118,18 +118,6 @@ def read_frame(data: bytes) -> BTHomeFrame:
         raise WireError("BTHome: its address is cut off", data)
     body_at = 1 + _ADDRESS if has_address else 1
     return BTHomeFrame(flags, data[1:body_at][::-1], data[body_at:])
-
-
-def read_packet(data: bytes) -> BTHomePacket:
-    """Return the packet in the service *data* of a device that does not encrypt.
-
-    Raises:
-        WireError: They are not BTHome v2, or encrypted.
-    """
-    frame = read_frame(data)
-    if frame.is_encrypted:
-        raise WireError("BTHome: it is encrypted", data)
-    return read_objects(frame.body)
 
 
 def read_objects(body: bytes) -> BTHomePacket:
