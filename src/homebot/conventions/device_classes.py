@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from homebot.conventions.units import Quantity, conversion_of
+from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 
 __all__ = ["CLOSURE_CLASSES", "CONDITION_CLASSES", "QUANTITY_CLASSES", "condition_of", "is_quantity", "quantity_of"]
@@ -54,7 +54,13 @@ _OF_THEIR_OWN = (
     *("precipitation", "precipitation_intensity", "sound_pressure", "speed", "temperature_delta", "volume"),
     *("volume_storage", "water", "weight", "wind_direction", "wind_speed"),
 )
+_CALLED_ALIKE = (
+    *("battery", "carbon_dioxide", "carbon_monoxide", "current", "energy", "humidity", "illuminance", "pm1"),
+    *("pm10", "pm25", "power", "pressure", "signal_strength", "temperature", "volatile_organic_compounds"),
+    *("voltage",),
+)
 _CLASSES: Mapping[str, tuple[str, str]] = {
+    **{name: (sensor_type(name), name) for name in _CALLED_ALIKE},
     **dict.fromkeys(_OF_THEIR_OWN, _OTHER),
     **dict.fromkeys(("apparent_power", "power_factor", "reactive_energy", "reactive_power"), (_METER, "measurement")),
     **dict.fromkeys(
@@ -63,25 +69,9 @@ _CLASSES: Mapping[str, tuple[str, str]] = {
     ),
     "aqi": (_AIR, "air_quality_index"),
     "atmospheric_pressure": ("pressure_sensor", "pressure"),
-    "battery": ("x_battery", "battery"),
-    "carbon_dioxide": (_AIR, "carbon_dioxide"),
-    "carbon_monoxide": (_AIR, "carbon_monoxide"),
-    "current": (_METER, "current"),
-    "energy": (_METER, "energy"),
     "frequency": ("x_sensor", "frequency"),
-    "humidity": ("humidity_sensor", "humidity"),
-    "illuminance": ("light_sensor", "illuminance"),
     "moisture": ("soil_sensor", "soil_moisture"),
-    "pm1": (_AIR, "pm1"),
-    "pm10": (_AIR, "pm10"),
-    "pm25": (_AIR, "pm25"),
-    "power": (_METER, "power"),
-    "pressure": ("pressure_sensor", "pressure"),
-    "signal_strength": ("x_sensor", "signal_strength"),
-    "temperature": ("temperature_sensor", "temperature"),
-    "volatile_organic_compounds": (_AIR, "volatile_organic_compounds"),
     "volatile_organic_compounds_parts": (_AIR, "volatile_organic_compounds"),
-    "voltage": (_METER, "voltage"),
     "volume_flow_rate": ("flow_sensor", "flow"),
 }
 """Class to service type and capability."""
@@ -91,37 +81,30 @@ QUANTITY_CLASSES: Mapping[str, str] = {
 }
 """Class by capability."""
 
+_CONDITIONS_CALLED_ALIKE = (
+    *("connectivity", "gas", "heat", "moving", "occupancy", "problem", "running", "safety", "smoke", "sound"),
+    *("tamper", "vibration"),
+)
 _OTHER_CONDITION = ("x_binary_sensor", "state")
 _CONTACT = ("contact_sensor", "contact")
 _OCCUPANCY = ("occupancy_sensor", "occupancy")
 _CONDITIONS: Mapping[str, tuple[str, str]] = {
+    **{name: (sensor_type(name), name) for name in _CONDITIONS_CALLED_ALIKE},
     "battery": ("x_battery", "battery_low"),
     "battery_charging": ("x_battery", "battery_charging"),
     "carbon_monoxide": ("smoke_co_alarm", "carbon_monoxide_alarm"),
     "cold": ("water_freeze_detector", "freeze"),
-    "connectivity": ("x_binary_sensor", "connectivity"),
     "door": _CONTACT,
     "garage_door": _CONTACT,
-    "gas": ("smoke_co_alarm", "gas"),
-    "heat": ("x_binary_sensor", "heat"),
     "light": ("x_binary_sensor", "light_detected"),
     "lock": ("x_binary_sensor", "unlocked"),
     "moisture": ("water_leak_detector", "water_leak"),
     "motion": _OCCUPANCY,
-    "moving": ("x_binary_sensor", "moving"),
-    "occupancy": _OCCUPANCY,
     "opening": _CONTACT,
     "plug": ("x_binary_sensor", "plugged_in"),
     "power": ("x_binary_sensor", "power_detected"),
     "presence": _OCCUPANCY,
-    "problem": ("x_binary_sensor", "problem"),
-    "running": ("x_binary_sensor", "running"),
-    "safety": ("x_binary_sensor", "safety"),
-    "smoke": ("smoke_co_alarm", "smoke"),
-    "sound": ("x_binary_sensor", "sound"),
-    "tamper": ("x_binary_sensor", "tamper"),
     "update": ("x_update", "update_available"),
-    "vibration": ("x_binary_sensor", "vibration"),
     "window": _CONTACT,
 }
 """Class to service type and capability."""
