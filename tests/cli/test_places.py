@@ -407,10 +407,10 @@ def test_a_device_at_a_position_is_in_the_room_that_is_there(house: Run) -> None
         ),
     ):
         assert house("place", *arguments) == (0, told)
-    assert "desk_lamp  6,1 ±0.1 m" in house("places", "list")[1]
+    assert "desk_lamp  6,1,Downstairs ±0.1 m" in house("places", "list")[1]
     shown = house("show", "Desk lamp")[1]
-    assert any("6,1 ±0.1 m" in line and "by the owner" in line for line in shown.splitlines())
-    assert 'at = "6,1 ±0.1 m"' in house("places", "export")[1]
+    assert any("6,1,Downstairs ±0.1 m" in line and "by the owner" in line for line in shown.splitlines())
+    assert 'at = "6,1,Downstairs ±0.1 m"' in house("places", "export")[1]
     assert house("place", "Desk lamp", "--undo") == (0, "desk_lamp is in Study now\n")
 
 
@@ -436,7 +436,7 @@ def test_the_geometry_of_the_house_is_listed_and_exported(house: Run) -> None:
     for line in (
         "polygon = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [0.0, 5.0]]",
         "position = [3.8, 4.5]",
-        'at = "7,1 ±0.5 m"',
+        'at = "7,1,Downstairs ±0.5 m"',
     ):
         assert line in lines
 

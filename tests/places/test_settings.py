@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import ConfigError
-from homebot.places import HousePlan, HouseRoom, OwnerFact, places_text, read_places
+from homebot.places import HousePlan, HouseRoom, OwnerFact, places_text, read_places, stated_position
 from homebot.support.toml_file import parse_toml
 
 TEXT = """\
@@ -18,6 +18,14 @@ Kitchen = {}
 "other" = { identifiers = ["mac:aa", "id:7"], tags = ["x"] }
 "away" = {}
 """
+
+
+def test_a_position_in_a_house_with_one_floor_is_on_it_also_when_a_second_one_comes() -> None:
+    square = ((((0.0, 0.0), (4.0, 0.0), (4.0, 5.0)),),)
+    plan = HousePlan("Home", [HouseRoom("Hall", "Ground", polygons=square)])
+
+    assert stated_position("3,1", plan) == "3,1,Ground ±0.1 m"
+    assert stated_position("3,1", plan.with_rooms([HouseRoom("Bath", "Top", polygons=square)], "x")) == "3,1 ±0.1 m"
 
 
 def table(text: str) -> dict[str, object]:

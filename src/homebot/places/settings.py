@@ -238,7 +238,9 @@ def stated_position(text: str, plan: HousePlan) -> str:
     if position.floor and floors and fold(position.floor) not in floors:
         hint = did_you_mean(position.floor, plan.floors, f"floors are {', '.join(plan.floors)}")
         raise UsageError(f"there is no floor {position.floor!r}; {hint}")
-    return position._replace(floor=floors.get(fold(position.floor), position.floor)).text
+    only = {room.floor for room in plan.rooms if room.polygons}
+    floor = position.floor or (only.pop() if len(only) == 1 else "")  # one that comes later does not change it
+    return position._replace(floor=floors.get(fold(floor), floor)).text
 
 
 def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
