@@ -14,9 +14,13 @@ from typing import Final, NamedTuple
 from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_of_environment
 from homebot.errors import ConfigError
 from homebot.support.file_access import why_not_trusted
+from homebot.support.similar import unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = ["DoorAddress", "door_of"]
+
+_USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope"})
+"""Keys of the table; to know the others, its settings are loaded."""
 
 _LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildcard address is reached here
 
@@ -60,7 +64,19 @@ def _table(path: Path) -> TomlTable:
         raise ConfigError(str(path), "", f"says where homebot is, so others must not be able to change it: {problem}")
     if not isinstance(table, dict):
         raise ConfigError(str(path), "door", "must be a table, [door]")
+    if others := table.keys() - _USUAL:
+        _check_keys(path, sorted(others))
     return table
+
+
+def _check_keys(path: Path, keys: list[str]) -> None:
+    """Refuse an unknown key: a misspelt ``port`` would name another homebot."""
+    from homebot.bridges.rosbridge.settings import DoorSettings  # noqa: PLC0415 - few tables need it
+
+    known = DoorSettings.model_fields
+    for key in keys:
+        if key not in known:
+            raise ConfigError(str(path), f"door.{key}", unknown_key(key, known))
 
 
 def _address(table: TomlTable) -> tuple[str, int]:
