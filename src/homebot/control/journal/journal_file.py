@@ -5,12 +5,11 @@ Blocking; called from a worker thread.
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, final
-
-from pydantic import ValidationError
+from typing import Any, Final, final
 
 from homebot.control.journal.store import JournalNote, LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
@@ -41,7 +40,7 @@ _JOURNAL: Final = SqliteSchema(
         # Of each index a page was written with each command; a question goes through all 50 MB in a third of a second.
         2: tuple(f"DROP INDEX IF EXISTS entries_{column}" for column in ("at", "device", "command")),
     },
-    page_size=1024,
+    page_size=512,
 )
 
 _SHARE: Final = 0.1
@@ -131,13 +130,13 @@ class JournalFile(SqliteFile):
         connection = self._opened()
         limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
         conditions, values = _conditions(request)
-        query = f"SELECT entry FROM entries{conditions} ORDER BY number DESC LIMIT ?"  # noqa: S608 - of our own texts
+        query = f"SELECT at, device, command, entry FROM entries{conditions} ORDER BY number DESC LIMIT ?"  # noqa: S608 - of our own texts
         try:
             rows = connection.execute(query, (*values, limit + 1)).fetchall()
             first = connection.execute("SELECT at FROM entries ORDER BY number LIMIT 1").fetchone()
         except sqlite3.Error as exc:
             raise self._failure(exc, "read") from exc
-        found = [entry for (text,) in reversed(rows[:limit]) if (entry := _from_json(text)) is not None]
+        found = [entry for row in reversed(rows[:limit]) if (entry := _entry(*row)) is not None]
         begins = Time.from_seconds(first[0]) if first else Time(sec=0, nanosec=0)
         return ReadJournalResponse(entries=tuple(found), complete=len(rows) <= limit, begins=begins)
 
@@ -194,11 +193,16 @@ def _drop_oldest(connection: sqlite3.Connection) -> int:
 
 
 def _to_json(entry: JournalEntry) -> str:
-    return entry.model_dump_json(exclude_defaults=True).encode(errors="replace").decode()
+    """Return the fields of *entry* that have no column."""
+    text = entry.model_dump_json(exclude_defaults=True, exclude={"at", "device", "command"})
+    return text.encode(errors="replace").decode()
 
 
-def _from_json(text: object) -> JournalEntry | None:
+def _entry(at: Any, device: object, command: object, text: Any) -> JournalEntry | None:
+    """Return the entry of a row; None if it cannot be read."""
     try:
-        return JournalEntry.model_validate_json(text) if isinstance(text, str) else None
-    except ValidationError:
+        stamp = Time.from_seconds(at).model_dump()
+        fields = {**json.loads(text), "at": stamp, "device": device, "command": command}
+        return JournalEntry.model_validate_json(json.dumps(fields))
+    except (TypeError, ValueError):
         return None
