@@ -10,6 +10,7 @@ from pathlib import Path
 
 import anyio
 import anyio.lowlevel
+import pytest
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
@@ -258,6 +259,17 @@ async def test_a_flood_of_what_is_learnt_is_bounded_and_counted(tmp_path: Path) 
         assert store.failures == 30
         assert await read(store) == tuple(entry(number) for number in range(15, 25))
         assert {one.name for one in await store.learnt()} == {f"lamp{number}" for number in range(15, 25)}
+
+
+@pytest.mark.virtual_time
+async def test_many_entries_are_written_before_their_time_so_that_none_is_lost(tmp_path: Path) -> None:
+    async with opened(tmp_path / "journal.sqlite", most_waiting=2000) as store:
+        for second in range(10):
+            for number in range(1000):
+                store.add(note(1000 * second + number))
+            await anyio.sleep(1)
+        assert (store.failures, store.dropped) == (0, 0)
+        assert len(await read(store, limit=1000)) == 1000
 
 
 async def test_a_flood_while_the_disk_is_away_is_bounded_and_counted(tmp_path: Path) -> None:

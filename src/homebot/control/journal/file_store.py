@@ -1,6 +1,6 @@
 """Store of the journal and of device profiles in a file.
 
-Written by a worker thread, a few seconds' worth at a time.
+Written by a worker thread, two minutes' worth at a time.
 """
 
 from __future__ import annotations
@@ -29,8 +29,12 @@ NOT_USED = "control.journal_not_used"
 DAMAGED = "control.journal_damaged"
 REMOVED = "control.journal_removed"
 
-_WRITE_AFTER: Final = 4.0
-"""Seconds in which entries are gathered: of the steps of a command, each would write whole pages."""
+_WRITE_AFTER: Final = 120.0
+"""Seconds in which entries are gathered, which a power cut loses: a disk writes whole blocks for each command, and an
+SD card wears out by them."""
+
+_MANY: Final = 1000
+"""Entries, or rows, that are written at once."""
 
 _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
@@ -76,7 +80,7 @@ class FileStore(JournalStore):
         self._file: JournalFile | None = None
         self._waiting: deque[JournalNote] = deque()
         self._learnt: dict[tuple[str, str], LearntRow] = {}
-        self._has_news = anyio.Event()
+        self._has_news, self._has_many = anyio.Event(), anyio.Event()
         self._turn = anyio.Lock()
         self._limit = LogLimit(self._clock)
         self._is_unusable = False
@@ -85,7 +89,7 @@ class FileStore(JournalStore):
         self.remembers = True
 
     def add(self, note: JournalNote) -> None:
-        """Add an entry; it is written four seconds later."""
+        """Add an entry; it is written within two minutes."""
         if self._is_unusable:
             super().add(note)
             return
@@ -94,17 +98,22 @@ class FileStore(JournalStore):
             self._waiting.popleft()
             self._overrun += 1
             self.failures += 1
-        self._has_news.set()
+        self._wake()
 
     def learn(self, row: LearntRow) -> None:
-        """Replace a row; it is written within seconds, or lost without a file."""
+        """Replace a row; it is written within two minutes, or lost without a file."""
         if self._is_unusable:
             return
         self._learnt[row.kind, row.name] = row
         if len(self._learnt) > self._most_waiting:
             del self._learnt[next(iter(self._learnt))]
             self.failures += 1
+        self._wake()
+
+    def _wake(self) -> None:
         self._has_news.set()
+        if max(len(self._waiting), len(self._learnt)) >= _MANY:
+            self._has_many.set()
 
     async def learnt(self) -> tuple[LearntRow, ...]:
         """Return the rows of earlier runs; none if the file cannot be read."""
@@ -138,8 +147,12 @@ class FileStore(JournalStore):
         """Write until cancelled."""
         while True:
             await self._has_news.wait()
-            await anyio.sleep(_WRITE_AFTER if self.problem == self._loss else _RETRY_AFTER)
-            self._has_news = anyio.Event()
+            if self.problem == self._loss:
+                with anyio.move_on_after(_WRITE_AFTER):
+                    await self._has_many.wait()
+            else:
+                await anyio.sleep(_RETRY_AFTER)
+            self._has_news, self._has_many = anyio.Event(), anyio.Event()
             await self._write()
             if self._waiting or self._learnt:
                 self._has_news.set()
