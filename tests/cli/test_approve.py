@@ -77,7 +77,13 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None, "double_switch": None}
     assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
     assert approved(f"[{run('show', '--json', 'Front door')[1]}]") == {"front_door": False}
+    assert run("approve", "front door", "--show") == (
+        0,
+        "front_door waits for approval; its commands:\nl: lock to door/set",
+    )
+    assert approved(run("find", "--json", "lock")[1]) == {"front_door": False}
     assert run("approve", "front door") == (0, "front_door is approved\nl: lock to door/set")
+    assert "front_door does not wait for approval" in run("approve", "front door", "--show")[1]
     assert run("approve", "front door") == (
         0,
         "front_door is approved; it was not waiting for that\nl: lock to door/set",

@@ -12,17 +12,19 @@ class ApproveDeviceRequest(Message):
     Attributes:
         device: The id of the device.
         remove: Whether to take the approval back instead.
+        is_preview: Whether to change nothing: the answer shows what would be approved.
     """
 
     device: str
     remove: bool = False
+    is_preview: bool = False
 
 
 class ApproveDeviceResponse(ServiceAnswer):
     """The result of an approval.
 
     Attributes:
-        commands: The approved commands, one line for each setting: payload and address.
+        commands: The approved commands, one line for each setting: address and payload.
         changes: Differences from the approval before, one line for each part of an announcement.
     """
 

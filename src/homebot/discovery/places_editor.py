@@ -255,9 +255,12 @@ class PlacesEditor:
             self.restate((entry,), "the owner took back the approval")
 
     def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:
-        """Return a line for each part of a device that takes commands, by announcement: the commands and addresses."""
-        entry = self._table.entries.get(device_id)
-        return {} if entry is None else {key: _announced_commands(one) for key, one in entry.sources.items()}
+        """Return a line for each part of a device that takes commands, by announcement: the commands and addresses.
+
+        Raises:
+            RefusedError: There is no such device.
+        """
+        return {key: _announced_commands(one) for key, one in self._entry(device_id).sources.items()}
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
         """Return the facts that commands and imports state of a device."""

@@ -141,6 +141,8 @@ class PlacesServices:
         places = self._index.places
         changes: tuple[str, ...] = ()
         try:
+            if request.is_preview:
+                return ApproveDeviceResponse(success=True, commands=await self._commands(node, request.device))
             if request.remove:
                 places.disapprove(request.device)
             else:

@@ -20,6 +20,7 @@ __all__ = ["add_arguments"]
 
 
 _EXAMPLES = """\
+  homebot approve 'Front door' --show      what would be approved, and nothing else
   homebot approve 'Front door'
   homebot approve 'Front door' --undo
 
@@ -33,19 +34,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot approve``."""
     set_client_command(parser, _approve, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
-    parser.add_argument("--undo", action="store_true", help="take the approval back")
+    action = parser.add_mutually_exclusive_group()
+    action.add_argument("--show", action="store_true", help="show what would be approved, and change nothing")
+    action.add_argument("--undo", action="store_true", help="take the approval back")
 
 
 @door_command
 def _approve(door: DoorClient, options: argparse.Namespace) -> int:
-    """Approve a device, or take that back."""
+    """Approve a device, take that back, or show what would be approved."""
     device = named_device(door, options.device).id
     waited = device in unapproved(door, device)
-    request = {"device": device, "remove": options.undo}
+    request = {"device": device, "remove": options.undo, "is_preview": options.show}
     answer = cast("ApproveDeviceResponse", JsonMessage(door.call(APPROVE_DEVICE, request)))
     if not answer.success:
         raise PeerError(answer.message)
-    print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
+    if options.show:
+        print(f"{printable(device)} {'waits for approval' if waited else 'does not wait for approval'}; its commands:")
+    else:
+        print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
     for change in answer.changes:
         print(f"  changed: {printable(change)}")
     for command in answer.commands:
