@@ -23,6 +23,7 @@ import pytest
 from tests.gateways.nfc.test_gateway import HOUSE, LAMP
 from tests.gateways.nfc.world import KEPT, UID, card, uri
 from tests.patience import PATIENCE
+from tests.peers.network import Machine
 
 from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.devices import FIND_DEVICES, FindDevices, GatewayState
@@ -65,14 +66,15 @@ def _pyscard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 class Service:
-    """pcscd, by hand."""
+    """pcscd, by hand, on a machine of its own: any socket may have got the port of its virtual reader."""
 
-    def __init__(self) -> None:
+    def __init__(self, machine: Machine) -> None:
+        self._command = machine.command("pcscd", "-f")
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
         Path("/run/pcscd").mkdir(exist_ok=True)
-        self._process = subprocess.Popen(["pcscd", "-f"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self._process = subprocess.Popen(self._command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def stop(self) -> None:
         if self._process is not None:
@@ -82,8 +84,8 @@ class Service:
 
 
 @pytest.fixture
-def service() -> Iterator[Service]:
-    service = Service()
+def service(hub: Machine) -> Iterator[Service]:
+    service = Service(hub)
     try:
         yield service
     finally:
