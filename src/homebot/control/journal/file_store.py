@@ -30,8 +30,8 @@ DAMAGED = "control.journal_damaged"
 REMOVED = "control.journal_removed"
 
 _WRITE_AFTER: Final = 120.0
-"""Seconds in which entries are gathered, which a power cut loses: a disk writes whole blocks for each command, and an
-SD card wears out by them."""
+"""Seconds in which entries are gathered, which a power cut loses: a disk writes whole blocks each time, and an SD card
+wears out by them."""
 
 _MANY: Final = 1000
 """Entries, or rows, that are written at once."""
