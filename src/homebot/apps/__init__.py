@@ -1,5 +1,5 @@
 """The application layer."""
 
-from homebot.apps.base import App, AppSettings, NoSettings
+from homebot.apps.base import App, AppContext, AppSettings, NoSettings
 
-__all__ = ["App", "AppSettings", "NoSettings"]
+__all__ = ["App", "AppContext", "AppSettings", "NoSettings"]

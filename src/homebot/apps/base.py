@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from datetime import UTC, tzinfo
+from typing import ClassVar, Generic, get_args, get_origin
 
 import anyio
-from anyio.abc import TaskStatus
+from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel, ConfigDict
+from typing_extensions import TypeVar
 
 from homebot.devices import Devices
+from homebot.errors import UsageError
 from homebot.graph import Node
 
-__all__ = ["App", "AppSettings", "NoSettings"]
+__all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
+
+
+@dataclass(frozen=True, slots=True)
+class AppContext:
+    """Facts about the home of an app.
+
+    Attributes:
+        zone: The home's time zone.
+    """
+
+    zone: tzinfo = UTC
 
 
 class AppSettings(BaseModel):
@@ -25,36 +41,66 @@ class NoSettings(AppSettings):
     """The empty table of an app without settings."""
 
 
-class App(ABC):
+SettingsT = TypeVar("SettingsT", bound=BaseModel, default=BaseModel)
+
+
+class App(ABC, Generic[SettingsT]):
     """The base class of apps; the entry-point group is ``homebot.apps``.
 
-    Override :meth:`run`. For settings, assign a pydantic model to ``Settings``.
+    Override :meth:`run`. An app with settings names their model: ``class Hall(App[HallSettings])``.
 
     Args:
         node: The node of the app, ``/<name>``.
-        settings: The table ``[apps.NAME]`` of the configuration, validated: an instance of ``Settings``.
+        settings: The table ``[apps.NAME]`` of the configuration, validated.
 
     Attributes:
         Settings: The model of the app's table; by default a table with keys is an error.
-        node: The node of the app, for its topics, services, timers, parameters and log.
+        node: The node of the app, for its topics, services, timers and parameters.
+        settings: The settings.
+        log: The log of the node.
+        clock: The clock, which stands for the computer's: ``clock.now()`` in seconds since the Unix epoch.
         devices: The devices of the house.
+        context: Facts about the home; the runtime sets it before :meth:`run`.
     """
 
     Settings: ClassVar[type[BaseModel]] = NoSettings
 
-    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # for subclasses
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        for base in getattr(cls, "__orig_bases__", ()):
+            if isinstance(origin := get_origin(base), type) and issubclass(origin, App):
+                given = get_args(base)[0]
+                cls.Settings = given if isinstance(given, type) else cls.Settings
+
+    def __init__(self, node: Node, settings: SettingsT) -> None:
         self.node = node
+        self.settings = settings
+        self.log = node.log
+        self.clock = node.graph.clock
         self.devices = Devices(node)
+        self.context = AppContext()
+        self._tasks: TaskGroup | None = None
 
     @abstractmethod
     async def run(self) -> None:
-        """Run until cancelled; returning ends the app in good order.
+        """Run until cancelled; the app ends in good order when this has returned and its tasks have ended.
 
         An exception is logged and the app started again, half a second later at first; after five crashes within a
         minute it is given up.
         """
 
+    def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
+        """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.
+
+        Raises:
+            UsageError: The app does not run.
+        """
+        if self._tasks is None:
+            raise UsageError(f"{self.node.full_name} does not run yet; start its tasks in run()")
+        self._tasks.start_soon(function)
+
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the app; the runtime calls this."""
-        task_status.started()
-        await self.run()
+        async with anyio.create_task_group() as self._tasks:
+            task_status.started()
+            await self.run()

@@ -29,17 +29,14 @@ class FollowMeSettings(AppSettings):
     rooms: tuple[str, ...] = ()
 
 
-class FollowMe(RoomApp):
+class FollowMe(RoomApp[FollowMeSettings]):
     """Turns on the lamps of a dark room when a motion sensor there begins to detect motion; turns nothing off.
 
     A room in which a lamp is on already is left as it is.
     """
 
-    Settings = FollowMeSettings
-
     def __init__(self, node: Node, settings: FollowMeSettings) -> None:
         super().__init__(node, settings, settings.rooms)
-        self._settings = settings
         self._rooms = {fold(room) for room in settings.rooms}
         self.watch(self.devices.follow(OccupancySensor, occupied=True, fresh=True), self._on_motion)
 
@@ -55,4 +52,4 @@ class FollowMe(RoomApp):
     async def _is_dark(self, room: str) -> bool:
         sensors = in_room(await self.devices.find(LightSensor, fresh=True), room)
         lux = [one.lux for one in sensors if one.lux is not None and one.reachable is not False]
-        return min(lux) < self._settings.dark_below if lux else self._settings.without_light_sensor
+        return min(lux) < self.settings.dark_below if lux else self.settings.without_light_sensor

@@ -24,10 +24,8 @@ class LightsOutSettings(AppSettings):
     quiet_after: Seconds = 1260.0  # a minute more than the presence guard waits
 
 
-class LightsOut(RoomApp):
+class LightsOut(RoomApp[LightsOutSettings]):
     """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while."""
-
-    Settings = LightsOutSettings
 
     def __init__(self, node: Node, settings: LightsOutSettings) -> None:
         super().__init__(node, settings)

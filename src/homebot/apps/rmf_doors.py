@@ -46,15 +46,13 @@ class RmfDoorsSettings(AppSettings):
     held_for: Seconds = 120.0
 
 
-class RmfDoors(App):
+class RmfDoors(App[RmfDoorsSettings]):
     """Publishes ``/door_states`` and serves ``/adapter_door_requests``, for doors of the plan and other doors.
 
     A door of the plan is its lock or motor, else its contact. Locks, motors and contacts of doors that are in no plan
     are doors of their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester; ``MODE_CLOSED``
     of a requester releases its hold, and after the last one locks or closes it.
     """
-
-    Settings = RmfDoorsSettings
 
     def __init__(self, node: Node, settings: RmfDoorsSettings) -> None:
         super().__init__(node, settings)

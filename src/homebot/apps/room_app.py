@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 from anyio.abc import TaskGroup
-from pydantic import BaseModel
 
-from homebot.apps.base import App
+from homebot.apps.base import App, SettingsT
 from homebot.devices import Device
 from homebot.devices.devices import MessageHandler
 from homebot.devices.handles import FollowHandles, Handle, HandleChange
@@ -39,7 +38,7 @@ def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
     return [one for one in handles if room and fold(one.area) == fold(room)]
 
 
-class RoomApp(App):
+class RoomApp(App[SettingsT]):
     """An app with at most one task for each room: a newer one cancels the older, and rooms do not wait for each other.
 
     Call :meth:`watch` in the constructor.
@@ -50,10 +49,10 @@ class RoomApp(App):
         rooms: The rooms of its key ``rooms``; an unknown one is logged and shown by `homebot doctor`.
     """
 
-    def __init__(self, node: Node, settings: BaseModel, rooms: Iterable[str] = ()) -> None:
+    def __init__(self, node: Node, settings: SettingsT, rooms: Iterable[str] = ()) -> None:
         super().__init__(node, settings)
         self._watchers: list[Callable[[], Coroutine[object, object, None]]] = []
-        self._tasks: TaskGroup | None = None
+        self._room_tasks: TaskGroup | None = None
         self._scopes: dict[str, anyio.CancelScope] = {}
         self._log_limit = LogLimit(node.graph.clock)
         if named := [("rooms", room) for room in rooms]:
@@ -81,21 +80,21 @@ class RoomApp(App):
 
     async def run(self) -> None:
         """Run the watchers, and the tasks of the rooms."""
-        async with anyio.create_task_group() as self._tasks:
+        async with anyio.create_task_group() as self._room_tasks:
             for watcher in self._watchers:
-                self._tasks.start_soon(watcher)
+                self._room_tasks.start_soon(watcher)
 
     def start(self, room: str, function: Callable[[str], Awaitable[None]]) -> None:
         """Call *function* with *room* in a task, in place of the one that the room has; while the app runs."""
         self.cancel(room)
-        if self._tasks is not None:
+        if self._room_tasks is not None:
             scope = self._scopes[fold(room)] = anyio.CancelScope()
-            self._tasks.start_soon(self._run_task, room, function, scope)
+            self._room_tasks.start_soon(self._run_task, room, function, scope)
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task beside those of the rooms, any number at once; while the app runs."""
-        if self._tasks is not None:
-            self._tasks.start_soon(function)
+        if self._room_tasks is not None:
+            self._room_tasks.start_soon(function)
 
     def cancel(self, room: str) -> None:
         """Cancel the task of *room*, if it has one."""

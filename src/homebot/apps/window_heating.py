@@ -20,13 +20,11 @@ class WindowHeatingSettings(AppSettings):
     lowered_to: Celsius = 12.0
 
 
-class WindowHeating(RoomApp):
+class WindowHeating(RoomApp[WindowHeatingSettings]):
     """Lowers the heating while a window or contact of its room is open; leaves a setpoint that was changed meanwhile.
 
     The setpoints to restore are kept in memory only: a heater that is lowered at the end of a run stays lowered.
     """
-
-    Settings = WindowHeatingSettings
 
     def __init__(self, node: Node, settings: WindowHeatingSettings) -> None:
         super().__init__(node, settings)

@@ -19,7 +19,7 @@ from anyio import to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.apps import App
+from homebot.apps import App, AppContext
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import UNNAMED, Config
@@ -140,6 +140,7 @@ class Runtime:
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
+        self._app_context = AppContext()
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._recorder: RecorderStarter | None = None
@@ -287,6 +288,7 @@ class Runtime:
         async with Node(self.graph, component.name) as node:
             _offer_settings(node, component.settings)
             app = component.kind(node, component.settings)
+            app.context = self._app_context
             await run_as(node.full_name, partial(app.serve, task_status=task_status))
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
