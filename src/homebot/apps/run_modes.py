@@ -1,0 +1,153 @@
+"""The runs of one handler of an app: what a call does while an earlier one is still at work."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Final, Literal, TypeAlias, final, get_args
+
+import anyio
+
+from homebot.errors import UsageError
+from homebot.graph import Node
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.log import LogLimit, more_like_this
+from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
+from homebot.support.similar import did_you_mean
+
+__all__ = ["FAILURES_IN_A_ROW", "MOST_RUNS", "HandlerRuns", "RunHandler", "RunMode", "StartTask"]
+
+CALL_DROPPED: Final = "app.call_dropped"
+FAILURES_IN_A_ROW: Final = 5
+"""Failures in a row after which a handler is called no longer."""
+MOST_RUNS: Final = 10
+_QUIET: Final = 600.0  # seconds between two lines about dropped calls of a handler
+
+RunMode: TypeAlias = Literal["single", "restart", "queued", "parallel"]
+RunHandler: TypeAlias = Callable[[], Awaitable[object] | None]
+StartTask: TypeAlias = Callable[[Callable[[], Coroutine[object, object, object]]], object]
+
+
+@final
+class HandlerRuns:
+    """The runs of one handler, each a task of its app.
+
+    A failure costs only its run: it is logged, counted in ``graph.failures`` and shown by ``homebot doctor``. After
+    five in a row the handler is given up.
+
+    Args:
+        node: The node of the app.
+        start_task: Starts a task of the app.
+        title: Name of the handler in the log and in health reports, such as ``job evening``.
+        mode: What a call does while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
+            ``queued`` waits for its turn, ``parallel`` runs beside it.
+        most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
+
+    Attributes:
+        dropped: Number of calls that were dropped.
+        failures: Number of failures since the last success.
+        trouble: Why the handler is called no longer; empty while it is.
+
+    Raises:
+        UsageError: There is no such mode, or *most* is below 1.
+    """
+
+    def __init__(
+        self, node: Node, start_task: StartTask, title: str, mode: RunMode = "single", most: int = MOST_RUNS
+    ) -> None:
+        if mode not in (modes := get_args(RunMode)):
+            hint = did_you_mean(str(mode), modes, f"modes are {', '.join(modes)}")
+            raise UsageError(f"mode: there is no {mode!r}; {hint}")
+        if most < 1:
+            raise UsageError(f"most: {most} is below 1, so that nothing would run")
+        self.dropped = self.failures = 0
+        self.trouble = ""
+        self._node = node
+        self._start_task = start_task
+        self._title = title
+        self._mode = mode
+        self._most = most if mode in ("queued", "parallel") else 1
+        self._tasks_at_once = most if mode == "parallel" else 1
+        self._tasks = 0
+        self._waiting: deque[tuple[RunHandler, object]] = deque()
+        self._running: dict[anyio.CancelScope, float] = {}  # since when, in seconds since the Unix epoch
+        self._limit = LogLimit(node.graph.clock, _QUIET)
+
+    @property
+    def running_since(self) -> float | None:
+        """When the oldest run that is at work began, in seconds since the Unix epoch; None where none is."""
+        return next(iter(self._running.values()), None)
+
+    def start(self, handler: RunHandler, cause: object = None) -> bool:
+        """Call *handler* by the mode; return False if it is not called.
+
+        Args:
+            cause: The cause of its commands, see :data:`homebot.graph.current_cause.CURRENT_CAUSE`.
+        """
+        if self.trouble:
+            return False
+        if self._mode == "restart":
+            self._waiting.clear()
+            for scope in self._running:
+                scope.cancel()
+        elif len(self._running) + len(self._waiting) >= self._most:
+            self._drop()
+            return False
+        self._waiting.append((handler, cause))
+        if self._tasks < self._tasks_at_once:
+            self._tasks += 1
+            self._start_task(self._work)
+        return True
+
+    def cancel(self) -> None:
+        """Cancel the runs, and those that wait."""
+        self._waiting.clear()
+        for scope in self._running:
+            scope.cancel()
+
+    async def _work(self) -> None:
+        try:
+            while self._waiting and not self.trouble:
+                await self._run(*self._waiting.popleft())
+        finally:
+            self._tasks -= 1
+
+    async def _run(self, handler: RunHandler, cause: object) -> None:
+        CURRENT_CAUSE.set(cause)
+        with anyio.CancelScope() as scope:
+            self._running[scope] = self._node.graph.clock.now()
+            task = asyncio.current_task()
+            try:
+                if (result := handler()) is not None:
+                    await result
+                self.failures = 0
+            except BaseException as exc:  # every failure but the end of this run
+                if is_end_of(task, exc):
+                    raise
+                self._record(exc)
+            finally:
+                del self._running[scope]
+
+    def _record(self, error: BaseException) -> None:
+        if isinstance(error, asyncio.CancelledError):
+            uncancel()
+        crash = crash_of(self._node.full_name, error)
+        self.failures += 1
+        cost = "it continues"
+        if self.failures >= FAILURES_IN_A_ROW:
+            self._waiting.clear()
+            cost = f"it was the {self.failures}th time in a row, and it is called no longer until the app starts again"
+            self.trouble = f"failed {self.failures} times in a row and is called no longer ({error_text(crash)})"
+        self._node.graph.failures.record(self._node.full_name, self._title, crash, cost)
+
+    def _drop(self) -> None:
+        self.dropped += 1
+        if (held_back := self._limit.allows("")) is not None:
+            why = "its last call still runs" if self._most == 1 else f"{self._most} calls run or wait"
+            self._node.log.warning(
+                CALL_DROPPED,
+                message=f"the {self._title} was not called: {why}{more_like_this(held_back)}",
+                mode=self._mode,
+                dropped=self.dropped,
+            )
