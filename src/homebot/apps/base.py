@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from datetime import UTC, tzinfo
-from typing import ClassVar, Generic, get_args, get_origin
+from typing import TYPE_CHECKING, ClassVar, Generic, get_args, get_origin
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
@@ -17,7 +17,16 @@ from homebot.devices import Devices
 from homebot.errors import UsageError
 from homebot.graph import Node
 
+if TYPE_CHECKING:
+    from homebot.apps.store import Store
+
 __all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
+
+
+def _store_in_memory(app: str) -> Store:
+    from homebot.apps.store import Store  # noqa: PLC0415 - few apps keep anything
+
+    return Store(app)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,9 +35,11 @@ class AppContext:
 
     Attributes:
         zone: The home's time zone.
+        store_of: Returns the store of an app by its name; by default one in memory.
     """
 
     zone: tzinfo = UTC
+    store_of: Callable[[str], Store] = _store_in_memory
 
 
 class AppSettings(BaseModel):
@@ -79,7 +90,15 @@ class App(ABC, Generic[SettingsT]):
         self.clock = node.graph.clock
         self.devices = Devices(node)
         self.context = AppContext()
+        self._store: Store | None = None
         self._tasks: TaskGroup | None = None
+
+    @property
+    def store(self) -> Store:
+        """Values that the app keeps over a restart: ``self.store["armed"] = True``."""
+        if self._store is None:
+            self._store = self.context.store_of(self.node.name)
+        return self._store
 
     @abstractmethod
     async def run(self) -> None:

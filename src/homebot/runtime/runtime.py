@@ -43,6 +43,7 @@ from homebot.support.logger import get_logger, observed_lines
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
+    from homebot.apps.stores import AppStores
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
@@ -63,6 +64,9 @@ THESIS_HOME = "home425"
 
 JOURNAL_FILE = "journal.sqlite"
 """The name of the journal, beside the file of the index."""
+
+STORE_FILE = "apps.sqlite"
+"""The name of the file of what apps keep, likewise."""
 
 ServiceT = TypeVar("ServiceT")
 
@@ -135,12 +139,12 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
-        index = self.index_file if self._plan.discovery.persist else None
-        self._installation = Installation(index and index.with_name(INSTALLATION_FILE), self.random)
+        self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
-        self._app_context = AppContext()
+        self._app_context = AppContext(store_of=lambda app: self._app_stores().of(app))
+        self._stores: AppStores | None = None
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._recorder: RecorderStarter | None = None
@@ -207,13 +211,15 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         stack.callback(self._installation.close)
-        main = await stack.enter_async_context(Node(self.graph, "homebot"))
+        self._main = main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines)
         main.create_service(Trigger, START_RECORDER, partial(self._start_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
+        await self._read_stores()
+        stack.push_async_callback(self._close_stores)
         for kind, name, work in self._components(gateways):
             if self._start_is_cut:
                 return
@@ -284,12 +290,38 @@ class Runtime:
             gateway = component.kind(node, component.settings, self._context)
             await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
+    def _app_stores(self) -> AppStores:
+        """Return what apps keep; it is written from the first time that an app asks for it."""
+        if self._stores is None:
+            from homebot.apps.stores import AppStores  # noqa: PLC0415 - few apps keep anything
+
+            self._stores = AppStores(self._beside_index(STORE_FILE), self._clock)
+            self._main.create_task(self._stores.run)
+        return self._stores
+
+    async def _read_stores(self) -> None:
+        path = self._beside_index(STORE_FILE)
+        if path is not None and await anyio.Path(path).exists():
+            await self._app_stores().read()
+
+    async def _close_stores(self) -> None:
+        if self._stores is not None:
+            await self._stores.close()
+
+    def _beside_index(self, name: str) -> Path | None:
+        """Return the file *name* beside the index; None where nothing is kept."""
+        return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
+
     async def _app(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, component.name) as node:
             _offer_settings(node, component.settings)
             app = component.kind(node, component.settings)
             app.context = self._app_context
-            await run_as(node.full_name, partial(app.serve, task_status=task_status))
+            try:
+                await run_as(node.full_name, partial(app.serve, task_status=task_status))
+            finally:
+                if self._stores is not None:
+                    await self._stores.flush()
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
@@ -308,15 +340,13 @@ class Runtime:
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:
-            index, is_kept = self.index_file, self._plan.discovery.persist
-            journal = index.with_name(JOURNAL_FILE) if index is not None and is_kept else None
             self._controller = Control(
                 node,
                 self._plan.control,
                 self._plan.grants,
                 trusts_apps=self.trusts_apps,
                 approves_all=self._approves_all,
-                journal_file=journal,
+                journal_file=self._beside_index(JOURNAL_FILE),
                 rehearsal=self.rehearsal,
                 detected=self.detected,
             )

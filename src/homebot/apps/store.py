@@ -1,0 +1,109 @@
+"""Values of apps that stay over a restart: JSON by key, ``self.store["armed"] = True``.
+
+Values are in memory, so that reading and writing never wait; they are in the file at most five seconds later, and when
+the app ends. A value is copied on its way in and out: to change a list, store it again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, MutableMapping
+from typing import Any, Final, final
+
+from homebot.errors import UsageError
+
+__all__ = ["MOST_BYTES", "MOST_KEYS", "MOST_VALUE_BYTES", "Store"]
+
+MOST_VALUE_BYTES: Final = 65_536
+"""Bytes of a value at most, as JSON."""
+
+MOST_KEYS: Final = 1000
+"""Keys of an app at most."""
+
+MOST_BYTES: Final = 1_048_576
+"""Bytes of all values of an app at most."""
+
+_MOST_KEY: Final = 200
+
+
+@final
+class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
+    """The values that one app keeps. Keys that begin with ``_`` are homebot's own, and are not listed.
+
+    Args:
+        app: The name of the app.
+        texts: The JSON text of each key, which this changes.
+        on_change: Called with each key that changes.
+    """
+
+    def __init__(
+        self, app: str, texts: dict[str, str] | None = None, on_change: Callable[[str], None] = lambda _: None
+    ) -> None:
+        self._app = app
+        self._texts = {} if texts is None else texts
+        self._on_change = on_change
+        self._bytes = sum(map(len, self._texts.values()))
+
+    def __getitem__(self, key: str) -> Any:  # as above
+        """Return a copy of the value of *key*.
+
+        Raises:
+            KeyError: There is none.
+        """
+        return json.loads(self._texts[key])
+
+    def __setitem__(self, key: str, value: Any) -> None:  # as above
+        """Store a copy of *value* under *key*.
+
+        Raises:
+            UsageError: It is no JSON value, or too large; or the key is none, or one too many.
+        """
+        text = self._checked(key, value)
+        before = self._texts.get(key)
+        if text != before:
+            self._bytes += len(text) - len(before or "")
+            self._texts[key] = text
+            self._on_change(key)
+
+    def __delitem__(self, key: str) -> None:
+        """Remove *key*.
+
+        Raises:
+            KeyError: There is none.
+        """
+        self._bytes -= len(self._texts.pop(key))
+        self._on_change(key)
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the keys in the order in which they were first stored."""
+        return (key for key in tuple(self._texts) if not key.startswith("_"))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        return f"<store of {self._app}: {', '.join(self) or 'empty'}>"
+
+    def _checked(self, key: object, value: object) -> str:
+        """Return *value* as JSON."""
+        if not isinstance(key, str) or not 0 < len(key) <= _MOST_KEY or not key.isprintable():
+            raise UsageError(
+                f"{self._app}: a key of the store is a printable text of 1 to {_MOST_KEY} characters, got {key!r:.60}"
+            )
+        place = f"{self._app}: store[{key!r:.60}]"
+        try:
+            text = json.dumps(value, allow_nan=False, separators=(",", ":"))
+        except (TypeError, ValueError, RecursionError) as exc:
+            raise UsageError(
+                f"{place} takes text, numbers, booleans, None, and lists and dicts of these, got {value!r:.60}: {exc}"
+            ) from exc
+        others = self._bytes - len(self._texts.get(key, ""))
+        if len(text) > MOST_VALUE_BYTES:
+            problem = f"a value takes at most {MOST_VALUE_BYTES:,} bytes as JSON, got {len(text):,}"
+        elif others + len(text) > MOST_BYTES:
+            problem = f"the values of an app take at most {MOST_BYTES:,} bytes, and the others take {others:,}"
+        elif key not in self._texts and len(self._texts) >= MOST_KEYS:
+            problem = f"an app has at most {MOST_KEYS:,} keys; remove some first"
+        else:
+            return text
+        raise UsageError(f"{place}: {problem}")
