@@ -106,7 +106,7 @@ def _running(
             Node(graph, "listener") as listener,
             anyio.create_task_group() as tasks,
         ):
-            door = Door(door_node, DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS)
+            door = Door(door_node, DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS, home="Café")
             chatter = talker.create_publisher(String, "/chatter")
             listener.create_subscription(String, "/hello", lambda message: heard.append(message.data))
             await tasks.start(door.run)

@@ -39,10 +39,76 @@ def test_the_configuration_beside_says_which_homebot_is_meant(homebot: Any, fold
     assert nodes("--door", NOWHERE) == 1
 
 
+def test_a_port_alone_is_one_of_this_computer(homebot: Any) -> None:
+    assert nodes("--door", str(homebot.port)) == 0
+
+
+def test_a_homebot_of_another_home_than_that_of_the_configuration_is_refused(
+    homebot: Any, folder: Path, capsys: Text
+) -> None:
+    """It was commanded: another homebot may have taken the usual port."""
+    (folder / "homebot.toml").write_text(f'[home]\nname = "villa"\n[door]\nport = {homebot.port}\n')
+    assert nodes() == 1
+    error = capsys.readouterr().err
+    assert f"of the home 'villa', but the homebot on 127.0.0.1:{homebot.port} is of 'Café'; give the address" in error
+    (folder / "homebot.toml").write_text(f'[home]\nname = "Café"\n[door]\nport = {homebot.port}\n')
+    assert nodes() == 0
+
+
+@pytest.fixture
+def homes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
+    file = tmp_path / "settings" / "homebot" / "homes.toml"
+    file.parent.mkdir(parents=True)
+    return file
+
+
+def test_a_home_is_named(locked_homebot: Any, homes: Path, monkeypatch: pytest.MonkeyPatch, capsys: Text) -> None:
+    homes.write_text(
+        f'[villa]\ndoor = "{locked_homebot.port}"\ntoken_file = "villa.token"\n[flat]\ndoor = "{NOWHERE}"\n'
+    )
+    (homes.parent / "villa.token").write_text(f"{TOKEN}\n")
+    assert nodes("--home", "villa") == 0
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", TOKEN)
+    assert nodes("--home", "flat") == 1
+    assert f"no homebot is running on {NOWHERE}, which {homes} names" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "said"),
+    [
+        (None, (), "homes.toml does not exist; write a table [villa] with door ="),
+        ("[vila]\ndoor = '1.2.3.4:5'\n", (), "homes.toml: villa: there is no such home; did you mean vila?"),
+        ("[villa]\nport = 1\n", (), "homes.toml: villa: names no address; write a table [villa]"),
+        ("[villa]\ndoor = 'x'\n", (), "homes.toml: villa.door: an address is HOST:PORT"),
+        ("[villa]\ndoor = '1'\ntoken = 'x'\n", (), "homes.toml: villa.token: unknown key; did you mean token_file"),
+        ("[villa]\ndoor = '1'\n", ("--door", "1"), "--home and --door both say where homebot is"),
+    ],
+)
+def test_a_home_that_is_not_known_is_told(
+    homes: Path, capsys: Text, text: str | None, arguments: tuple[str, ...], said: str
+) -> None:
+    if text is not None:
+        homes.write_text(text)
+    assert nodes("--home", "villa", *arguments) == 1
+    assert said in capsys.readouterr().err
+
+
+def test_a_command_that_changes_something_names_the_home_on_a_terminal(
+    homebot: Any, monkeypatch: pytest.MonkeyPatch, capsys: Text
+) -> None:
+    monkeypatch.setenv("HOMEBOT_DOOR", homebot.door)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert main(["topic", "pub", "--once", "/hello", "std_msgs/String", "{data: hi}"]) == 0
+    assert f"in Café on {homebot.door}" in capsys.readouterr().err
+    assert nodes() == 0
+    assert "Café" not in capsys.readouterr().err
+
+
 def test_one_that_names_no_address_leaves_it_to_the_environment(
     homebot: Any, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (folder / "homebot.toml").write_text('[home]\nname = "villa"\n[door]\nmax_calls = 5\n')
+    (folder / "homebot.toml").write_text('[home]\nname = "Café"\n[door]\nmax_calls = 5\n')
     assert nodes() == 1
     monkeypatch.setenv("HOMEBOT_DOOR", homebot.door)
     assert nodes() == 0

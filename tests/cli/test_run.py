@@ -245,7 +245,7 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--door", "127.0.0.1:9090/"], "an address is HOST:PORT"),
         (["--door", "[::1:9090"], "an address is HOST:PORT"),
         (["--door", "a:b:9090"], "an address is HOST:PORT"),
-        (["--door", "9090"], "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '9090'"),
+        (["--door", "99999"], "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '127.0.0.1:99999'"),
         (["--log-format", "xml"], "invalid choice: 'xml'"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -35,7 +36,8 @@ class Run:
 
     def __init__(self, folder: Path, *arguments: str, **settings: str) -> None:
         self.port = reserve_port()
-        door = () if "--door" in arguments else ("--door", f"127.0.0.1:{self.port}")
+        door = () if {"--door", "--no-door"} & {*arguments} else ("--door", f"127.0.0.1:{self.port}")
+        arguments = tuple(one for one in arguments if one != "--no-door")
         self.process = subprocess.Popen(
             [sys.executable, "-m", "homebot", "run", *door, *arguments],
             stderr=subprocess.PIPE,
@@ -225,6 +227,19 @@ def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start:
     assert run.log[-1].endswith("choose another port (--door or [door] port)\n")
     assert "embedded MQTT broker on mqtt://127.0.0.1:" in run.text
     assert run.has_left_nothing()
+
+
+def test_a_usual_port_that_is_taken_moves_on_and_says_so(start: Start) -> None:
+    """A homebot in this folder did not start, and the tools acted in the house of the one on 9090."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            stack.enter_context(socket.create_server(("127.0.0.1", 9090)))
+        run = start("--no-door")
+        line = run.until("tools here need --door")
+        port = re.search(r"listening on (\d+)", line)
+        assert port is not None
+        assert port[1] in run.until("listening for rosbridge clients on")
+        assert 9090 < int(port[1]) < 9100
 
 
 def test_a_door_for_everybody_needs_a_token_and_takes_it_from_the_environment(start: Start) -> None:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Collection
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import Final, Protocol, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.errors import ConfigError
@@ -42,6 +42,9 @@ DEFAULT_DOOR = ("127.0.0.1", 9090)
 
 Command: TypeAlias = "Callable[[argparse.Namespace], int]"
 
+_CONNECTION: Final = ("door", "home", "token_file")
+"""The options that say which homebot a command connects to."""
+
 _HOST = re.compile(r"[\w.-]+")
 
 
@@ -68,9 +71,10 @@ def set_command(
     parser.set_defaults(command=command, command_name=parser.prog, used_options=frozenset(global_options))
 
 
-def set_client_command(parser: argparse.ArgumentParser, command: Command, examples: str) -> None:
-    """Make *parser* the one of *command*, which connects to a running homebot."""
-    set_command(parser, command, examples, ("door", "token_file"))
+def set_client_command(parser: argparse.ArgumentParser, command: Command, examples: str, *, acts: bool = False) -> None:
+    """Make *parser* the one of *command*, which connects to a running homebot and, if it *acts*, changes something."""
+    set_command(parser, command, examples, _CONNECTION)
+    parser.set_defaults(acts=acts)
     _add_door_options(parser, argparse.SUPPRESS)
 
 
@@ -98,7 +102,7 @@ def add_global_options(parser: argparse.ArgumentParser) -> None:
 
 def unused_option(options: argparse.Namespace) -> str:
     """Return the problem if *options* have a global option that the command does not use; empty if there is none."""
-    for name in ("door", "token_file"):
+    for name in _CONNECTION:
         if getattr(options, name, None) is not None and name not in options.used_options:
             option, command = f"--{name.replace('_', '-')}", options.command_name
             where = "; the configuration file has the tokens of its clients" if "door" in options.used_options else ""
@@ -152,11 +156,13 @@ def address(text: str, example: int = 9090) -> tuple[str, int]:
 
 
 def door_address(text: str) -> tuple[str, int]:
-    """Return the host and port of a rosbridge server, given as ``HOST:PORT`` or ``ws://HOST:PORT``.
+    """Return the host and port of a rosbridge server, given as ``PORT``, ``HOST:PORT`` or ``ws://HOST:PORT``.
 
     Raises:
         argparse.ArgumentTypeError: It is no such address.
     """
+    if text.isascii() and text.isdigit():
+        return address(f"{DEFAULT_DOOR[0]}:{text}")
     scheme, separator, rest = text.partition("://")
     if not separator:
         return address(text)
@@ -222,6 +228,9 @@ def _add_door_options(parser: argparse.ArgumentParser, default: str | None) -> N
         default=default,
         help="address of its rosbridge server (default: [door] of homebot.toml in this folder, else HOMEBOT_DOOR, else "
         f"{DEFAULT_DOOR[0]}:{DEFAULT_DOOR[1]})",
+    )
+    door.add_argument(
+        "--home", metavar="NAME", default=default, help="a home of homes.toml in your configuration folder, not --door"
     )
     door.add_argument(
         "--token-file",

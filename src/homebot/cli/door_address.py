@@ -1,7 +1,7 @@
 """The address and the token of the running homebot that a client command connects to.
 
-As `homebot run` listens: `--door`, else the table ``[door]`` of the ``homebot.toml`` in the working directory, else
-HOMEBOT_DOOR, else the default. The token of that table is sent to that homebot alone.
+As `homebot run` listens: `--home` or `--door`, else the table ``[door]`` of the ``homebot.toml`` in the working
+directory, else HOMEBOT_DOOR, else the default. The token of that table is sent to that homebot alone.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_of_environment
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
@@ -33,12 +33,14 @@ class DoorAddress(NamedTuple):
         port: Its port.
         token: The token to show; empty for none.
         source: The file that says so; empty for the command line and the environment.
+        home: The name that the home must have, as the configuration beside says; empty for any.
     """
 
     host: str
     port: int
     token: str
     source: str = ""
+    home: str = ""
 
 
 def door_of(options: argparse.Namespace) -> DoorAddress:
@@ -47,26 +49,43 @@ def door_of(options: argparse.Namespace) -> DoorAddress:
     Raises:
         ConfigError: The configuration, the variable or a file with a token cannot be used.
     """
-    table = {} if options.door else _table(DEFAULT_CONFIG)
+    if options.home is not None:
+        return _of_home(options)
+    table, home = ({}, "") if options.door else _table(DEFAULT_CONFIG)
     source = str(DEFAULT_CONFIG) if table.keys() & {"host", "port"} else ""
     host, port = options.door or (_address(table) if source else door_of_environment() or DEFAULT_DOOR)
     if options.token_file is not None:
-        return DoorAddress(host, port, _read_token(Path(options.token_file), "--token-file"), source)
-    return DoorAddress(host, port, _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", ""), source)
+        return DoorAddress(host, port, _read_token(Path(options.token_file), "--token-file"), source, home)
+    return DoorAddress(host, port, _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", ""), source, home)
 
 
-def _table(path: Path) -> TomlTable:
-    """Return the table ``[door]`` of the file *path*; an empty one if there is no such file or table."""
+def _of_home(options: argparse.Namespace) -> DoorAddress:
+    """Return the door of the home that ``--home`` names; no token of the environment is sent there."""
+    if options.door:
+        raise UsageError("--home and --door both say where homebot is; give one of them")
+    from homebot.cli.homes import homes_file, named_home  # noqa: PLC0415 - only with --home
+
+    home, source = named_home(options.home), str(homes_file())
+    file = home.token_file if options.token_file is None else Path(options.token_file)
+    token = "" if file is None else _read_token(file, source if options.token_file is None else "--token-file")
+    return DoorAddress(_LOOPBACK.get(home.host, home.host), home.port, token, source)
+
+
+def _table(path: Path) -> tuple[TomlTable, str]:
+    """Return the table ``[door]`` and the name of the home in the file *path*; both empty if there is no such file."""
     if not path.exists():
-        return {}
-    table = read_toml(path).get("door", {})
+        return {}, ""
+    tables = read_toml(path)
+    table = tables.get("door", {})
     if problem := why_not_trusted(path):
         raise ConfigError(str(path), "", f"says where homebot is, so others must not be able to change it: {problem}")
     if not isinstance(table, dict):
         raise ConfigError(str(path), "door", "must be a table, [door]")
     if others := table.keys() - _USUAL:
         _check_keys(path, sorted(others))
-    return table
+    home = tables.get("home")
+    name = home.get("name") if isinstance(home, dict) else None
+    return table, name if isinstance(name, str) else ""
 
 
 def _check_keys(path: Path, keys: list[str]) -> None:

@@ -9,11 +9,13 @@ from __future__ import annotations
 import argparse
 import json
 import socket
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Final, NamedTuple
+from urllib.parse import unquote
 
 from websockets.client import ClientProtocol
 from websockets.exceptions import InvalidStatus
@@ -22,8 +24,10 @@ from websockets.http11 import Response
 from websockets.protocol import State
 from websockets.uri import parse_uri
 
-from homebot.cli.door_address import door_of
-from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
+from homebot.cli.arguments import DEFAULT_CONFIG
+from homebot.cli.door_address import DoorAddress, door_of
+from homebot.devices.names import HOME_HEADER
+from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
 from homebot.support.connect_errors import connect_problem
 
 __all__ = ["DoorClient", "ReceivedMessage", "door_command", "open_door", "with_client"]
@@ -60,6 +64,9 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
     """
     address = door_of(options)
     with open_door(address.host, address.port, address.token, address.source) as door:
+        _check_home(door, address)
+        if options.acts and door.home and sys.stderr.isatty():
+            print(f"in {door.home} on {door.where}", file=sys.stderr)
         try:
             return command(door)
         except KeyError as exc:  # answers are read as they come, without a model that would check them
@@ -69,6 +76,15 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
 def door_command(function: Callable[[DoorClient, argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
     """Return *function* as a command that connects first; see :func:`with_client`."""
     return lambda options: with_client(options, lambda door: function(door, options))
+
+
+def _check_home(door: DoorClient, address: DoorAddress) -> None:
+    """Refuse the homebot of another home than that of the configuration beside."""
+    if address.home and door.home and door.home != address.home:
+        problem = (
+            f"{DEFAULT_CONFIG} is of the home {address.home!r}, but the homebot on {door.where} is of {door.home!r}"
+        )
+        raise UsageError(f"{problem}; give the address with --door, or restart homebot if you changed the name")
 
 
 @contextmanager
@@ -109,11 +125,15 @@ class DoorClient:
     Args:
         connection: Connected to the server.
         where: The server's address, for errors.
+
+    Attributes:
+        home: The name of the home that the server serves; empty before :meth:`shake_hands`.
     """
 
     def __init__(self, connection: socket.socket, where: str) -> None:
+        self.home = ""
+        self.where = where
         self._connection = connection
-        self._where = where
         self._protocol = ClientProtocol(parse_uri(f"ws://{where}/"), max_size=_MAX_FRAME)
         self._frames: deque[Frame] = deque()
         self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
@@ -239,13 +259,13 @@ class DoorClient:
             while self._is_in(State.CONNECTING) and self._protocol.handshake_exc is None:
                 self._receive(deadline)
         except OSError as exc:
-            raise LinkError(f"no homebot is running on {self._where}; start one with `homebot run`") from exc
+            raise LinkError(f"no homebot is running on {self.where}; start one with `homebot run`") from exc
         error = self._protocol.handshake_exc
         if isinstance(error, InvalidStatus):
-            raise RefusedError(f"the connection to homebot on {self._where}", _reason(error.response)) from error
+            raise RefusedError(f"the connection to homebot on {self.where}", _reason(error.response)) from error
         if error is not None:
             raise LinkError(
-                f"the server on {self._where} is not a homebot: {error}; give the address of one with --door"
+                f"the server on {self.where} is not a homebot: {error}; give the address of one with --door"
             ) from error
 
     def close(self) -> None:
@@ -314,6 +334,8 @@ class DoorClient:
         for event in self._protocol.events_received():
             if isinstance(event, Frame) and event.opcode in {Opcode.TEXT, Opcode.CONT}:
                 self._frames.append(event)
+            elif isinstance(event, Response):
+                self.home = unquote(event.headers.get(HOME_HEADER, ""))
         with suppress(OSError):  # it left: its earlier messages count
             self._write()
 

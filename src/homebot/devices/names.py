@@ -54,6 +54,9 @@ POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"}
 ROBOT_POSES = "/robots/poses"
 WHERE_IS_ROBOT = "/robots/where"
 
+HOME_HEADER = "Homebot-Home"
+"""Header with the percent-encoded name of the home in the door's answer to a handshake."""
+
 DIRECTORY_NODE = "/discovery"
 """The node of the directory, the only one that publishes changes of devices."""
 

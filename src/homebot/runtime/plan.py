@@ -355,12 +355,12 @@ def _access(
     has_other_tokens: bool = False,
 ) -> dict[str, Any]:
     """Return the values of the *table* of a server, with the token read from where it is kept."""
-    values = {name: value for name, value in table if name != "token_file"}
+    values = {name: getattr(table, name) for name in table.model_fields_set if name != "token_file"}
     if token_file is not None:
         if table.token is not None:
             raise ConfigError(source, key, "give token or token_file, not both")
         values["token"] = _secret(token_file, source, key)
-    if values["token"] is None and not has_other_tokens and not is_loopback(table.host):
+    if values.get("token") is None and not has_other_tokens and not is_loopback(table.host):
         raise ConfigError(
             source,
             f"{key}.host",

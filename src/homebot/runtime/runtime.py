@@ -407,7 +407,9 @@ class Runtime:
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
             announce = self._network_services.publish
-            self.door = Door(node, self._plan.door, announce, self._local_rights, self._plan.robot_owners)
+            self.door = Door(
+                node, self._plan.door, announce, self._local_rights, self._plan.robot_owners, self._plan.home
+            )
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 

@@ -5,6 +5,7 @@ With :mod:`homebot.bridges.rosbridge.connection` the only file that imports the 
 
 from __future__ import annotations
 
+import errno
 import logging
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
@@ -12,6 +13,7 @@ from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
+from urllib.parse import quote
 from weakref import WeakKeyDictionary
 
 import anyio
@@ -31,10 +33,12 @@ from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
+from homebot.devices.names import HOME_HEADER
 from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError, LinkError, UsageError
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback
+from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.session import ClientSession
@@ -47,7 +51,13 @@ SERVICE_TYPE = "_rosbridge._tcp"
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
+_MORE_PORTS: Final = 9
+"""Ports after the default one to try."""
+
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
+
+
+_log = get_logger(node="/rosbridge_websocket")
 
 
 class Door:
@@ -61,6 +71,7 @@ class Door:
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
         owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
+        home: The name of the home, for clients; empty for none.
         open_timeout: Seconds that a client has for its handshake, on however slow a computer.
 
     Raises:
@@ -74,6 +85,7 @@ class Door:
         announce: Callable[[NetworkService], None] = lambda _: None,
         local_rights: ClientRights = LOCAL_RIGHTS,
         owners: Callable[[], RobotOwners] | None = None,
+        home: str = "",
         open_timeout: float = 10.0,
     ) -> None:
         self._rights = settings.rights(local_rights)
@@ -105,6 +117,7 @@ class Door:
         self._arriving: dict[DoorConnection, None] = {}
         self._port = settings.port
         self._announce = announce
+        self._home = quote(home)
         self._open_timeout = open_timeout
 
     @property
@@ -138,6 +151,13 @@ class Door:
         """
         server = await self._listen()
         self._port = next(iter(server.sockets)).getsockname()[1]
+        if self._port != (wanted := self._settings.port) and wanted:
+            _log.warning(
+                "door.other_port",
+                message=f"port {wanted} is in use, maybe by another homebot; listening on {self._port}: tools "
+                f"here need --door {self._port}, or state a port in [door]",
+                port=self._port,
+            )
         self._announce(self._service(server))
         try:
             async with anyio.create_task_group() as tasks:
@@ -164,26 +184,39 @@ class Door:
         await server.wait_closed()
 
     async def _listen(self) -> Server:
+        """Listen on the port of the settings, or if that is taken and nobody stated it, on one of the next."""
+        settings, port = self._settings, self._settings.port
+        last = port if "port" in settings.model_fields_set else port + _MORE_PORTS
+        while True:
+            try:
+                return await self._listen_on(port)
+            except OSError as exc:
+                if exc.errno != errno.EADDRINUSE or port >= last:
+                    raise UsageError(f"door: {settings.listening_problem(exc, '--door or [door] port')}") from exc
+            port += 1
+
+    async def _listen_on(self, port: int) -> Server:
         settings = self._settings
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
         log.addHandler(_LibraryLog(self._error_log))
-        try:
-            return await serve(
-                self._serve,
-                settings.host,
-                settings.port,
-                process_request=self._admit,
-                compression=None,  # costs more than a local link saves, and a small frame could grow without limit
-                server_header=None,
-                max_size=settings.max_frame_bytes,
-                open_timeout=self._open_timeout,
-                close_timeout=_CLOSE_TIMEOUT,
-                max_queue=1,  # frames; a frame may be large
-                create_connection=cast("type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving)),
-                logger=log,
-            )
-        except OSError as exc:
-            raise UsageError(f"door: {settings.listening_problem(exc, '--door or [door] port')}") from exc
+        return await serve(
+            self._serve,
+            settings.host,
+            port,
+            process_request=self._admit,
+            process_response=self._name_home,
+            compression=None,  # costs more than a local link saves, and a small frame could grow without limit
+            server_header=None,
+            max_size=settings.max_frame_bytes,
+            open_timeout=self._open_timeout,
+            close_timeout=_CLOSE_TIMEOUT,
+            max_queue=1,  # frames; a frame may be large
+            create_connection=cast("type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving)),
+            logger=log,
+        )
+
+    def _name_home(self, _: ServerConnection, __: Request, response: Response) -> None:
+        response.headers[HOME_HEADER] = self._home
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers

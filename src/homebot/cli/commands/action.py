@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "send_goal", "send a goal, and wait for its result; Ctrl-C cancels it")
     add_value_arguments(command, "action", "goal")
     command.add_argument("-f", "--feedback", action="store_true", help="print the feedback too")
-    set_client_command(command, _send_goal, _GOAL_EXAMPLES)
+    set_client_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
 
 
 @door_command

@@ -30,7 +30,7 @@ over a restart.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot alias``."""
-    set_client_command(parser, _alias, _EXAMPLES)
+    set_client_command(parser, _alias, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("name", metavar="NAME", help="the further name")
     parser.add_argument("--undo", action="store_true", help="take the name back")

@@ -32,7 +32,7 @@ device announces another type, topic, payload or identifier, it waits again. An 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot approve``."""
-    set_client_command(parser, _approve, _EXAMPLES)
+    set_client_command(parser, _approve, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     action = parser.add_mutually_exclusive_group()
     action.add_argument("--show", action="store_true", help="show what would be approved, and change nothing")

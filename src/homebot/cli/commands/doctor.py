@@ -70,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _doctor(door: DoorClient, options: argparse.Namespace) -> int:
     """Print how everything is; return 1 where something is not as it should be."""
     now = house_time(door)
+    print(f"home {printable(door.home)} on {door.where}")
     is_well = True
     for name, state in sorted(_gateways(door).items()):
         is_well = print_gateway(name, state) and is_well

@@ -30,7 +30,7 @@ A forgotten device comes back when it sends a message or is announced again.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot forget``."""
-    set_client_command(parser, _forget, _EXAMPLES)
+    set_client_command(parser, _forget, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument(
         "--purge",

@@ -29,7 +29,7 @@ The directory remembers it over a restart; `homebot split` undoes it.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot merge``."""
-    set_client_command(parser, _merge, _EXAMPLES)
+    set_client_command(parser, _merge, _EXAMPLES, acts=True)
     parser.add_argument(
         "devices",
         nargs="+",

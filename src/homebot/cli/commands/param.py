@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
         for argument in arguments:
             command.add_argument(argument, metavar=argument.upper(), help=helps[argument])
-        set_client_command(command, run, f"  homebot param {verb} {example}\n")
+        set_client_command(command, run, f"  homebot param {verb} {example}\n", acts=verb in {"set", "load"})
 
 
 @door_command

@@ -34,7 +34,7 @@ configuration; `homebot show` tells who said what. `homebot places list` lists t
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot place``."""
-    set_client_command(parser, _place, _EXAMPLES)
+    set_client_command(parser, _place, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("room", nargs="?", default="", metavar="ROOM", help="the room or floor that it is in")
     parser.add_argument("--at", default="", metavar="X,Y[,FLOOR]", help="its position, in metres")

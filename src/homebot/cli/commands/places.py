@@ -84,11 +84,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--json", action="store_true", help="print a JSON object: home, rooms, doors, positions, absent devices"
     )
     rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
-    set_client_command(rename, _edit, _EDIT)
+    set_client_command(rename, _edit, _EDIT, acts=True)
     rename.add_argument("room", metavar="ROOM", help="the room")
     rename.add_argument("name", metavar="NAME", help="its new name")
     remove = add_verb(verbs, "remove", "remove an imported room")
-    set_client_command(remove, _edit, _EDIT)
+    set_client_command(remove, _edit, _EDIT, acts=True)
     remove.add_argument("room", metavar="ROOM", help="the room; no device may be placed in it")
     remove.set_defaults(name="")
     export = add_verb(verbs, "export", "write the rooms, and what you stated of devices, to a file")
@@ -97,7 +97,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "file", nargs="?", default="-", metavar="FILE", help="the file; - for standard output, as without"
     )
     imported = add_verb(verbs, "import", "take over the rooms, and what is stated of devices, from a file")
-    set_client_command(imported, _import, _IMPORT)
+    set_client_command(imported, _import, _IMPORT, acts=True)
     imported.add_argument("file", metavar="FILE", help="the file; - for standard input, /map for a robot's map")
     imported.add_argument(
         "--room", action="append", default=[], metavar="ROOM=X,Y", help="a point in a room of a map; several times"

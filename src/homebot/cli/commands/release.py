@@ -29,7 +29,7 @@ stays as it is. A program whose lease was ended does not get the same one again:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot release``."""
-    set_client_command(parser, _release, _EXAMPLES)
+    set_client_command(parser, _release, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 

@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value_arguments(command, "service", "request")
     command.add_argument("--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait (default: 5)")
     command.add_argument("--json", action="store_true", help="print the response as one line of JSON")
-    set_client_command(command, _call, _CALL_EXAMPLES)
+    set_client_command(command, _call, _CALL_EXAMPLES, acts=True)
 
 
 @door_command

@@ -30,7 +30,7 @@ The directory remembers it over a restart; `homebot merge` undoes it.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot split``."""
-    set_client_command(parser, _split, _EXAMPLES)
+    set_client_command(parser, _split, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("gateway", nargs="?", default="", metavar="GATEWAY", help="the gateway of one announcement")
     parser.add_argument("key", nargs="?", default="", metavar="KEY", help="what that gateway calls it")

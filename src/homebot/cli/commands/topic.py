@@ -96,7 +96,7 @@ def _add_pub(verbs: Commands) -> None:
     command.add_argument(
         "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
     )
-    set_client_command(command, _pub, _PUB_EXAMPLES)
+    set_client_command(command, _pub, _PUB_EXAMPLES, acts=True)
 
 
 @door_command

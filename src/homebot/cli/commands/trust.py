@@ -23,7 +23,7 @@ by itself once the sensor sees it obey. It takes the right `manage`. `homebot do
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot trust``."""
-    set_client_command(parser, _trust, _EXAMPLES)
+    set_client_command(parser, _trust, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
