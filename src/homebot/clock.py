@@ -1,4 +1,4 @@
-"""The one clock that everything with a sense of time is given, and slices of its time for long work.
+"""The one clock that everything with a sense of time is given, slices of its time for long work, and time zones.
 
 Two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for stamps
 that leave the process. In a test both advance together; on a real computer ``now`` also follows when its clock is
@@ -8,15 +8,19 @@ set, and counts the time it slept.
 from __future__ import annotations
 
 import asyncio
+import os
 import time
 from collections.abc import Generator
-from typing import Protocol, TypeVar, final
+from datetime import UTC, tzinfo
+from functools import lru_cache
+from pathlib import Path
+from typing import Final, Protocol, TypeVar, final
 
 import anyio.lowlevel
 
 from homebot.errors import UsageError
 
-__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice"]
+__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice", "read_zone", "zone_name"]
 
 T = TypeVar("T")
 
@@ -122,3 +126,37 @@ class TimeSlice:
                 return result
             if self.is_over:
                 await self.pause()
+
+
+_ZONE_OF_COMPUTER: Final = Path("/etc/localtime")
+_ZONES: Final = "/zoneinfo/"
+
+
+@lru_cache(maxsize=16)
+def read_zone(name: str) -> tzinfo:
+    """Read the time zone with the IANA name *name*, such as ``Europe/Berlin``; the computer's if it is empty.
+
+    Raises:
+        UsageError: There is none.
+    """
+    import zoneinfo  # noqa: PLC0415 - few runs ask for the local time
+
+    given = os.environ.get("TZ", "").lstrip(":")
+    linked = str(_ZONE_OF_COMPUTER.resolve()).partition(_ZONES)[2]
+    for one in (name,) if name else (given, given.partition(_ZONES)[2], linked):
+        try:
+            return zoneinfo.ZoneInfo(one)
+        except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):  # of a folder of zones, an OSError
+            continue
+    if name:
+        raise UsageError(f"there is no time zone {name!r}")
+    try:
+        with _ZONE_OF_COMPUTER.open("rb") as file:
+            return zoneinfo.ZoneInfo.from_file(file)
+    except (OSError, ValueError):
+        return UTC
+
+
+def zone_name(name: str) -> str:
+    """Return the IANA name of the zone *name*, also of the computer's; empty where that has none."""
+    return getattr(read_zone(name), "key", None) or ""

@@ -4,26 +4,17 @@
 
     [home]
     name = "home425"
-
+    zone = "Europe/Berlin"
     [gateways.mqtt]                  # one table a gateway; class = "module:Class" where it is no plug-in
     url = "mqtt://192.168.1.10"
-    root = "home425"
-
     [apps.light_service]             # one table an app
-
     [door]                           # where tools reach this homebot
-
     [discovery]
-
     [control]                        # how long commands wait for the answers of devices
-
     [places.rooms.Hall]              # rooms, and devices in them
     floor = "Downstairs"
-
     [robots.rosie]                   # one table a robot: where its pose comes from
-
     [ros]                            # interfaces of ROS that clients use, beside those that homebot comes with
-
     [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
 
 The table of a gateway or an app belongs to that plug-in: :func:`parse_settings` checks it with
@@ -38,7 +29,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, TypeAlias, TypeVar, get_args, get_origin
+from typing import Annotated, Self, TypeAlias, TypeVar, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -48,15 +39,18 @@ from pydantic import (
     SecretStr,
     ValidationError,
     ValidationInfo,
+    field_validator,
+    model_validator,
 )
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
+from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
 from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
 from homebot.support.logger import get_logger
-from homebot.support.similar import unknown_key
+from homebot.support.similar import did_you_mean, unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = [
@@ -118,11 +112,36 @@ class HomeSettings(BaseModel):
 
     Attributes:
         name: Name of the home, in logs and on the web page.
+        zone: The time zone, by its IANA name; empty for the computer's.
+        latitude: Degrees north of the equator; like the next, for the times of the sun.
+        longitude: Degrees east of Greenwich.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(default=UNNAMED, min_length=1)
+    zone: str = ""
+    latitude: float | None = Field(default=None, ge=-90, le=90)
+    longitude: float | None = Field(default=None, ge=-180, le=180)
+
+    @field_validator("zone")
+    @classmethod
+    def _check_zone(cls, zone: str) -> str:
+        try:
+            if zone:
+                read_zone(zone)
+        except UsageError as exc:
+            from zoneinfo import available_timezones  # noqa: PLC0415 - only after a mistake
+
+            hint = did_you_mean(zone, available_timezones(), "write it like Europe/Berlin")
+            raise ValueError(f"{exc}; {hint}") from exc
+        return zone
+
+    @model_validator(mode="after")
+    def _check_place(self) -> Self:
+        if (self.latitude is None) != (self.longitude is None):
+            raise ValueError("give latitude and longitude, or neither of them")
+        return self
 
 
 class Config(BaseModel):

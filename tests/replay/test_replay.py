@@ -12,13 +12,18 @@ from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, 
 from tests.sizes import NIGHTLY, nightly, size
 
 import homebot.apps.lights_out
+from homebot.config import HomeSettings, parse_config
 from homebot.errors import UsageError
+from homebot.messages import Time
+from homebot.recording.lines import RecordingHeader
 from homebot.recording.recording import Recording
+from homebot.replay.replay import replay_config
 
 pytestmark = pytest.mark.slow
 
 EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
 EVENING_APPS = ("lights_out", "follow_me")
+NO_TIME = Time(sec=0, nanosec=0)
 START, LENGTH = ("2026-01-01", "24h") if NIGHTLY else ("2026-01-01 06:00", "4h")
 
 
@@ -119,3 +124,17 @@ def test_an_app_that_was_not_recorded_gives_added_commands_which_succeed(evening
     diff = diff_of(evening, ["homebot.apps.light_service:LightService"])
     assert {one.kind for one in diff.different} == {"added"}
     assert diff.same == 0
+
+
+def test_a_replay_is_at_the_place_and_in_the_zone_of_the_recording() -> None:
+    """A configuration that is given with it wins, key by key."""
+    home = '{"zone": "Europe/Berlin", "latitude": 52.5, "longitude": 13.4}'
+    header = RecordingHeader(format=2, version="1", home="villa", started_at=NO_TIME, home_table=home)
+    recording = Recording(header)
+    assert replay_config(recording).home == HomeSettings(
+        name="villa", zone="Europe/Berlin", latitude=52.5, longitude=13.4
+    )
+    given = parse_config({"home": {"zone": "Asia/Tokyo"}}, "homebot.toml")
+    assert replay_config(recording, (), given).home == HomeSettings(
+        name="villa", zone="Asia/Tokyo", latitude=52.5, longitude=13.4
+    )

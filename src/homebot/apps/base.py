@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
-from datetime import UTC, tzinfo
+from datetime import datetime, tzinfo
 from typing import TYPE_CHECKING, ClassVar, Generic, get_args, get_origin
 
 import anyio
@@ -13,6 +13,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel, ConfigDict
 from typing_extensions import TypeVar
 
+from homebot.clock import read_zone
 from homebot.devices import Devices
 from homebot.errors import UsageError
 from homebot.graph import Node
@@ -34,12 +35,21 @@ class AppContext:
     """Facts about the home of an app.
 
     Attributes:
-        zone: The home's time zone.
+        zone_name: The IANA name of the home's time zone; empty for the computer's.
+        latitude: Degrees north of the equator; None where the configuration does not say, like the next.
+        longitude: Degrees east of Greenwich.
         store_of: Returns the store of an app by its name; by default one in memory.
     """
 
-    zone: tzinfo = UTC
+    zone_name: str = "UTC"
+    latitude: float | None = None
+    longitude: float | None = None
     store_of: Callable[[str], Store] = _store_in_memory
+
+    @property
+    def zone(self) -> tzinfo:
+        """The home's time zone."""
+        return read_zone(self.zone_name)
 
 
 class AppSettings(BaseModel):
@@ -107,6 +117,10 @@ class App(ABC, Generic[SettingsT]):
         An exception is logged and the app started again, half a second later at first; after five crashes within a
         minute it is given up.
         """
+
+    def now(self) -> datetime:
+        """Return the date and time in the home's zone."""
+        return datetime.fromtimestamp(self.clock.now(), self.context.zone)
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.

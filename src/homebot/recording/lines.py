@@ -95,6 +95,7 @@ class RecordingHeader(Message):
         places: The table ``[places]``, as the text of a places file; empty for none.
         detected: The motion sensors that had detected motion by then, if there is a presence guard.
         apps: The apps.
+        home_table: The table ``[home]`` but for the name, as the text of a JSON object.
     """
 
     format: UInt32
@@ -106,6 +107,7 @@ class RecordingHeader(Message):
     places: str = ""
     detected: tuple[str, ...] = ()
     apps: tuple[RecordedApp, ...] = ()
+    home_table: str = "{}"
 
 
 class GatewayNews(Message):

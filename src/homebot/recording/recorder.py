@@ -66,6 +66,7 @@ class RunFacts:
     trusts_apps: bool = False
     places: str = ""
     detected: tuple[str, ...] = ()
+    home_table: str = "{}"
 
 
 @final
@@ -147,6 +148,7 @@ class Recorder:
             places=facts.places,
             detected=facts.detected,
             apps=facts.apps,
+            home_table=facts.home_table,
         )
         self._first_devices = frozenset(one.id for one in devices)
         self._record(self._started_at, header)

@@ -62,20 +62,21 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     Args:
         recording: The recording.
         apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
-        given: A configuration: its tables ``[control]`` and ``[places]``, where it has them, and ``[discovery]`` take
-            the place of those of the recording, and its tables of apps that of their settings.
+        given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, where it has them, and
+            ``[discovery]`` take the place of those of the recording, and its tables of apps that of their settings.
 
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
     """
     header = recording.header
     base = given or Config()
+    given_home = base.home.model_dump(exclude_unset=True)
     return parse_config(
         {
-            "home": {"name": header.home or UNNAMED},
+            "home": _table(header.home_table, "home") | given_home | {"name": header.home or UNNAMED},
             "gateways": {name: {"class": _GATEWAY} for name in recording.gateways},
             "apps": app_tables(header.apps, apps, dict(base.apps)),
-            "control": base.control or _table(header.control),
+            "control": base.control or _table(header.control, "control"),
             "places": base.places or _places(header.places),
             "discovery": base.discovery,
         },
@@ -151,13 +152,13 @@ class _ReplayJournal:
         return tuple(replace(one, result=self._results.get(one.command.id)) for one in given)
 
 
-def _table(text: str) -> Table:
+def _table(text: str, name: str) -> Table:
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as exc:
-        raise UsageError("the table [control] in the recording is no JSON") from exc
+        raise UsageError(f"the table [{name}] in the recording is no JSON") from exc
     if not isinstance(found, dict):
-        raise UsageError("the table [control] in the recording is no table")
+        raise UsageError(f"the table [{name}] in the recording is no table")
     return {**found}
 
 

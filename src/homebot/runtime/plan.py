@@ -15,7 +15,7 @@ import homebot.places
 from homebot.apps import App
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
-from homebot.config import Config, FilePath, Table, parse_settings, read_secret
+from homebot.config import Config, FilePath, HomeSettings, Table, parse_settings, read_secret
 from homebot.devices.client_rights import read_scope
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
@@ -104,6 +104,7 @@ class Plan:
     """
 
     home: str
+    home_settings: HomeSettings
     gateways: tuple[PlannedComponent[Gateway], ...]
     apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
@@ -134,6 +135,7 @@ def make_plan(config: Config) -> Plan:
     """
     return Plan(
         home=config.home.name,
+        home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
         apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
         grants=dict(_grants(config)),

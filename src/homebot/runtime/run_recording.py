@@ -9,6 +9,8 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
+from homebot.clock import zone_name
+from homebot.config import HomeSettings
 from homebot.control import ControlSettings
 from homebot.graph import Node
 from homebot.places import HousePlan, places_text
@@ -39,7 +41,8 @@ class RunRecording:
             control = control.model_copy(update={"approvals": False})
         table = json.dumps(public_settings(control))
         apps = tuple(_recorded(app, plan) for app in plan.apps)
-        return cls(RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected))
+        facts = RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected, _home_table(plan.home_settings))
+        return cls(facts)
 
     async def write_into(
         self, sink: LineSink, node: Node, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
@@ -58,6 +61,12 @@ def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
         settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
     kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
     return RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings))
+
+
+def _home_table(home: HomeSettings) -> str:
+    """Return the table ``[home]`` without the name, and with the zone where it is the computer's."""
+    table = home.model_dump(exclude={"name"}, exclude_none=True)
+    return json.dumps(table | {"zone": zone_name(home.zone)})
 
 
 def _places(plan: Plan) -> str:

@@ -21,7 +21,7 @@ from pydantic import BaseModel
 
 from homebot.apps import App, AppContext
 from homebot.bridges.rosbridge import Door
-from homebot.clock import Clock, LoopClock
+from homebot.clock import Clock, LoopClock, read_zone
 from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
@@ -143,7 +143,10 @@ class Runtime:
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
-        self._app_context = AppContext(store_of=lambda app: self._app_stores().of(app))
+        home = self._plan.home_settings
+        self._app_context = AppContext(
+            home.zone, home.latitude, home.longitude, store_of=lambda app: self._app_stores().of(app)
+        )
         self._stores: AppStores | None = None
         self._owner: OwnerFacts
         self._controller: Control | None = None
@@ -218,6 +221,7 @@ class Runtime:
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
+        await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         await self._read_stores()
         stack.push_async_callback(self._close_stores)
         for kind, name, work in self._components(gateways):

@@ -44,7 +44,7 @@ def house_config(
 
     A gateway for MQTT without a broker on this computer gets the one at *url* and acts: a test never touches a real
     house. Its root is *root* unless it has one; where there is no gateway, it is the only one. The door's port is any
-    free one unless it has one.
+    free one, and its zone UTC, unless it has one.
 
     Args:
         apps: Each a plug-in's name or ``module:Class``; they come last, unless *given* has a table for them.
@@ -62,6 +62,7 @@ def house_config(
             "gateways": {name: _on_test_broker(name, table, root, url) for name, table in gateways.items()},
             "apps": given.apps | more,
             "door": {"port": 0} | given.door,
+            "home": given.home if given.home.zone else given.home.model_copy(update={"zone": "UTC"}),
         }
     )
 

@@ -1,0 +1,48 @@
+"""Time zones: by name, or the computer's, with its days of 23 and 25 hours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from homebot import clock
+from homebot.clock import read_zone, zone_name
+
+SUMMER = datetime(2026, 7, 1, tzinfo=UTC)
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    read_zone.cache_clear()
+    yield
+    read_zone.cache_clear()
+
+
+@pytest.mark.parametrize("value", ["Asia/Tokyo", ":Asia/Tokyo", ":/usr/share/zoneinfo/Asia/Tokyo"])
+def test_the_environment_names_the_zone_of_the_computer(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
+    monkeypatch.setenv("TZ", value)
+    assert zone_name("") == "Asia/Tokyo"
+
+
+def test_the_zone_of_the_computer_is_that_of_its_settings(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A link into the folder of zones has a name; a copy of a zone's file has none, and the same summer time."""
+    monkeypatch.delenv("TZ", raising=False)
+    folder = tmp_path / "zoneinfo" / "Europe"
+    folder.mkdir(parents=True)
+    (folder / "Berlin").write_bytes(Path("/usr/share/zoneinfo/Europe/Berlin").read_bytes())
+    (link := tmp_path / "localtime").symlink_to(folder / "Berlin")
+    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", link)
+    assert zone_name("") == "Europe/Berlin"
+    read_zone.cache_clear()
+    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", folder.rename(tmp_path / "copies") / "Berlin")
+    assert zone_name("") == ""
+    assert SUMMER.astimezone(read_zone("")).utcoffset() == timedelta(hours=2)
+
+
+def test_a_computer_without_settings_is_in_utc(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
+    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", tmp_path / "missing")
+    assert read_zone("") is UTC
