@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
+from collections.abc import Iterator
+from typing import Annotated
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import BaseModel
 
-from homebot.errors import UsageError
-from homebot.units import parse_duration
+from homebot.config import parse_settings
+from homebot.control import ControlSettings
+from homebot.discovery import DirectorySettings
+from homebot.errors import ConfigError, UsageError
+from homebot.gateways.coap.settings import CoapGatewaySettings
+from homebot.gateways.mqtt.settings import MqttGatewaySettings
+from homebot.robots.settings import RobotSettings
+from homebot.runtime.plan import DoorTable
+from homebot.units import DURATION, Seconds, parse_duration
 
 
 @pytest.mark.parametrize(
@@ -43,6 +55,50 @@ def test_what_is_no_duration_is_refused_with_an_example(text: str) -> None:
 def test_a_number_that_is_no_time_is_refused(number: float) -> None:
     with pytest.raises(UsageError, match="finite number of seconds, 0 or more"):
         parse_duration(number)
+
+
+class Table(BaseModel):
+    limit: Seconds = 1.0
+    whole: Annotated[int, DURATION] = 1
+
+
+def test_a_table_reads_seconds_as_a_number_or_a_text() -> None:
+    table = parse_settings(Table, {"limit": "500ms", "whole": "7d"}, "homebot.toml", "apps.hall")
+    assert table == Table(limit=0.5, whole=604_800)
+    assert parse_settings(Table, {"limit": 3}, "", "").limit == 3.0
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("soon", "apps.hall.limit: 'soon' is not a duration; write it like 90s, 8h or 1h30m"),
+        ("0s", "apps.hall.limit: input should be greater than 0"),
+        (True, "apps.hall.limit: input should be a valid number"),
+    ],
+)
+def test_what_is_no_duration_in_a_table_is_named(value: object, said: str) -> None:
+    with pytest.raises(ConfigError, match=re.escape(said)):
+        parse_settings(Table, {"limit": value}, "homebot.toml", "apps.hall")
+
+
+def _keys_in_seconds() -> Iterator[tuple[type[BaseModel], str]]:
+    """Yield the keys in the docs' tables that are in seconds, with their tables' models."""
+    for model in (
+        DoorTable,
+        DirectorySettings,
+        ControlSettings,
+        MqttGatewaySettings,
+        CoapGatewaySettings,
+        RobotSettings,
+    ):
+        docs = "\n".join(inspect.getdoc(one) or "" for one in model.__mro__ if issubclass(one, BaseModel))
+        for key in re.findall(r"^ +(\w+): Seconds", docs, re.MULTILINE):
+            yield model, key
+
+
+@pytest.mark.parametrize(("model", "key"), [*_keys_in_seconds()])
+def test_every_key_in_seconds_reads_a_duration(model: type[BaseModel], key: str) -> None:
+    assert getattr(parse_settings(model, {key: "20s"}, "", ""), key) == 20.0
 
 
 @given(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99))

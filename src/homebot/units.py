@@ -6,13 +6,28 @@ import math
 import re
 from typing import Annotated, Final
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from homebot.errors import UsageError
 
-__all__ = ["Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
+__all__ = ["DURATION", "Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
 
-Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False, description="seconds")]
+
+def _from_text(value: object) -> object:
+    """Return the seconds of a text; anything else as it is."""
+    if not isinstance(value, str):
+        return value
+    try:
+        seconds = parse_duration(value)
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+    return int(seconds) if seconds.is_integer() else seconds
+
+
+DURATION: Final = BeforeValidator(_from_text)
+"""Has a number of seconds in a configuration also read from a text such as ``"7d"``."""
+
+Seconds = Annotated[float, DURATION, Field(gt=0, allow_inf_nan=False, description="seconds")]
 Celsius = Annotated[float, Field(ge=-273.15, allow_inf_nan=False, description="degrees Celsius")]
 Bytes = Annotated[int, Field(gt=0, description="bytes")]
 Port = Annotated[int, Field(ge=0, le=65_535, description="TCP port; 0 is any free one")]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, Protocol, TypeAlias
 from urllib.parse import urlsplit
 
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 
 __all__ = [
     "DEFAULT_CONFIG",
@@ -28,6 +28,7 @@ __all__ = [
     "door_address",
     "door_of_environment",
     "positive",
+    "seconds",
     "set_client_command",
     "set_command",
     "unused_option",
@@ -205,6 +206,18 @@ def positive(text: str) -> float:
     if not 0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"must be a number above 0, got {text!r}")
     return number
+
+
+def seconds(text: str) -> float:
+    """Return the seconds in *text*, a number above 0 or a duration such as ``2m``."""
+    if text[-1:].isdigit() or not text[:1].isdigit():
+        return positive(text)
+    from homebot.units import parse_duration  # noqa: PLC0415 - few commands need it
+
+    try:
+        return positive(str(parse_duration(text)))
+    except UsageError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from exc
 
 
 def whole(text: str) -> int:

@@ -51,6 +51,7 @@ from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDe
 from homebot.house.world import World
 from homebot.support.similar import unknown_key
 from homebot.support.toml_file import read_toml
+from homebot.units import DURATION
 
 __all__ = ["load_world", "parse_world"]
 
@@ -154,9 +155,9 @@ class _PlaceTable(_Strict):
 class _HabitTable(_Strict):
     at: time
     room: str
-    jitter: float = Field(default=0.0, ge=0.0, le=43_200.0)
+    jitter: Annotated[float, DURATION] = Field(default=0.0, ge=0.0, le=43_200.0)
     asleep: bool = False
-    still: float = Field(default=0.0, ge=0.0, le=86_400.0)
+    still: Annotated[float, DURATION] = Field(default=0.0, ge=0.0, le=86_400.0)
 
 
 class _PersonTable(_Strict):

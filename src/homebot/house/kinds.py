@@ -18,14 +18,16 @@ from homebot.house.rooms import Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.tag import SimulatedTag
+from homebot.units import DURATION, Seconds
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
 
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Moment = Annotated[float, Field(ge=0.1, allow_inf_nan=False)]
+Moment = Annotated[Seconds, Field(ge=0.1)]
 """Seconds, above 0: an immediate answer would stop virtual time."""
+_Since = Annotated[float, DURATION, Field(ge=0.0, allow_inf_nan=False)]
 Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 
@@ -89,7 +91,7 @@ class _Window(KindSettings):
     makes = WindowMotor
 
     is_open: bool | None = None
-    travel_time: Positive | None = None
+    travel_time: Seconds | None = None
 
 
 class _Cover(_Window):
@@ -100,7 +102,7 @@ class _Lock(KindSettings):
     makes = SimulatedDoorLock
 
     is_locked: bool | None = None
-    travel_time: Positive | None = None
+    travel_time: Seconds | None = None
     jams: Fraction | None = None
 
     def _place(self, at: Surroundings) -> dict[str, Any]:
@@ -114,7 +116,7 @@ class _Contact(KindSettings):
 class _Motion(KindSettings):
     makes = MotionSensor
 
-    hold: NotNegative | None = None
+    hold: _Since | None = None
 
 
 class _Lux(KindSettings):
@@ -136,7 +138,7 @@ class _Thermostat(KindSettings):
     celsius: Celsius | None = None
     target: Celsius | None = None
     gain: NotNegative | None = None
-    inertia: Positive | None = None
+    inertia: Seconds | None = None
     rated_watts: NotNegative | None = None
 
 
@@ -145,7 +147,7 @@ class _Tag(KindSettings):
 
     text: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     hold: Moment | None = None
-    every: NotNegative | None = None
+    every: _Since | None = None
 
 
 class _Robot(KindSettings):
@@ -166,7 +168,7 @@ class _Lossy(FaultSettings):
 class _Slow(FaultSettings):
     makes = faults.Slow
 
-    delay: NotNegative | None = None
+    delay: _Since | None = None
 
 
 class _Deaf(FaultSettings):
@@ -176,7 +178,7 @@ class _Deaf(FaultSettings):
 class _Liar(FaultSettings):
     makes = faults.Liar
 
-    since: NotNegative | None = None
+    since: _Since | None = None
 
 
 class _EchoingBridge(FaultSettings):
@@ -199,7 +201,7 @@ class _Chatterbox(FaultSettings):
     makes = faults.Chatterbox
 
     times: Annotated[int, Field(ge=1, le=1000)] | None = None
-    every: Positive | None = None
+    every: Seconds | None = None
 
 
 class _Flapper(FaultSettings):
@@ -217,14 +219,14 @@ class _Late(FaultSettings):
 class _Silent(FaultSettings):
     makes = faults.Silent
 
-    since: NotNegative | None = None
+    since: _Since | None = None
 
 
 class _Unplugged(FaultSettings):
     makes = faults.Unplugged
 
-    since: NotNegative | None = None
-    until: Positive | None = None
+    since: _Since | None = None
+    until: Seconds | None = None
 
 
 KINDS: dict[str, type[KindSettings]] = {

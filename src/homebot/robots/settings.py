@@ -7,11 +7,13 @@ from typing import Annotated, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from homebot.units import Seconds
+
 __all__ = ["JsonPose", "RobotSettings"]
 
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
-_Limit: TypeAlias = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
+_Limit: TypeAlias = Annotated[Seconds, Field(le=3600)]
 
 
 class RobotSettings(BaseModel):

@@ -12,6 +12,7 @@ from homebot.config import value_errors
 from homebot.devices.client_rights import ALL_RIGHTS, ALL_ROBOTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
 from homebot.errors import UsageError
 from homebot.support.addresses import is_loopback
+from homebot.units import Seconds
 
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
@@ -94,9 +95,9 @@ class DoorSettings(AccessSettings):
     max_entities_of_all: Count = 10_000
     max_frames_per_second: Count = 1000
     max_calls: Count = 100
-    stall_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 60.0
-    ping_interval: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.4
-    ping_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.5
+    stall_timeout: Seconds = 60.0
+    ping_interval: Seconds = 0.4
+    ping_timeout: Seconds = 0.5
 
     @model_validator(mode="after")
     def _check_tokens(self) -> Self:

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
-from homebot.cli.arguments import address, positive, set_command, whole
+from homebot.cli.arguments import address, seconds, set_command, whole
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
@@ -78,7 +78,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="console",
         help="log lines for people (console) or programs (json)",
     )
-    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
+    parser.add_argument(
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+    )
 
 
 def broker(options: argparse.Namespace) -> int:

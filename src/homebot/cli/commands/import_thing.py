@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import positive, set_client_command
+from homebot.cli.arguments import seconds, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.json_message import JsonMessage
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--gateway", metavar="G", default="mqtt", help="gateway that is connected to its broker (default: mqtt)"
     )
     parser.add_argument(
-        "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for the device (default: 5)"
+        "--timeout", metavar="S", type=seconds, default=5.0, help="seconds to wait for the device (default: 5)"
     )
 
 

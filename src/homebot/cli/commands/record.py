@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, cast
 
-from homebot.cli.arguments import positive, set_client_command
+from homebot.cli.arguments import positive, seconds, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.errors import LinkError, RefusedError, UsageError
@@ -34,7 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot record``."""
     set_client_command(parser, _record, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="file to write; compressed where its name ends in .gz")
-    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
+    parser.add_argument(
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+    )
     parser.add_argument(
         "--max-mb",
         metavar="MB",

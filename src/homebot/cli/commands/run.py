@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from homebot.apps import App
-from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, positive, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
@@ -114,7 +114,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
-    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this many seconds")
+    parser.add_argument(
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+    )
 
 
 def _app(text: str) -> str:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from typing import cast
 
-from homebot.cli.arguments import add_verb, add_verbs, positive, set_client_command
+from homebot.cli.arguments import add_verb, add_verbs, seconds, set_client_command
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
 from homebot.cli.graph_queries import MessageTypeRecord, response_schema
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_entity_verbs(verbs, "service", "/rosapi/get_time", "rosapi_msgs/srv/GetTime")
     command = add_verb(verbs, "call", "call a service and print its response")
     add_value_arguments(command, "service", "request")
-    command.add_argument("--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait (default: 5)")
+    command.add_argument("--timeout", metavar="S", type=seconds, default=5.0, help="seconds to wait (default: 5)")
     command.add_argument("--json", action="store_true", help="print the response as one line of JSON")
     set_client_command(command, _call, _CALL_EXAMPLES, acts=True)
 

@@ -16,7 +16,7 @@ from homebot.cli.graph_queries import entities
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
-from homebot.errors import PeerError
+from homebot.errors import PeerError, UsageError
 
 if TYPE_CHECKING:
     from homebot.devices.places_messages import TagDeviceResponse, TeachPlaceResponse
@@ -187,9 +187,11 @@ def _failed(problem: str, message: str) -> int:
 
 
 def _seconds(text: str) -> float:
+    from homebot.units import parse_duration  # noqa: PLC0415 - as few commands need it
+
     try:
-        seconds = float(text)
-    except ValueError:
+        seconds = parse_duration(text) if text[-1:].isalpha() else float(text)
+    except (UsageError, ValueError):
         seconds = math.nan
     if not 0 <= seconds <= _LONGEST_WAIT:
         raise argparse.ArgumentTypeError(f"must be 0 to {_LONGEST_WAIT:g} seconds, got {text!r}")

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, set_client_command, whole
+from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, set_client_command, whole
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, door_command
 from homebot.cli.entity_verbs import add_entity_verbs
@@ -79,7 +79,7 @@ def _add_echo(verbs: Commands) -> None:
     command = add_verb(verbs, "echo", "print the messages of a topic")
     command.add_argument("topic", metavar="TOPIC", help="name of the topic, which need not exist yet")
     command.add_argument("--once", action="store_true", help="end after the first message")
-    command.add_argument("--timeout", metavar="S", type=positive, help="give up after S seconds without a message")
+    command.add_argument("--timeout", metavar="S", type=seconds, help="give up after S seconds without a message")
     command.add_argument("--field", metavar="A.B", help="print only this field")
     command.add_argument("--json", action="store_true", help="print each message as one line of JSON")
     set_client_command(command, _echo, _ECHO_EXAMPLES)

@@ -16,7 +16,7 @@ from homebot.gateways.password_settings import PasswordSettings
 from homebot.mqtt.clients import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
-from homebot.units import Seconds
+from homebot.units import DURATION, Seconds
 
 __all__ = ["EMBEDDED", "MqttGatewaySettings"]
 
@@ -84,7 +84,7 @@ class MqttGatewaySettings(PasswordSettings):
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
     max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 32 * 1024 * 1024
     max_memory: Annotated[int, Field(ge=1024 * 1024, lt=2**40)] = MAX_MEMORY
-    session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
+    session_expiry: Annotated[int, DURATION, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
     responses: bool = False
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)
