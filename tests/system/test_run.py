@@ -110,7 +110,7 @@ def is_free(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) != 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
     """Exit code 0, no traceback, and nothing is left that could hold a port."""
     run = start()
@@ -122,7 +122,66 @@ def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> Non
     assert "Traceback" not in run.text
     assert is_free(run.port)
     assert run.has_left_nothing()
-    assert run.text.count("SIGHUP was received: homebot stops") == (number == signal.SIGHUP)
+
+
+def _cli(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "homebot", *arguments]
+    return subprocess.run(command, cwd=folder, env=SETTINGS, capture_output=True, text=True, check=False, timeout=120)
+
+
+def test_a_hangup_reloads_the_tokens_and_says_what_waits_for_a_restart(start: Start, tmp_path: Path) -> None:
+    """It ended homebot, and with it the light."""
+    file = tmp_path / "homebot.toml"
+    file.write_text('[gateways.mqtt]\nurl = "embedded"\n')
+    assert _cli(tmp_path, "token", "new", "first", "--scope", "read").returncode == 0
+    run = start()
+    run.until("is running")
+    door = f"127.0.0.1:{run.port}"
+    made = _cli(tmp_path, "token", "new", "second", "--scope", "read")
+    assert "kill -HUP" in made.stdout
+    nodes = ("--door", door, "--token-file", "second.token", "node", "list")
+    assert "a valid token is needed" in _cli(tmp_path, *nodes).stderr
+    with file.open("a") as text:
+        text.write("[control]\ntimeout = '7s'\n")
+    run.process.send_signal(signal.SIGHUP)
+    assert "restart homebot for the changes of [control]" in run.until("were reloaded")
+    assert _cli(tmp_path, *nodes).returncode == 0
+
+    good = file.read_text()
+    file.write_text(good.replace("timeout", "tmeout"))
+    run.process.send_signal(signal.SIGHUP)
+    assert "control.tmeout: unknown key; did you mean timeout or time_zone?" in run.until("nothing was reloaded: ")
+    assert _cli(tmp_path, *nodes).returncode == 0
+
+    file.write_text(good.partition("[door.tokens.second]")[0])
+    run.process.send_signal(signal.SIGHUP)
+    run.until("were reloaded")
+    assert "a valid token is needed" in _cli(tmp_path, *nodes).stderr
+    assert run.stop() == 0
+
+
+def test_a_service_manager_is_informed(tmp_path: Path) -> None:
+    """As systemd does it for a unit of Type=notify with a watchdog."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(tmp_path / "notify"))
+        manager.settimeout(120)
+        run = Run(tmp_path, NOTIFY_SOCKET=str(tmp_path / "notify"), WATCHDOG_USEC="300000")
+        try:
+            received = [manager.recv(4096).decode() for _ in range(3)]
+            assert (received[0], set(received[1:])) == ("READY=1", {"WATCHDOG=1"})
+            run.process.send_signal(signal.SIGHUP)
+            later = [manager.recv(4096).decode()]
+            while later[-1] != "READY=1":
+                later.append(manager.recv(4096).decode())
+            assert any(re.fullmatch(r"RELOADING=1\nMONOTONIC_USEC=\d+", one) for one in later)
+            assert run.stop() == 0
+            manager.settimeout(0)
+            last = manager.recv(4096).decode()
+            while last == "WATCHDOG=1":
+                last = manager.recv(4096).decode()
+            assert last == "STOPPING=1"
+        finally:
+            run.process.kill()
 
 
 def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> None:

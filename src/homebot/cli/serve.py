@@ -1,13 +1,20 @@
-"""Serving until Ctrl-C, SIGTERM, SIGHUP or the end of the given time, and then stopping in order."""
+"""Serving until Ctrl-C, SIGTERM or the end of the given time, and then stopping in order."""
 
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import socket
 import threading
-from collections.abc import Callable, Collection, Coroutine, Iterator
-from contextlib import AbstractAsyncContextManager, contextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Coroutine, Iterator
+from contextlib import (
+    AbstractAsyncContextManager,
+    AbstractContextManager,
+    asynccontextmanager,
+    contextmanager,
+    nullcontext,
+)
 from types import FrameType
 from typing import Final, TypeVar
 
@@ -39,35 +46,75 @@ async def serve(
     service: AbstractAsyncContextManager[object],
     seconds: float | None,
     cut_start_short: Callable[[], None] | None = None,
+    reload: Callable[[], Awaitable[None]] | None = None,
 ) -> None:
-    """Enter *service*, wait for SIGINT, SIGTERM, SIGHUP or the end of *seconds*, and leave it.
+    """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
 
-    Leaving takes 4.8 s at most: then the process is ended with code 1, in any case.
+    Leaving takes 4.8 s at most: then the process is ended with code 1, in any case. The service manager that started
+    the process, if any, is informed.
 
     Args:
         service: Entering means ready, leaving means gone.
         seconds: How long it goes on; None for ever.
         cut_start_short: Called at a signal, so that *service* does not have to finish its start first.
+        reload: Called at SIGHUP; without it, and when the terminal of the process is closed, SIGHUP stops as well.
     """
-    stop_requested = anyio.Event()
-
-    def stop() -> None:
-        stop_requested.set()
-        if cut_start_short is not None:
-            cut_start_short()
-
-    with Watchdog() as watchdog, _at_stop_signals(watchdog.start, stop):
-        async with service:
+    requests = _Requests(cut_start_short)
+    on_hangup = None if reload is None else requests.reload
+    with Watchdog() as watchdog, _at_stop_signals(watchdog.start, requests.stop, on_hangup):
+        async with service, _service_manager() as reloading:
             loop = asyncio.get_running_loop()
             if isinstance(loop, ProductionLoop):
                 loop.watch.has_started()
             with anyio.move_on_after(seconds):
-                await stop_requested.wait()
+                while await requests.wait() and reload is not None:
+                    with reloading():
+                        await reload()
             watchdog.start()
 
 
+@asynccontextmanager
+async def _service_manager() -> AsyncIterator[Callable[[], AbstractContextManager[None]]]:
+    """Inform the service manager, if there is one; yield the context of a reload."""
+    if "NOTIFY_SOCKET" not in os.environ:
+        yield nullcontext
+        return
+    from homebot.cli.service_manager import service_manager  # noqa: PLC0415 - for a service alone
+
+    async with service_manager() as manager:
+        yield manager.reloading
+
+
+class _Requests:
+    """The signals that wait to be handled, in the event loop."""
+
+    def __init__(self, cut_start_short: Callable[[], None] | None) -> None:
+        self._cut_start_short = cut_start_short
+        self._has_some = anyio.Event()
+        self._is_stopping = False
+
+    def stop(self) -> None:
+        """Request the end."""
+        self._is_stopping = True
+        self._has_some.set()
+        if self._cut_start_short is not None:
+            self._cut_start_short()
+
+    def reload(self) -> None:
+        """Request a reload."""
+        self._has_some.set()
+
+    async def wait(self) -> bool:
+        """Wait for a request; return True for a reload, False for the end."""
+        await self._has_some.wait()
+        self._has_some = anyio.Event()
+        return not self._is_stopping
+
+
 @contextmanager
-def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
+def _at_stop_signals(
+    at_once: Callable[[], None], in_the_loop: Callable[[], None], on_hangup: Callable[[], None] | None
+) -> Iterator[None]:
     """Call both at the stop signals; to be entered in the main thread, within its event loop.
 
     A signal that is ignored stays so: under ``nohup`` a hangup stops nothing.
@@ -75,17 +122,22 @@ def _at_stop_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None
     Args:
         at_once: Called from any thread, perhaps twice a signal, also while the event loop is blocked.
         in_the_loop: Called by the event loop.
+        on_hangup: Called by the event loop instead of both at a SIGHUP that does not come from a closed terminal.
     """
     loop = asyncio.get_running_loop()
+    had_terminal = _has_terminal()
 
     def handle(number: int, _frame: FrameType | None) -> None:
+        if number == _HANGUP and on_hangup is not None and had_terminal == _has_terminal():
+            loop.call_soon_threadsafe(on_hangup)
+            return
         at_once()
         if number == _HANGUP:
             loop.call_soon_threadsafe(_log_hangup)
         loop.call_soon_threadsafe(in_the_loop)
 
     wanted = [number for number in _STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-    with _in_a_thread(wanted, at_once):
+    with _in_a_thread([one for one in wanted if one != _HANGUP], at_once):
         before = {number: signal.signal(number, handle) for number in wanted}
         try:
             yield
@@ -119,8 +171,12 @@ def _in_a_thread(wanted: Collection[int], at_once: Callable[[], None]) -> Iterat
             signal.set_wakeup_fd(before)
 
 
+def _has_terminal() -> bool:
+    try:
+        return os.isatty(0)
+    except OSError:
+        return False
+
+
 def _log_hangup() -> None:
-    _log.warning(
-        "runtime.hangup",
-        message="SIGHUP was received: homebot stops, as it cannot reload its configuration; start it again to apply it",
-    )
+    _log.warning("runtime.hangup", message="SIGHUP was received: homebot stops")

@@ -29,6 +29,7 @@ from homebot.devices.health import GetHealth
 from homebot.devices.names import POSE_TOPICS, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
+from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Runtime"]
 
+RELOADED = "runtime.reloaded"
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
@@ -195,6 +197,26 @@ class Runtime:
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
         """Return the service of the class *kind* that runs for the gateways; None where there is none."""
         return self._context.service(kind)
+
+    async def reload(self, read: Callable[[], Config]) -> None:
+        """Apply the configuration that *read* returns as far as that needs no restart; one with a mistake is ignored.
+
+        Args:
+            read: Called in a worker thread.
+        """
+        from homebot.runtime.reload import tables_for_restart  # noqa: PLC0415 - few runs are reloaded
+
+        try:
+            config = await to_thread.run_sync(read)
+            plan = await to_thread.run_sync(make_plan, config)
+        except UsageError as exc:
+            _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
+            return
+        if self.door is not None:
+            self.door.update_tokens(plan.door)
+        waiting = ", ".join(f"[{name}]" for name in tables_for_restart(self.config, config))
+        rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
+        _log.info(RELOADED, message=f"the tokens and rights of clients were reloaded{rest}")
 
     def cut_start_short(self) -> None:
         """Abort a start that is under way: entering returns at once, and nothing more is started."""

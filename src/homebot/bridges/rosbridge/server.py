@@ -88,6 +88,7 @@ class Door:
         home: str = "",
         open_timeout: float = 10.0,
     ) -> None:
+        self._local_rights = local_rights
         self._rights = settings.rights(local_rights)
         if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
             raise ConfigError(
@@ -142,6 +143,19 @@ class Door:
             counts=Count.each(counts),
             troubles=self._tokens.problems(),
         )
+
+    def update_tokens(self, settings: DoorSettings) -> None:
+        """Use the tokens and rights of *settings*, and disconnect each client whose token or rights changed."""
+        rights, tokens = settings.rights(self._local_rights), settings.all_tokens()
+        old, old_tokens = self._rights, self._settings.all_tokens()
+        self._rights, self._tokens = rights, TokenCheck(tokens, self._shared.node.graph.clock)
+        self._settings = self._settings.model_copy(
+            update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
+        )
+        for connection in self._sessions:
+            name = self._names[connection]
+            if rights.get(name) != old.get(name) or tokens.get(name) != old_tokens.get(name):
+                connection.transport.abort()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled; ``started()`` once it listens. Cancelling closes the clients' connections cleanly.

@@ -177,7 +177,7 @@ def _run_apart(
         record_into=record_into,
         is_dry_run=options.dry_run,
     )
-    return on_an_event_loop(_run(make_runtime, options.seconds))
+    return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0]))
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
@@ -261,12 +261,12 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(make_runtime: Callable[..., Runtime], seconds: float | None) -> int:
+async def _run(make_runtime: Callable[..., Runtime], seconds: float | None, read: Callable[[], Config]) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # the plug-ins of the plan are loaded
         runtime = make_runtime(loop_watch=watch)
-    await serve(_settled(runtime), seconds, runtime.cut_start_short)
+    await serve(_settled(runtime), seconds, runtime.cut_start_short, partial(runtime.reload, read))
     return 1 if runtime.supervisor.given_up else 0
 
 

@@ -22,8 +22,8 @@ _EXAMPLES = """\
   homebot token new wall_panel --scope read
 
 The token goes into the file NAME.token beside the configuration, which only you can read, and the table
-[door.tokens.NAME] to the end of the configuration; without a configuration, the table is printed. It counts from the
-next start of homebot.
+[door.tokens.NAME] to the end of the configuration; without a configuration, the table is printed. A running homebot
+reads it at SIGHUP (`systemctl reload homebot`), without a restart.
 """
 _SENDING = """\
 A client sends the token, the one line of that file, in one of two ways:
@@ -76,6 +76,10 @@ def _new(options: argparse.Namespace) -> int:
         token_file.unlink()
         raise UsageError(f"{exc}; no token was made") from exc
     print(f"the token is in {token_file}, which only you can read")
-    print(f"{config} has its table now; restart homebot" if config.exists() else f"add to homebot.toml:\n\n{table}")
+    print(
+        f"{config} has its table now; `systemctl reload homebot`, or `kill -HUP`, has a running homebot read it"
+        if config.exists()
+        else f"add to homebot.toml:\n\n{table}"
+    )
     print(_SENDING)
     return 0
