@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import anyio
@@ -104,7 +103,7 @@ async def test_the_newest_command_is_read_at_once_and_kept_when_the_minute_is_ov
 
 def test_a_flood_of_commands_to_ever_new_devices_is_folded_too() -> None:
     folding = CommandFolding()
-    notes = [replace(note, device=f"d{number}") for number in range(5000) for note in command(number)]
+    notes = [note._replace(device=f"d{number}") for number in range(5000) for note in command(number)]
     assert len(stored(folding, notes)) == 3 * (MOST_OF_ISSUER + IN_FULL)
     assert stored(folding, command(9999, issuer="/app")) == in_full(9999)
     assert {one.device: one.folded for one in folding.close() if one.kind == "requested"} == {

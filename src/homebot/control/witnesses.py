@@ -196,12 +196,12 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     """Return the sensors of a device that measure one of *wanted*, without silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
-    values = {(one.part, one.capability): one.value.plain() for one in device.states if one.live}
     found: list[_Sensor] = []
     for part in device.parts:
         for one in part.part.capabilities:
-            is_sensor = one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts
-            if is_sensor and (part.id, one.name) in values:
-                value = values[part.id, one.name]
-                found.append((Witness(device.name, is_named, Measurement(one.name, value, value)), part))
+            if one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts:
+                for state in device.states:
+                    if state.live and (state.part, state.capability) == (part.id, one.name):
+                        value = state.value.plain()
+                        found.append((Witness(device.name, is_named, Measurement(one.name, value, value)), part))
     return found

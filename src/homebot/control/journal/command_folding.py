@@ -50,7 +50,7 @@ class _Minute:
             self.outcomes.add(outcome)
             return False
         if (before := self.folded.pop(outcome, None)) is not None:
-            notes[0].folded = before[0].folded + 1
+            notes[0] = notes[0]._replace(folded=before[0].folded + 1)
         self.folded[outcome] = notes
         return True
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
@@ -24,8 +23,7 @@ _SHARE: Final = 0.1
 
 
 @final
-@dataclass(slots=True)
-class JournalNote:
+class JournalNote(NamedTuple):
     """The fields of a `JournalEntry`; the entry is made when it is read, which few are.
 
     Attributes:

@@ -94,7 +94,7 @@ class WantedValue:
 
     def _is_answer(self, value: PlainValue) -> bool:
         wanted = self._order.settings.get(self._capability)
-        return fits(self._capability, wanted, value) and self._profile.is_answer(self._capability, wanted, value)
+        return self._profile.is_answer(self._capability, wanted, value) and fits(self._capability, wanted, value)
 
 
 @final

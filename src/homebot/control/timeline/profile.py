@@ -109,9 +109,10 @@ class DeviceProfile:
 
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
         """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""
-        is_rounded = _rounds(capability) or fits(capability, wanted, seen)
-        if capability not in self.answers and (not is_rounded or is_same(capability, wanted, seen)):
-            return
+        if capability not in self.answers:
+            is_usual = wanted == seen or not (_rounds(capability) or fits(capability, wanted, seen))
+            if is_usual or is_same(capability, wanted, seen):
+                return
         answers = self.answers.setdefault(capability, OrderedDict())
         if answers.get(wanted, _NONE) == seen:
             return

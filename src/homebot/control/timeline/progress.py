@@ -111,7 +111,7 @@ class CommandProgress:
         """True if the device reported all wanted values; at once if it reports none of them."""
         if self.must_answer and not self.wanted:
             return self.is_accepted
-        return len(self.met_times) == len(self.wanted)
+        return None not in [one.met_at for one in self.wanted.values()]
 
     @property
     def met_times(self) -> list[float]:
@@ -210,11 +210,10 @@ class CommandProgress:
         """End it, or the watch of some values after it, for a *newer* command to the same part."""
         self.learns_late = False
         touched = {
-            other
+            own
+            for own, held in self.order.settings.items()
             for capability, value in newer.settings.items()
-            for other in related(capability)
-            if other in self.order.settings
-            and (other == capability or changes(other, self.order.settings[other], capability, value))
+            if own == capability or (own in related(capability) and changes(own, held, capability, value))
         }
         if not touched:
             return

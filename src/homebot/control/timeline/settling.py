@@ -83,7 +83,7 @@ class Settling:
         self._confirmed_at = at
         self._seconds = seconds
         self._steps_until = at + order.transition + durations.LAST_STEPS
-        self._fades_until = at + order.transition + durations.LAST_STEPS if order.transition else -math.inf
+        self._fades_until = self._steps_until if order.transition else -math.inf
         self._fade = FadeOut(progress.last.get("level")) if order.settings.get(_ON) is False else None
         self._is_fading = False
         self._step = ""  # the capability of which a value on the way was reported last
