@@ -51,7 +51,6 @@ from homebot.names import validate_node_name
 from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
 from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean, unknown_key
-from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = [
     "UNNAMED",
@@ -71,7 +70,7 @@ __all__ = [
     "value_errors",
 ]
 
-Table: TypeAlias = TomlTable
+Table: TypeAlias = dict[str, object]
 
 READABLE = "config.secret_readable"
 
@@ -195,6 +194,8 @@ def load_tables(path: Path) -> dict[str, object]:
         ConfigError: It cannot be read, is invalid TOML, or may be changed by other users.
     """
     source = str(path)
+    from homebot.support.toml_file import read_toml  # noqa: PLC0415 - a start without a file needs none
+
     tables = read_toml(path)
     if problem := why_not_trusted(path):
         raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")

@@ -16,6 +16,7 @@ __all__ = [
     "expand_name",
     "full_node_name",
     "is_hidden",
+    "snake_case",
     "unescape_token",
     "validate_full_name",
     "validate_namespace",
@@ -183,3 +184,8 @@ def _checked_length(kind: str, name: str, limit: int) -> str:
     if len(name) > limit:
         raise InvalidNameError(kind, name, f"is {len(name)} characters long, over the limit of {limit}")
     return name
+
+
+def snake_case(class_name: str) -> str:
+    """Return the name of an app for its class: ``my_app`` for ``MyApp``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()

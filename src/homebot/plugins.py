@@ -20,7 +20,22 @@ from homebot.errors import PluginError, UsageError
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean
 
-__all__ = ["check_extra", "has_plugin", "installed_plugin", "is_file", "load_plugin", "name_in_file", "plugin_names"]
+__all__ = [
+    "check_extra",
+    "check_file",
+    "class_in",
+    "error_text",
+    "file_and_class",
+    "has_plugin",
+    "installed_plugin",
+    "is_file",
+    "load_plugin",
+    "look_in",
+    "module_name_of",
+    "name_in_file",
+    "plugin_names",
+    "plugin_path",
+]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
@@ -61,6 +76,15 @@ def load_plugin(group: str, name: str) -> type[Any]:
     return found
 
 
+def plugin_path(group: str, name: str) -> str:
+    """Return *name*, as for :func:`load_plugin`, as ``module:Class`` or as the file that it names.
+
+    Raises:
+        PluginError: It is not installed.
+    """
+    return name if ":" in name or is_file(name) else _installed(group, name).value
+
+
 def installed_plugin(group: str, kind: str) -> type[Any] | None:
     """Return the class *kind*, as ``module:Class``, of the entry-point group *group*; None if no name offers it.
 
@@ -89,15 +113,21 @@ def name_in_file(name: str, base: type[object]) -> str:
     Raises:
         PluginError: As :func:`load_plugin`; or it has none, or several.
     """
-    path, class_name = _file_and_class(name)
-    if class_name is not None:
-        return name
-    module = _module_in(path, name)
+    path, class_name = file_and_class(name)
+    return name if class_name is not None else f"{name}:{class_in(_module_in(path, name), name, base)}"
+
+
+def class_in(module: ModuleType, name: str, base: type[object]) -> str:
+    """Return the name of the one class in *module*, the file *name*, that is derived from *base*.
+
+    Raises:
+        PluginError: It has none, or several.
+    """
     kinds = [text for text, kind in vars(module).items() if _is_own(kind, base, module)]
     if len(kinds) != 1:
         has = f"has {', '.join(kinds)}" if kinds else f"has no class of its own that is derived from {base.__name__}"
         raise PluginError(name, f"must be one class, FILE.py or FILE.py:CLASS; the file {has}")
-    return f"{name}:{kinds[0]}"
+    return kinds[0]
 
 
 def check_extra(what: str, extra: str, *modules: str) -> None:
@@ -115,14 +145,18 @@ def check_extra(what: str, extra: str, *modules: str) -> None:
 
 
 def _load_entry_point(group: str, name: str) -> object:
-    point = _entry_point(group, name)
-    if point is None:
-        known = plugin_names(group)
-        raise PluginError(name, f"is not installed (installed: {', '.join(known) or 'none'}); {_hint(name, known)}")
+    point = _installed(group, name)
     try:
         return point.load()
     except Exception as exc:
-        raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
+        raise PluginError(name, f"cannot be loaded: {error_text(exc)}") from exc
+
+
+def _installed(group: str, name: str) -> EntryPoint:
+    if (point := _entry_point(group, name)) is not None:
+        return point
+    known = plugin_names(group)
+    raise PluginError(name, f"is not installed (installed: {', '.join(known) or 'none'}); {_hint(name, known)}")
 
 
 def _entry_point(group: str, name: str) -> EntryPoint | None:
@@ -178,7 +212,7 @@ def _load_class(path: str) -> object:
         raise
     except Exception as exc:
         raise PluginError(
-            path, f"cannot be loaded: the module {module_name!r} cannot be imported: {_error_text(exc)}"
+            path, f"cannot be loaded: the module {module_name!r} cannot be imported: {error_text(exc)}"
         ) from exc
     try:
         return getattr(module, class_name)
@@ -188,7 +222,7 @@ def _load_class(path: str) -> object:
 
 
 def _load_from_file(name: str) -> object:
-    path, class_name = _file_and_class(name)
+    path, class_name = file_and_class(name)
     if class_name is None:
         raise PluginError(name, "must be FILE.py:CLASS, with the name of a class in that file")
     try:
@@ -198,7 +232,8 @@ def _load_from_file(name: str) -> object:
         raise PluginError(name, problem) from None
 
 
-def _file_and_class(name: str) -> tuple[Path, str | None]:
+def file_and_class(name: str) -> tuple[Path, str | None]:
+    """Return the file of *name*, ``FILE.py`` or ``FILE.py:Class``, and the name of the class; None for none."""
     match = _FILE.fullmatch(name)
     assert match is not None  # noqa: S101 - for the type checker: the callers know it
     return Path(match["file"]), match["kind"]
@@ -214,30 +249,43 @@ def _module_in(path: Path, name: str) -> ModuleType:
     Raises:
         PluginError: It cannot be run, or others may write it.
     """
+    check_file(path, name)
+    try:
+        return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
+    except Exception as exc:
+        raise PluginError(name, f"cannot be loaded: {error_text(exc)}") from exc
+
+
+def check_file(path: Path, name: str) -> None:
+    """Check that the plug-in *name* is in a file, and that others may not write it.
+
+    Raises:
+        PluginError: It is not, or they may.
+    """
     if not path.is_file():
         raise PluginError(name, f"cannot be loaded: there is no file {path}")
     if problem := why_not_trusted(path):
         raise PluginError(name, f"is not loaded: {problem}")
-    try:
-        return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
-    except Exception as exc:
-        raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
+
+
+def module_name_of(file: Path) -> str:
+    """Return the name of *file* as a module: its own, or a longer one if another module has that name."""
+    name = re.sub(r"\W", "_", file.stem)
+    return name if _file_of_module(name) in {None, str(file)} else f"file_{name}"
 
 
 @lru_cache(maxsize=64)
 def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
-    """Run *file* as a module of its name, or of a longer one if another module has that name.
+    """Run *file* as a module.
 
     The modules in its folder can be imported afterwards, the next plug-in among them: that is no other module.
     """
-    name = re.sub(r"\W", "_", file.stem)
-    if _file_of_module(name) not in {None, str(file)}:
-        name = f"file_{name}"
+    name = module_name_of(file)
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
     assert spec.loader is not None  # noqa: S101 - likewise
     module = importlib.util.module_from_spec(spec)
-    _look_in(file.parent)
+    look_in(file.parent)
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
@@ -281,17 +329,17 @@ def _look_here_too(path: str, module_name: str) -> None:
             problem = f"everyone may write to {here}"
         if problem:
             raise PluginError(path, f"is not loaded from the working directory: {problem}")
-    _look_in(here)
+    look_in(here)
 
 
-def _look_in(folder: Path) -> None:
+def look_in(folder: Path) -> None:
     """Let modules be found in *folder*, after all others."""
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
     importlib.invalidate_caches()
 
 
-def _error_text(error: Exception) -> str:
+def error_text(error: Exception) -> str:
     """Return *error* with the line of the plug-in that raised it; a syntax error names its own."""
     traced = ((Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__))
     own = [f" ({file.name}, line {line})" for file, line in traced if file not in _LOADERS and file.exists()]

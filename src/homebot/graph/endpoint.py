@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity", "OfferedAction"]
+__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity", "OfferedEntity"]
 
 
 TermT = TypeVar("TermT", bound=Hashable)
@@ -87,17 +87,17 @@ class GraphEntity(Protocol):
 
 
 @final
-class OfferedAction:
-    """Shows an action on the graph in place of its server, which costs memory and time that most runs do not need.
+class OfferedEntity:
+    """Shows an action or a service in place of its server, which costs memory and time that most runs do not need.
 
     Attributes:
         start: Creates the server; called once, by the graph.
     """
 
     def __init__(
-        self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[OfferedAction], None]
+        self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[OfferedEntity], None]
     ) -> None:
-        """Use :meth:`homebot.graph.Node.offer_action` instead."""
+        """Use :meth:`homebot.graph.Node.offer_service` instead."""
         self.info = info
         self.start = start
         self._on_close = on_close

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from homebot import messages
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
-from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange, OfferedAction
+from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange, OfferedEntity
 from homebot.graph.failures import Failures, ServiceCounts
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
@@ -44,7 +44,7 @@ class Graph:
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}
         self._services: dict[str, ServiceSlot] = {}
-        self._offered_actions: dict[str, OfferedAction] = {}
+        self._offered: dict[str, OfferedEntity] = {}
         self._endpoints = EndpointIndex()
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
@@ -78,7 +78,9 @@ class Graph:
 
     def get_service_names_and_types(self) -> dict[str, str]:
         """Return the ROS type of every service that has a server, by its full name, sorted by name."""
-        return {name: slot.service_type.ros_type for name, slot in sorted(self._services.items()) if slot.server}
+        found = {name: slot.service_type.ros_type for name, slot in self._services.items() if slot.server}
+        offered = (one.info for one in self._offered.values() if one.info.kind is EntityKind.SERVICE)
+        return dict(sorted((found | {info.name: info.ros_type for info in offered}).items()))
 
     def actions(self) -> tuple[ActionInfo, ...]:
         """Return all actions that have a server or a client, sorted by name."""
@@ -137,11 +139,12 @@ class Graph:
 
     def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
         """Return the types of all served services, each once. Cost: O(types)."""
-        first_endpoints = (
+        first_endpoints = [
             self._endpoints.first_of_type(EntityKind.SERVICE, ros_type)
             for ros_type in self._endpoints.types(EntityKind.SERVICE)
-        )
-        return tuple(self._services[first.name].service_type for first in first_endpoints if first)
+        ]
+        found = (self.get_service_type(first.name) for first in first_endpoints if first)
+        return tuple(one for one in found if one is not None)
 
     def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:
         """Return the full names of the topics that carry the type with the full name *ros_type*, sorted."""
@@ -247,21 +250,21 @@ class Graph:
         if slot.users == 0:
             self._services.pop(slot.name, None)
 
-    def offer_action(self, offered: OfferedAction) -> None:
-        """Start *offered* when a part of it is first used.
+    def offer(self, offered: OfferedEntity) -> None:
+        """Start *offered*, an action or a service, when it, or a part of it, is first used.
 
         Raises:
-            DuplicateNameError: The action has a server.
+            DuplicateNameError: It has a server.
         """
-        name = offered.info.name
-        if self._endpoints.find(EntityKind.ACTION_SERVER, name, None):
-            raise DuplicateNameError(f"the action {name} is already served")
-        self._offered_actions[name] = offered
+        name, kind = offered.info.name, offered.info.kind
+        if self._endpoints.find(kind, name, None):
+            raise DuplicateNameError(f"the {kind.removesuffix(' server')} {name} is already served")
+        self._offered[name] = offered
 
-    def withdraw_action(self, offered: OfferedAction) -> None:
+    def withdraw(self, offered: OfferedEntity) -> None:
         """Remove *offered*. Idempotent."""
-        if self._offered_actions.get(offered.info.name) is offered:
-            del self._offered_actions[offered.info.name]
+        if self._offered.get(offered.info.name) is offered:
+            del self._offered[offered.info.name]
 
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
         """Add *entity* as *info* and notify the watchers."""
@@ -274,10 +277,10 @@ class Graph:
             self._notify(GraphChange("removed", info))
 
     def _start_offered(self, endpoint: str) -> None:
-        """Start the offered action that *endpoint* is a part of."""
-        if not self._offered_actions:
+        """Start the offered entity that *endpoint* is, or is a part of."""
+        if not self._offered:
             return
-        offered = self._offered_actions.get(endpoint.partition("/_action/")[0])
+        offered = self._offered.get(endpoint.partition("/_action/")[0])
         if offered is not None:
             offered.close()
             offered.start()

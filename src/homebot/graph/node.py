@@ -30,7 +30,7 @@ from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError
 from homebot.graph.client import Client
-from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedAction
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedEntity
 from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
@@ -254,15 +254,26 @@ class Node:
             InvalidNameError: *name* is not a legal name.
             DuplicateNameError: The action has a server.
         """
-        self._check_open()
-        info = EndpointInfo(EntityKind.ACTION_SERVER, self.full_name, self.resolve_name(name, "action name"), ros_type)
+        self._offer(EntityKind.ACTION_SERVER, ros_type, self.resolve_name(name, "action name"), start)
 
-        def on_close(offered: OfferedAction) -> None:
-            self.graph.withdraw_action(offered)
+    def offer_service(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
+        """Show the service *name* on the graph, and call *start* to create it when it is first used.
+
+        Raises:
+            InvalidNameError: *name* is not a legal name.
+            DuplicateNameError: The service has a server.
+        """
+        self._offer(EntityKind.SERVICE, ros_type, self.resolve_name(name, "service name"), start)
+
+    def _offer(self, kind: EntityKind, ros_type: str, name: str, start: Callable[[], object]) -> None:
+        self._check_open()
+
+        def on_close(offered: OfferedEntity) -> None:
+            self.graph.withdraw(offered)
             self.remove_entity(offered)
 
-        offered = OfferedAction(info, start, on_close)
-        self.graph.offer_action(offered)
+        offered = OfferedEntity(EndpointInfo(kind, self.full_name, name, ros_type), start, on_close)
+        self.graph.offer(offered)
         self.add_entity(offered)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:

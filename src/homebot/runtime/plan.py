@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
@@ -33,7 +33,16 @@ if TYPE_CHECKING:
     from homebot.messages import Interfaces
     from homebot.robots.settings import RobotSettings
 
-__all__ = ["DoorTable", "Plan", "PlannedComponent", "index_place", "make_plan", "plan_errors"]
+__all__ = [
+    "DoorTable",
+    "Plan",
+    "PlannedComponent",
+    "index_place",
+    "make_plan",
+    "plan_errors",
+    "planned_app",
+    "scope_of",
+]
 
 
 class DoorTable(DoorSettings):
@@ -64,8 +73,11 @@ APPS = "homebot.apps"
 
 _DOORS = "control.presence_guard.doors"
 
-OWN_NODES = frozenset({"homebot", "control", "discovery", "robots", "rosapi", "rosbridge_websocket", "thing_directory"})
+OWN_NODES = frozenset(
+    {"apps", "homebot", "control", "discovery", "robots", "rosapi", "rosbridge_websocket", "thing_directory"}
+)
 
+LoadPlugin: TypeAlias = "Callable[[str, str], type[Any]]"
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
 
@@ -137,7 +149,7 @@ def make_plan(config: Config) -> Plan:
         home=config.home.name,
         home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
-        apps=tuple(_app(name, table, config) for name, table in config.apps.items()),
+        apps=tuple(planned_app(name, table, config) for name, table in config.apps.items()),
         grants=dict(_grants(config)),
         **{name: read(config) for name, read in _TABLES.items()},
     )
@@ -147,7 +159,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
     parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
-    parts += [partial(_app, name, table, config) for name, table in config.apps.items()]
+    parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
     found: list[ConfigError] = []
     for part in parts:
         try:
@@ -183,10 +195,15 @@ def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gatewa
     return gateway
 
 
-def _app(name: str, table: Table, config: Config) -> PlannedComponent[App]:
+def planned_app(name: str, table: Table, config: Config, load: LoadPlugin = load_plugin) -> PlannedComponent[App]:
+    """Return the app *name* with the settings of its *table*, its class loaded by *load*.
+
+    Raises:
+        ConfigError: As :func:`make_plan`.
+    """
     _check_name(f"apps.{name}", name, config.source)
-    _scope(f"apps.{name}", table, config)
-    return _component(App, APPS, name, _without_act(table), config, f"apps.{name}")  # type: ignore[type-abstract]
+    scope_of(f"apps.{name}", table, config)
+    return _component(App, APPS, name, _without_act(table), config, f"apps.{name}", load)  # type: ignore[type-abstract]
 
 
 def _check_name(key: str, name: str, source: str) -> None:
@@ -199,12 +216,16 @@ def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
     if config.thing_directory is not None:
         tables[THING_DIRECTORY_NODE] = ("thing_directory", config.thing_directory)
     for node, (key, table) in tables.items():
-        if (scope := _scope(key, table, config)) is not None:
+        if (scope := scope_of(key, table, config)) is not None:
             yield node, scope
 
 
-def _scope(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return the grants of the table *key*, or None without any."""
+def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
+    """Return the grants of the table *key*, or None without any.
+
+    Raises:
+        ConfigError: They are wrong.
+    """
     if (act := table.get(ACT)) is None:
         return None
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
@@ -296,7 +317,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
         return None
     from homebot.bridges.thing_directory import settings  # noqa: PLC0415 - only with the table
 
-    _scope(key, config.thing_directory, config)
+    scope_of(key, config.thing_directory, config)
     own = _without_act(config.thing_directory)
     given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
     try:
@@ -373,14 +394,20 @@ def _access(
 
 
 def _component(
-    base: type[ComponentT], group: str, name: str, table: Table, config: Config, key: str
+    base: type[ComponentT],
+    group: str,
+    name: str,
+    table: Table,
+    config: Config,
+    key: str,
+    load: LoadPlugin = load_plugin,
 ) -> PlannedComponent[ComponentT]:
     source = config.source
     wanted = table.get("class", name)
     if not isinstance(wanted, str):
         raise ConfigError(source, f"{key}.class", f"must be a text, module:Class or a plug-in's name, got {wanted!r}")
     try:
-        kind = load_plugin(group, wanted)
+        kind = load(group, wanted)
     except PluginError as exc:
         raise ConfigError(source, f"{key}.class" if "class" in table else key, str(exc)) from exc
     _check_class(kind, base, wanted, source, key)

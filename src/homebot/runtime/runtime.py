@@ -6,7 +6,7 @@ The order is: broker (where it is ours), gateways, directory, apps, robots, door
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AsyncExitStack
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -34,10 +34,11 @@ from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.plugins import plugin_names
+from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import Plan, PlannedComponent, make_plan
-from homebot.runtime.supervisor import Supervisor, Work
+from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
 from homebot.support.logger import get_logger, observed_lines
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.app_planner import AppPlanner
     from homebot.runtime.recorder_starter import RecorderStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
@@ -100,6 +102,7 @@ class Runtime:
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
         known: Initial content of the directory without an *index_file*, as in a replay.
         detected: Motion sensors that have detected motion before, in a replay.
+        read_config: Reads the configuration anew, for apps that are loaded later; by default *config* is used again.
 
     Attributes:
         door: The server for rosbridge clients; None before it listens.
@@ -125,6 +128,7 @@ class Runtime:
     rehearsal: Rehearsal | None = None
     known: Sequence[IndexRow] = ()
     detected: Sequence[str] = ()
+    read_config: Callable[[], Config] | None = None
 
     def __post_init__(self) -> None:
         self._house: HouseOfRun | None = None
@@ -159,8 +163,14 @@ class Runtime:
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
+        self._apps = AppManager(self.supervisor, lambda app: partial(self._app, app), self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
+
+    def _planner(self) -> AppPlanner:
+        from homebot.runtime.app_planner import AppPlanner  # noqa: PLC0415 - few runs load an app
+
+        return AppPlanner(self.read_config or (lambda: self.config), self._plan.grants)
 
     def _make_plan(self) -> Plan:
         config = self.config
@@ -238,6 +248,7 @@ class Runtime:
         stack.callback(self._installation.close)
         self._main = main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
+        self._apps.offer_services(main)
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines)
         main.create_service(Trigger, START_RECORDER, partial(self._start_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
@@ -246,33 +257,36 @@ class Runtime:
         await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         await self._read_stores()
         stack.push_async_callback(self._close_stores)
-        for kind, name, work in self._components(gateways):
+        for component in self._components(gateways):
             if self._start_is_cut:
                 return
-            await stack.enter_async_context(self.supervisor.running(name, work, kind))
+            await stack.enter_async_context(component)
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
             _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
-    def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, str, Work]]:
-        """Yield components in the order of their start: kind, name, work. Each is made when those before are ready."""
-        yield from (("gateway", gateway.name, partial(self._gateway, gateway)) for gateway in gateways)
-        yield "", "discovery", self._directory
-        yield "", "control", self._control
+    def _components(
+        self, gateways: tuple[PlannedComponent[Gateway], ...]
+    ) -> Iterator[AbstractAsyncContextManager[None]]:
+        """Yield components in the order of their start. Each is made when those before are ready."""
+        running = self.supervisor.running
+        yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
+        yield running("discovery", self._directory)
+        yield running("control", self._control)
         if self.record_into is not None:
-            yield "", "recorder", partial(self._record, self.record_into)
-        yield from (("app", app.name, partial(self._app, app)) for app in self._plan.apps)
-        yield "", "robots", self._track_robots
+            yield running("recorder", partial(self._record, self.record_into))
+        yield self._apps.running(self._plan.apps, lambda: self._start_is_cut)
+        yield running("robots", self._track_robots)
         if self.with_door:
-            yield "", "door", self._open_door
+            yield running("door", self._open_door)
         if self._plan.thing_directory is not None:
-            yield "", "thing_directory", partial(self._serve_things, self._plan.thing_directory)
+            yield running("thing_directory", partial(self._serve_things, self._plan.thing_directory))
         if self._house is not None:
             homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
             home = next(filter(None, homes), THESIS_HOME)
-            yield "", "house", partial(self._house.serve, self._context, home, self.graph)
+            yield running("house", partial(self._house.serve, self._context, home, self.graph))
 
     def _greeting(self) -> str:
         home = "homebot" if self._plan.home == UNNAMED else self._plan.home

@@ -93,6 +93,9 @@ class Supervisor:
             UsageError: The component cannot be started as it is configured.
         """
         start = _Start()
+        self._log_state(name, "running again")
+        if name in self.given_up:
+            self.given_up.remove(name)
         self._titles[name] = f"{kind} {name}".strip()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._supervise, name, work, start)
@@ -102,6 +105,13 @@ class Supervisor:
             tasks.cancel_scope.cancel()
         if start.mistake is not None:
             raise start.mistake
+
+    def forget(self, name: str) -> None:
+        """Forget the crashes of a component that does not run any more."""
+        for known in (self.crashes, self.restarts, self._titles, self._shown):
+            known.pop(name, None)
+        if name in self.given_up:
+            self.given_up.remove(name)
 
     async def _wait_for(self, name: str, start: _Start) -> None:
         if self._is_hurried:

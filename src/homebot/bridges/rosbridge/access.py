@@ -61,6 +61,7 @@ __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publi
 
 _OWN: Final = frozenset(
     {
+        "apps",
         "broker",
         "control",
         "devices",

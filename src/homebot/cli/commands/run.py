@@ -7,7 +7,6 @@ import asyncio
 import atexit
 import gc
 import os
-import re
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
@@ -20,6 +19,7 @@ from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
 from homebot.log import configure_logging
+from homebot.names import snake_case
 from homebot.plugins import is_file, name_in_file
 from homebot.runtime import Runtime
 from homebot.runtime.plan import index_place
@@ -176,6 +176,7 @@ def _run_apart(
         lost_lines=lost_lines,
         record_into=record_into,
         is_dry_run=options.dry_run,
+        read_config=lambda: configuration(options)[0],
     )
     return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0]))
 
@@ -253,7 +254,7 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
         apps[wanted] = {}
         return
     class_name = wanted.rpartition(":")[2]
-    first = name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()
+    first = name = snake_case(class_name)
     number = 1
     while name in apps:
         number += 1

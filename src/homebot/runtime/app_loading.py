@@ -1,0 +1,167 @@
+"""Loads the class of an app anew, from the files as they are now, while the old one is at work.
+
+The modules keep their names, which recordings hold, and are put back where the new ones turn out not to work. An app
+in a file or a module is loaded alone, one in a package with all modules of its folder; homebot's own are never loaded
+twice. Python's cache of compiled files is not read: it takes two saves within a second, of one length, for the same.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Any, Final, final
+
+from homebot.apps import App
+from homebot.errors import PluginError
+from homebot.plugins import (
+    check_file,
+    class_in,
+    error_text,
+    file_and_class,
+    is_file,
+    load_plugin,
+    look_in,
+    module_name_of,
+    plugin_path,
+)
+
+__all__ = ["FreshCode", "source_of"]
+
+_OWN: Final = __name__.partition(".")[0]
+
+
+@final
+class FreshCode:
+    """The code of an app, loaded anew.
+
+    Attributes:
+        prefix: The module, or the package, that was loaded anew; empty before that, and for homebot's own.
+    """
+
+    def __init__(self) -> None:
+        self._before: dict[str, ModuleType] = {}
+        self.prefix = ""
+
+    def load(self, group: str, name: str) -> type[Any]:
+        """Return the class that *name* means, as :func:`homebot.plugins.load_plugin`, or of ``FILE.py``; blocking.
+
+        Raises:
+            PluginError: Likewise; the old modules are back then.
+        """
+        path = plugin_path(group, name)
+        module_name, _, class_name = path.partition(":")
+        if is_file(path):
+            return self._load_file(name, *file_and_class(path))
+        if module_name not in sys.modules or module_name.partition(".")[0] == _OWN:
+            return load_plugin(group, name)
+        return self._load(name, module_name, class_name, lambda: _import(module_name))
+
+    def _load_file(self, name: str, file: Path, class_name: str | None) -> type[Any]:
+        check_file(file, name)
+        module_name = module_name_of(file.resolve())
+        look_in(file.resolve().parent)
+        return self._load(name, module_name, class_name, lambda: _run_file(module_name, file.resolve()))
+
+    def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
+        self._take_out(module_name)
+        try:
+            with _without_cache(self.prefix):
+                module = run()
+            kind = getattr(module, class_name or class_in(module, name, App), None)
+            if not isinstance(kind, type):
+                raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
+        except Exception as exc:
+            self.restore()
+            raise exc if isinstance(exc, PluginError) else PluginError(name, _problem(exc)) from exc
+        return kind
+
+    def restore(self) -> None:
+        """Put the old modules back, if any; twice is fine."""
+        if self.prefix:
+            for name in _modules_of(self.prefix):
+                del sys.modules[name]
+            sys.modules.update(self._before)
+            for name, module in self._before.items():
+                parent, _, child = name.rpartition(".")
+                if parent in sys.modules:
+                    setattr(sys.modules[parent], child, module)
+        self._before, self.prefix = {}, ""
+
+    def _take_out(self, module_name: str) -> None:
+        module = sys.modules.get(module_name)
+        self.prefix = (getattr(module, "__package__", "") or module_name) if module else module_name
+        self._before = {name: sys.modules.pop(name) for name in _modules_of(self.prefix)}
+
+
+def source_of(kind: type[object]) -> Path | None:
+    """Return the file of an app, or the folder of its package; None where it is homebot's own, or has none."""
+    module = sys.modules.get(kind.__module__)
+    file = getattr(module, "__file__", None)
+    if module is None or file is None or kind.__module__.partition(".")[0] == _OWN:
+        return None
+    path = Path(file).resolve()
+    return path.parent if module.__package__ else path
+
+
+def _modules_of(prefix: str) -> tuple[str, ...]:
+    return tuple(name for name in sys.modules if name == prefix or name.startswith(f"{prefix}."))
+
+
+def _problem(error: Exception) -> str:
+    return f"cannot be loaded: {error_text(error)}"
+
+
+def _import(name: str) -> ModuleType:
+    importlib.invalidate_caches()
+    return importlib.import_module(name)
+
+
+def _run_file(name: str, file: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, file, loader=_SourceLoader(name, str(file)))
+    assert spec is not None  # noqa: S101 - for the type checker: it has a loader
+    assert spec.loader is not None  # noqa: S101 - likewise
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class _SourceLoader(SourceFileLoader):
+    """Compiles the file each time."""
+
+    def get_code(self, fullname: str) -> CodeType | None:
+        """Return the code of the file as it is now."""
+        del fullname
+        code: CodeType = self.source_to_code(self.get_data(self.path), self.path)
+        return code
+
+
+class _Finder:
+    """Finds the modules below a name as Python does, to be compiled anew."""
+
+    def __init__(self, prefix: str) -> None:
+        self._prefix = prefix
+
+    def find_spec(self, name: str, path: Sequence[str] | None, _target: ModuleType | None = None) -> ModuleSpec | None:
+        """Return where the module *name* is; None if it is another's."""
+        if name != self._prefix and not name.startswith(f"{self._prefix}."):
+            return None
+        spec = PathFinder.find_spec(name, path)
+        if spec is not None and isinstance(spec.loader, SourceFileLoader):
+            spec.loader = _SourceLoader(name, spec.loader.path)
+        return spec
+
+
+@contextmanager
+def _without_cache(prefix: str) -> Iterator[None]:
+    finder = _Finder(prefix)
+    sys.meta_path.insert(0, finder)
+    try:
+        yield
+    finally:
+        sys.meta_path.remove(finder)

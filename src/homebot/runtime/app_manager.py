@@ -1,0 +1,255 @@
+"""Apps while homebot runs: started with it, and loaded, unloaded and reloaded afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, TypeAlias, final
+
+import anyio
+from anyio import to_thread
+from anyio.abc import TaskGroup, TaskStatus
+
+from homebot.apps import App
+from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.errors import HomebotError, UsageError
+from homebot.graph import Node
+from homebot.runtime.plan import PlannedComponent
+from homebot.runtime.supervisor import Supervisor, Work
+from homebot.support.isolation import error_text
+from homebot.support.logger import get_logger
+from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.runtime.app_loading import FreshCode
+    from homebot.runtime.app_planner import AppPlanner
+
+__all__ = ["AppManager", "PlannedApp"]
+
+LOADED = "app.loaded"
+UNLOADED = "app.unloaded"
+RELOADED = "app.reloaded"
+NOT_RELOADED = "app.not_reloaded"
+
+_TRIAL = 1.0
+"""Seconds of the first start, in which a crash of the new code brings back the old."""
+
+PlannedApp: TypeAlias = "PlannedComponent[App]"
+
+_SERVICES = {
+    LOAD_APP: "homebot/srv/LoadApp",
+    UNLOAD_APP: "homebot/srv/UnloadApp",
+    RELOAD_APP: "homebot/srv/ReloadApp",
+}
+
+_log = get_logger(node="/homebot")
+
+
+@dataclass(slots=True)
+class _Running:
+    planned: PlannedApp
+    is_stopped: anyio.Event = field(default_factory=anyio.Event)
+    has_ended: anyio.Event = field(default_factory=anyio.Event)
+    has_crashed: anyio.Event = field(default_factory=anyio.Event)
+    crash: str = ""
+
+
+@final
+class AppManager:
+    """Starts, stops and replaces apps, one at a time.
+
+    Args:
+        make_work: Returns the work of an app, which makes it anew at each start.
+        make_planner: Returns the planner of apps that are loaded or reloaded; called when it is first needed.
+
+    Attributes:
+        trial: Seconds for which new code must run without a crash.
+    """
+
+    def __init__(
+        self, supervisor: Supervisor, make_work: Callable[[PlannedApp], Work], make_planner: Callable[[], AppPlanner]
+    ) -> None:
+        self._supervisor = supervisor
+        self._make_work = make_work
+        self._make_planner = make_planner
+        self._planner: AppPlanner | None = None
+        self._apps: dict[str, _Running] = {}
+        self._turn = anyio.Lock()
+        self._tasks: TaskGroup | None = None
+        self.trial = _TRIAL
+
+    @property
+    def apps(self) -> tuple[PlannedApp, ...]:
+        """The apps, in the order of their start."""
+        return tuple(one.planned for one in self._apps.values())
+
+    @asynccontextmanager
+    async def running(self, planned: Iterable[PlannedApp], is_cut: Callable[[], bool]) -> AsyncIterator[None]:
+        """Start *planned*, each when the one before is ready; at the end, stop all in reverse order.
+
+        Args:
+            planned: The apps.
+            is_cut: Returns whether nothing more is to be started.
+
+        Raises:
+            UsageError: One cannot be started as it is configured.
+        """
+        mistake = None
+        async with anyio.create_task_group() as tasks:
+            self._tasks = tasks
+            try:
+                for one in planned:
+                    if not is_cut():
+                        await self._start(one)
+            except UsageError as exc:
+                mistake = exc
+            else:
+                yield
+            self._tasks = None
+            for app in reversed(tuple(self._apps.values())):
+                await self._stop(app)
+            tasks.cancel_scope.cancel()
+        if mistake is not None:
+            raise mistake
+
+    async def load(self, name: str) -> str:
+        """Start the app *name*: of the configuration, installed, or in a file; return the text for people.
+
+        Raises:
+            HomebotError: It runs already, cannot be loaded, or crashes at once; names the reason.
+        """
+        async with self._turn:
+            planned, code = await self._plan(name, is_new=True)
+            if planned.name in self._apps:
+                code.restore()
+                raise UsageError(
+                    f"the app {planned.name} runs already; `homebot app reload {planned.name}` loads it anew"
+                )
+            problem = await self._try(planned)
+            if problem:
+                await self._remove(planned.name)
+                code.restore()
+                raise UsageError(f"{planned.name} is not loaded: {problem}")
+            return self._report(LOADED, f"loaded the app {planned.name}", planned.name)
+
+    async def unload(self, name: str) -> str:
+        """Stop the app *name*; return the text for people.
+
+        Raises:
+            UsageError: There is none.
+        """
+        async with self._turn:
+            await self._remove(self._find(name).planned.name)
+            return self._report(UNLOADED, f"unloaded the app {name}", name)
+
+    async def reload(self, name: str) -> str:
+        """Replace the app *name* by its code and settings as they are now; return the text for people.
+
+        Raises:
+            UsageError: There is none, or the new one cannot be loaded or crashes at once; the old one runs then.
+        """
+        async with self._turn:
+            old = self._find(name).planned
+            try:
+                planned, code = await self._plan(name, is_new=False)
+            except HomebotError as exc:
+                raise self._failure(name, str(exc)) from exc
+            position = list(self._apps)
+            await self._stop(self._apps[name])
+            if problem := await self._try(planned):
+                await self._stop(self._apps[name])
+                code.restore()
+                await self._try(old)
+            self._apps = {one: self._apps[one] for one in position}
+            if problem:
+                raise self._failure(name, problem)
+            return self._report(RELOADED, f"reloaded the app {name}", name)
+
+    def offer_services(self, node: Node) -> None:
+        """Offer the services for clients on *node*."""
+
+        def serve(service: str, change: Callable[[str], Awaitable[str]]) -> None:
+            from homebot.runtime.app_services import serve_change  # noqa: PLC0415 - few runs are asked
+
+            serve_change(node, service, change)
+
+        changes = {LOAD_APP: self.load, UNLOAD_APP: self.unload, RELOAD_APP: self.reload}
+        for service, change in changes.items():
+            node.offer_service(_SERVICES[service], service, partial(serve, service, change))
+
+    async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
+        self._planner = self._planner or self._make_planner()
+        return await to_thread.run_sync(partial(self._planner.plan, name, is_new=is_new))
+
+    def _find(self, name: str) -> _Running:
+        if (found := self._apps.get(name)) is not None:
+            return found
+        hint = did_you_mean(name, self._apps, f"running are {', '.join(self._apps) or 'none'}")
+        raise UsageError(f"no app {name!r} runs; {hint}")
+
+    async def _try(self, planned: PlannedApp) -> str:
+        """Start *planned* and wait until it has shown that it runs; return its crash, empty if there was none."""
+        try:
+            app = await self._start(planned)
+        except UsageError as exc:
+            self._apps[planned.name] = _ended(planned)
+            return str(exc)
+        with anyio.move_on_after(self.trial):
+            await app.has_crashed.wait()
+        return app.crash
+
+    async def _start(self, planned: PlannedApp) -> _Running:
+        """Start *planned* and wait until it is ready.
+
+        Raises:
+            UsageError: It cannot be started as it is configured, or homebot stops.
+        """
+        if self._tasks is None:
+            raise UsageError("homebot stops")
+        app = _Running(planned)
+        await self._tasks.start(self._hold, app)
+        self._apps[planned.name] = app
+        return app
+
+    async def _hold(self, app: _Running, *, task_status: TaskStatus[None]) -> None:
+        try:
+            work = partial(self._watched, app, self._make_work(app.planned))
+            async with self._supervisor.running(app.planned.name, work, "app"):
+                task_status.started()
+                await app.is_stopped.wait()
+        finally:
+            app.has_ended.set()
+
+    async def _watched(self, app: _Running, work: Work, *, task_status: TaskStatus[None]) -> None:
+        try:
+            await work(task_status=task_status)
+        except Exception as exc:
+            app.crash = error_text(exc)
+            app.has_crashed.set()
+            raise
+
+    async def _stop(self, app: _Running) -> None:
+        app.is_stopped.set()
+        await app.has_ended.wait()
+
+    async def _remove(self, name: str) -> None:
+        await self._stop(self._apps.pop(name))
+        self._supervisor.forget(name)
+
+    def _report(self, event: str, text: str, name: str) -> str:
+        _log.info(event, message=text, app=name)
+        return text
+
+    def _failure(self, name: str, problem: str) -> UsageError:
+        text = f"{name} is not reloaded, the old one runs: {problem}"
+        _log.warning(NOT_RELOADED, message=text, app=name)
+        return UsageError(text)
+
+
+def _ended(planned: PlannedApp) -> _Running:
+    """Return an app that could not be started."""
+    app = _Running(planned)
+    app.has_ended.set()
+    return app

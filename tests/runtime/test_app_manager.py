@@ -1,0 +1,233 @@
+"""Apps that are loaded, unloaded and reloaded while homebot runs."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import os
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from homebot.cli.main import main
+from homebot.config import load_config
+from homebot.devices.app_messages import ChangeAppRequest, ChangeAppResponse, ReloadApp
+from homebot.devices.names import LOAD_APP, RELOAD_APP
+from homebot.errors import ConfigError, HomebotError, UsageError
+from homebot.graph import Node
+from homebot.runtime import Runtime
+
+HALL = """
+import anyio
+from homebot import App
+from homebot.apps import AppSettings
+from homebot.messages.std_msgs import String
+
+class Settings(AppSettings):
+    word: str = "word"
+
+class Hall(App[Settings]):
+    async def run(self):
+        self.node.create_subscription(String, "heard", lambda _: None)
+        self.node.create_timer(3600, lambda: None)
+        self.start_task(anyio.sleep_forever)
+        self.store["runs"] = [*self.store.get("runs", []), WORD + " " + self.settings.word]
+        await anyio.sleep_forever()
+
+WORD = "first"
+"""
+
+
+@asynccontextmanager
+async def home(folder: Path, *, with_door: bool = False) -> AsyncIterator[Runtime]:
+    """A home with the app ``hall`` in a file."""
+    (folder / "hall.py").write_text(HALL)
+    config = folder / "homebot.toml"
+    config.write_text('[apps.hall]\nclass = "hall:Hall"\n[door]\nport = 0\n')
+    sys.path.insert(0, str(folder))
+    read = await asyncio.to_thread(load_config, config)
+    runtime = Runtime(read, with_door=with_door, read_config=lambda: load_config(config))
+    async with runtime:
+        runtime._apps.trial = 0.05
+        yield runtime
+    sys.modules.pop("hall", None)
+    sys.path.remove(str(folder))
+
+
+def runs(runtime: Runtime) -> list[str]:
+    found: list[str] = runtime._app_context.store_of("hall").get("runs", [])
+    return found
+
+
+def change(folder: Path, old: str, new: str) -> None:
+    """Save a file of the same length and time, which Python's cache takes for the same."""
+    file = folder / "hall.py"
+    before = file.stat()
+    text = file.read_text()
+    changed = text.replace(old, new)
+    assert text != changed
+    file.write_text(changed)
+    os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
+
+
+async def test_a_reload_takes_code_and_settings_as_they_are_now(tmp_path: Path) -> None:
+    async with home(tmp_path) as runtime:
+        assert await runtime._apps.reload("hall") == "reloaded the app hall"
+        change(tmp_path, "first", "again")
+        await runtime._apps.reload("hall")
+        with (tmp_path / "homebot.toml").open("a") as file:
+            file.write("[apps.hall.x]\n")
+        with pytest.raises(UsageError, match=r"hall is not reloaded, the old one runs: .*apps\.hall\.x: unknown key"):
+            await runtime._apps.reload("hall")
+        assert runs(runtime) == ["first word", "first word", "again word"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("async def run(self):", "async def run(self:", r"SyntaxError: .*line 11"),
+        ("import anyio", "import anyone", "No module named 'anyone'"),
+        ('WORD = "first"', "", "NameError: name 'WORD' is not defined"),
+        ("class Hall(", "class Room(", "has no class|no attribute|not a class"),
+        ("await anyio.sleep_forever()", "raise RuntimeError('ouch')", "RuntimeError: ouch"),
+    ],
+)
+async def test_a_reload_that_fails_leaves_the_old_code_running(
+    tmp_path: Path, old: str, new: str, problem: str
+) -> None:
+    async with home(tmp_path) as runtime:
+        before = sys.modules["hall"]
+        change(tmp_path, old, new)
+        with pytest.raises(UsageError, match=f"hall is not reloaded, the old one runs: .*({problem})"):
+            await runtime._apps.reload("hall")
+        assert sys.modules["hall"] is before
+        assert runtime.graph.get_node("/hall") is not None
+        assert runs(runtime)[-1] == "first word"
+        assert runtime.supervisor.given_up == []
+        assert all(crash.state == "running again" for crash in runtime.supervisor.crashes.values())
+        change(tmp_path, new, old) if new else (tmp_path / "hall.py").write_text(HALL)
+        await runtime._apps.reload("hall")
+
+
+async def test_an_app_is_loaded_from_a_file_and_unloaded(tmp_path: Path) -> None:
+    async with home(tmp_path) as runtime:
+        file = tmp_path / "porch.py"
+        file.write_text(HALL.replace("Hall", "PorchLight").replace("first", "porch"))
+        assert await runtime._apps.load(str(file)) == "loaded the app porch_light"
+        with pytest.raises(UsageError, match="porch_light runs already; `homebot app reload porch_light`"):
+            await runtime._apps.load(str(file))
+        await runtime._apps.reload("porch_light")
+        assert [app.name for app in runtime._apps.apps] == ["hall", "porch_light"]
+        await runtime._apps.unload("hall")
+        assert runtime.graph.get_node("/hall") is None
+        with pytest.raises(UsageError, match="no app 'porch_lihgt' runs; did you mean porch_light"):
+            await runtime._apps.unload("porch_lihgt")
+        await runtime._apps.load("hall")
+        assert [app.name for app in runtime._apps.apps] == ["porch_light", "hall"]
+        file.write_text(
+            HALL.replace("Hall", "Other").replace("await anyio", "raise ValueError(1)\n        await anyio")
+        )
+        with pytest.raises(UsageError, match="other is not loaded: ValueError: 1"):
+            await runtime._apps.load(str(file))
+        assert "other" not in runtime.supervisor.crashes
+        with pytest.raises(ConfigError, match=r"'lihgt_service' is not installed .*did you mean light_service"):
+            await runtime._apps.load("lihgt_service")
+        sys.modules.pop("porch", None)
+
+
+async def test_a_package_is_reloaded_with_its_folder_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    package = tmp_path / "my_home"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "words.py").write_text("WORD = 'first'\n")
+    (package / "hall.py").write_text(HALL.replace('WORD = "first"', "from my_home.words import WORD"))
+    (tmp_path / "helpers.py").write_text("")
+    (tmp_path / "homebot.toml").write_text('[apps.hall]\nclass = "my_home.hall:Hall"\n')
+    read = await asyncio.to_thread(load_config, tmp_path / "homebot.toml")
+    async with Runtime(read, with_door=False) as runtime:
+        runtime._apps.trial = 0.05
+        import helpers  # type: ignore[import-not-found]  # noqa: PLC0415 - it is made above
+
+        (package / "words.py").write_text("WORD = 'again'\n")
+        await runtime._apps.reload("hall")
+        assert runs(runtime) == ["first word", "again word"]
+        assert sys.modules["helpers"] is helpers
+        good = sys.modules["my_home.words"]
+        (package / "words.py").write_text("WORD = \n")
+        with pytest.raises(UsageError, match=r"the old one runs: .*SyntaxError"):
+            await runtime._apps.reload("hall")
+        assert sys.modules["my_home.words"] is good is sys.modules["my_home"].words
+    for name in ("helpers", "my_home", "my_home.words", "my_home.hall"):
+        sys.modules.pop(name, None)
+
+
+async def test_an_app_of_homebot_is_reloaded_with_its_settings_alone(tmp_path: Path) -> None:
+    """A second class App would be another class."""
+    (tmp_path / "homebot.toml").write_text("[apps.lights_out]\n")
+    config = tmp_path / "homebot.toml"
+    read = await asyncio.to_thread(load_config, config)
+    async with Runtime(read, with_door=False, read_config=lambda: load_config(config)) as runtime:
+        runtime._apps.trial = 0.05
+        before = sys.modules["homebot.apps.lights_out"]
+        config.write_text("[apps.lights_out]\nquiet_after = 1700\n")
+        await runtime._apps.reload("lights_out")
+        assert runtime._apps.apps[0].settings.model_dump()["quiet_after"] == 1700
+        assert sys.modules["homebot.apps.lights_out"] is before
+        config.write_text("[apps.lights_out]\nact = 'light in hall'\n")
+        with pytest.raises(HomebotError, match=r"apps\.lights_out\.act: has changed, which takes a restart of homebot"):
+            await runtime._apps.reload("lights_out")
+
+
+async def test_clients_load_and_reload_by_services_and_by_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with home(tmp_path, with_door=True) as runtime:
+        assert {LOAD_APP, RELOAD_APP} <= runtime.graph.get_service_names_and_types().keys()
+        async with Node(runtime.graph, "client") as node:
+            answer = await node.create_client(ReloadApp, RELOAD_APP).call(ChangeAppRequest(app="hal"), timeout=60)
+            assert answer == ChangeAppResponse(success=False, message="no app 'hal' runs; did you mean hall?")
+        assert runtime.door is not None
+        door = ["--door", f"127.0.0.1:{runtime.door.port}"]
+        for words, code in ((("reload", "hall"), 0), (("unload", "hall"), 0), (("unload", "hall"), 1)):
+            assert await asyncio.to_thread(main, ["app", *words, *door]) == code
+        said = capsys.readouterr()
+        printed = [line for line in said.out.splitlines() if not line.startswith("[")]  # without the log
+        assert printed == ["reloaded the app hall", "unloaded the app hall"]
+        assert "homebot: no app 'hall' runs" in said.err
+
+
+def resident() -> int:
+    """Return the bytes of memory that the process has."""
+    pages = Path("/proc/self/statm").read_text().split()[1]
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="it reads Linux's figures of the process")
+async def test_a_thousand_reloads_leave_nothing_behind(tmp_path: Path) -> None:
+    """The second thousand is compared with the first: caches of Python are full then."""
+
+    def seen(runtime: Runtime) -> tuple[int, int, int, int]:
+        gc.collect()
+        endpoints = len(runtime.graph.get_endpoints())
+        return len(asyncio.all_tasks()), endpoints, len(sys.modules), len(gc.get_objects())
+
+    async with home(tmp_path) as runtime:
+        runtime._apps.trial = 0.0
+        for _ in range(1000):
+            await runtime._apps.reload("hall")
+            runtime._app_context.store_of("hall").clear()
+        first, before = seen(runtime), resident()
+        for _ in range(1000):
+            await runtime._apps.reload("hall")
+            runtime._app_context.store_of("hall").clear()
+        second, grown = seen(runtime), resident() - before
+        assert second[:3] == first[:3]
+        assert abs(second[3] - first[3]) < 500  # objects; an app alone has more
+        assert grown < 1_000_000
