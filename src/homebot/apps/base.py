@@ -17,7 +17,7 @@ from homebot.clock import read_zone
 from homebot.devices import Devices
 from homebot.errors import UsageError
 from homebot.graph import Node
-from homebot.support.isolation import run_as
+from homebot.support.isolation import isolated
 
 if TYPE_CHECKING:
     from homebot.apps.store import Store
@@ -131,10 +131,15 @@ class App(ABC, Generic[SettingsT]):
         """
         if self._tasks is None:
             raise UsageError(f"{self.node.full_name} does not run yet; start its tasks in run()")
-        self._tasks.start_soon(run_as, self.node.full_name, function)
+        self._tasks.start_soon(self._isolated, function)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the app; the runtime calls this."""
         async with anyio.create_task_group() as self._tasks:
             task_status.started()
-            await run_as(self.node.full_name, self.run)  # else the group takes a stray cancellation for its own
+            await self._isolated(self.run)
+
+    async def _isolated(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
+        """Await *function*; else its group would take a stray cancellation for its own."""
+        with isolated(self.node.full_name):
+            await function()
