@@ -20,6 +20,9 @@ from homebot.graph import Node
 from homebot.support.isolation import isolated
 
 if TYPE_CHECKING:
+    from homebot.apps.jobs import Job
+    from homebot.apps.run_modes import RunHandler, RunMode
+    from homebot.apps.schedule import Length, Schedule
     from homebot.apps.store import Store
 
 __all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
@@ -40,12 +43,14 @@ class AppContext:
         latitude: Degrees north of the equator; None where the configuration does not say, like the next.
         longitude: Degrees east of Greenwich.
         store_of: Returns the store of an app by its name; by default one in memory.
+        keeps_values: Returns whether an app may have values of an earlier run.
     """
 
     zone_name: str = "UTC"
     latitude: float | None = None
     longitude: float | None = None
     store_of: Callable[[str], Store] = _store_in_memory
+    keeps_values: Callable[[], bool] = lambda: False
 
     @property
     def zone(self) -> tzinfo:
@@ -102,6 +107,7 @@ class App(ABC, Generic[SettingsT]):
         self.devices = Devices(node)
         self.context = AppContext()
         self._store: Store | None = None
+        self._schedule: Schedule | None = None
         self._tasks: TaskGroup | None = None
 
     @property
@@ -123,6 +129,85 @@ class App(ABC, Generic[SettingsT]):
         """Return the date and time in the home's zone."""
         return datetime.fromtimestamp(self.clock.now(), self.context.zone)
 
+    @property
+    def jobs(self) -> tuple[Job, ...]:
+        """The jobs of :meth:`after`, :meth:`every`, :meth:`daily` and :meth:`at` that are to be called."""
+        return () if self._schedule is None else self._schedule.jobs
+
+    def after(
+        self,
+        delay: Length,
+        handler: RunHandler,
+        *,
+        name: str | None = None,
+        durable: bool = False,
+        catch_up: Length = "0s",
+    ) -> Job:
+        """Call *handler* once, *delay* from now: ``"2m"``, seconds or a timedelta.
+
+        Args:
+            durable: Whether it is kept over a restart; then it needs a *name*, and a method of the app.
+            catch_up: How late a durable one may be because homebot was stopped; else it is dropped with a line.
+        """
+        return self._jobs().after(delay, handler, name, durable=durable, catch_up=catch_up)
+
+    def every(
+        self,
+        period: Length,
+        handler: RunHandler,
+        *,
+        name: str | None = None,
+        offset: Length = "0s",
+        mode: RunMode = "single",
+    ) -> Job:
+        """Call *handler* each *period*, first after one and *offset*."""
+        return self._jobs().every(period, handler, name, offset, mode)
+
+    def daily(
+        self,
+        time: str,
+        handler: RunHandler,
+        *,
+        days: str = "",
+        name: str | None = None,
+        catch_up: Length = "0s",
+        mode: RunMode = "single",
+    ) -> Job:
+        """Call *handler* each day at *time*, such as ``"22:00"``, in the home's zone.
+
+        Args:
+            days: Days of the week, such as ``"mon-fri"`` or ``"sat,sun"``; by default all.
+            catch_up: How late a call may be where homebot was stopped or the computer slept; else it is skipped.
+        """
+        return self._jobs().daily(time, handler, days, name, catch_up, mode)
+
+    def at(
+        self,
+        event: str,
+        handler: RunHandler,
+        *,
+        offset: Length = "0s",
+        jitter: Length = "0s",
+        name: str | None = None,
+        catch_up: Length = "0s",
+        mode: RunMode = "single",
+    ) -> Job:
+        """Call *handler* each day at ``"sunset"``, ``"sunrise"``, ``"dawn"``, ``"dusk"`` or ``"noon"``.
+
+        Args:
+            offset: From the event, such as ``"-30m"``.
+            jitter: By how much each call is earlier or later at most, at random.
+            catch_up: As for :meth:`daily`.
+        """
+        return self._jobs().at(event, handler, offset, jitter, name, catch_up, mode)
+
+    def _jobs(self) -> Schedule:
+        if self._schedule is None:
+            from homebot.apps.schedule import Schedule  # noqa: PLC0415 - few apps have one
+
+            self._schedule = Schedule(self)
+        return self._schedule
+
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.
 
@@ -137,6 +222,8 @@ class App(ABC, Generic[SettingsT]):
         """Run the app; the runtime calls this."""
         async with anyio.create_task_group() as self._tasks:
             task_status.started()
+            if self.context.keeps_values() and "_timers" in self.store:
+                self._jobs().resume()
             await self._isolated(self.run)
 
     async def _isolated(self, function: Callable[[], Coroutine[object, object, object]]) -> None:

@@ -76,7 +76,7 @@ class HandlerRuns:
 
     @property
     def running_since(self) -> float | None:
-        """When the oldest run that is at work began, in seconds since the Unix epoch; None where none is."""
+        """The time at which the oldest run at work began, in seconds since the Unix epoch; None where none is."""
         return next(iter(self._running.values()), None)
 
     def start(self, handler: RunHandler, cause: object = None) -> bool:

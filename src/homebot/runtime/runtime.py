@@ -151,7 +151,11 @@ class Runtime:
         )
         home = self._plan.home_settings
         self._app_context = AppContext(
-            home.zone, home.latitude, home.longitude, store_of=lambda app: self._app_stores().of(app)
+            home.zone,
+            home.latitude,
+            home.longitude,
+            store_of=lambda app: self._app_stores().of(app),
+            keeps_values=lambda: self._stores is not None,
         )
         self._stores: AppStores | None = None
         self._owner: OwnerFacts

@@ -1,0 +1,235 @@
+"""Jobs of an app: when each is due next, by the monotonic clock or by the time of day."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import date, datetime, timedelta, tzinfo
+from random import Random
+from typing import Final, NamedTuple, Protocol, final
+
+from homebot.apps.run_modes import HandlerRuns, RunHandler
+from homebot.clock import Clock
+
+__all__ = ["DayMemory", "Due", "Interval", "Job", "JobFacts", "Times", "WallJob"]
+
+EARLIEST: Final = 1_735_689_600.0
+"""2025-01-01: a clock before that was not set yet, as that of a Raspberry Pi without network."""
+LONGEST_NAP: Final = 60.0
+"""Seconds: a clock that is set, and a computer that slept, are noticed within them; a run is no later than that."""
+_STEP_BACK: Final = 1.0
+_SHORTEST: Final = 0.001
+_SEARCHED: Final = 400
+
+
+class Due(NamedTuple):
+    """A call that is due: for how many seconds it is, and whether it is too late for it."""
+
+    late: float = 0.0
+    is_missed: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class JobFacts:
+    """Facts that are common to all jobs.
+
+    Attributes:
+        name: Its name, one of its app's.
+        text: When it is called, such as ``daily at 22:00``.
+        where: The line that made it.
+        forget: Removes a job from its schedule.
+    """
+
+    name: str
+    text: str
+    where: str
+    handler: RunHandler
+    runs: HandlerRuns
+    clock: Clock
+    zone: tzinfo
+    forget: Callable[[Job], None]
+
+
+@dataclass(eq=False)
+class Job(ABC):
+    """A job of an app; :meth:`cancel` ends it, :attr:`next` is when it is called next."""
+
+    facts: JobFacts
+
+    def __post_init__(self) -> None:
+        self.name, self.text, self.where = self.facts.name, self.facts.text, self.facts.where
+        self.runs, self.clock, self.zone = self.facts.runs, self.facts.clock, self.facts.zone
+
+    @property
+    def next(self) -> datetime | None:
+        """The time of its next call, in the home's zone; None where that is not known, or it is called no longer."""
+        at = None if self.runs.trouble else self.next_at()
+        return None if at is None else datetime.fromtimestamp(at, self.zone)
+
+    @property
+    def note(self) -> str:
+        """The reason why it is not called soon; empty if there is nothing to say."""
+        return self.runs.trouble
+
+    def cancel(self) -> None:
+        """End it; a call that is at work goes on. Idempotent."""
+        self.facts.forget(self)
+
+    @abstractmethod
+    def next_at(self) -> float | None:
+        """Return when it is called next, in seconds since the Unix epoch."""
+
+    @abstractmethod
+    def look(self) -> Due | None:
+        """Return the call that is due, which then is not due again."""
+
+    @abstractmethod
+    def nap(self) -> float:
+        """Return the seconds until the next look."""
+
+
+@dataclass(eq=False)
+@final
+class Interval(Job):
+    """A job after a time, once or again and again, on the monotonic clock.
+
+    Attributes:
+        due: When, on that clock.
+        period: Seconds between two calls; None for one call.
+        late: Seconds by which it was due while homebot was stopped.
+        is_missed: Whether that is too late for it.
+    """
+
+    due: float
+    period: float | None = None
+    late: float = 0.0
+    is_missed: bool = False
+
+    def next_at(self) -> float | None:
+        """See above."""
+        return self.clock.now() + max(0.0, self.due - self.clock.monotonic())
+
+    def look(self) -> Due | None:
+        """See above; of several calls that were missed, one is due, and the next goes by the old grid."""
+        over = self.clock.monotonic() - self.due
+        if over < 0:
+            return None
+        if self.period is not None:
+            self.due += (over // self.period + 1) * self.period
+        return Due(self.late, self.is_missed)
+
+    def nap(self) -> float:
+        """See above."""
+        return max(_SHORTEST, self.due - self.clock.monotonic())
+
+
+class Times(Protocol):
+    """At most one moment for each day."""
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return that of *day*, in seconds since the Unix epoch; None where there is none."""
+
+
+class DayMemory(Protocol):
+    """The last day of each job, by its name, over a restart."""
+
+    def read(self, name: str) -> date | None:
+        """Return that of the job *name*."""
+
+    def write(self, name: str, day: date) -> None:
+        """Remember that of the job *name*."""
+
+
+@dataclass(eq=False)
+@final
+class WallJob(Job):
+    """A job at a time of day.
+
+    It is called once for each day, also where the clock is set back.
+
+    Attributes:
+        times: The moment of each day.
+        catch_up: Seconds by which a call may be late.
+        jitter: Seconds by which each call is earlier or later, the same at each look.
+        memory: Where the day of the last call is kept.
+    """
+
+    times: Times
+    memory: DayMemory
+    catch_up: float = 0.0
+    jitter: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._next: tuple[date, float] | None = None
+        self._looked = -math.inf
+
+    @property
+    def note(self) -> str:
+        """See above."""
+        now = self.clock.now()
+        if self.runs.trouble or now < EARLIEST:
+            return self.runs.trouble or "waits until the clock is set"
+        days = None if self._next is None else (self._next[0] - self._day(now)).days
+        is_long = days is None or (days > 1 and self._on(self._day(now)) is None and "daily" not in self.text)
+        return f"no {self.text.split()[0]} today" if is_long else ""
+
+    def next_at(self) -> float | None:
+        """See above."""
+        return None if self._next is None else self._next[1]
+
+    def nap(self) -> float:
+        """See above."""
+        left = LONGEST_NAP if self._next is None else self._next[1] - self.clock.now()
+        return min(LONGEST_NAP, max(_SHORTEST, left))
+
+    def look(self) -> Due | None:
+        """See above; of several calls that were missed, the last one may be due."""
+        now, before = self.clock.now(), self._looked
+        if now < EARLIEST:
+            self._next = None
+            return None
+        self._looked = now
+        if self._next is not None and before - _STEP_BACK <= now < self._next[1]:
+            return None
+        last, handled = self._last(now), self.memory.read(self.name)
+        due = None
+        if handled is None or handled > self._day(now) + timedelta(days=1):  # new, or the clock was a day ahead
+            handled = self._day(now) - timedelta(days=2) if last is None else last[0]
+            self.memory.write(self.name, handled)
+        elif last is not None and last[0] > handled:
+            handled = last[0]
+            self.memory.write(self.name, handled)
+            late = now - last[1]
+            due = Due(late, is_missed=late > max(self.catch_up, LONGEST_NAP))
+        self._next = self._first_after(handled, now)
+        return due
+
+    def _last(self, now: float) -> tuple[date, float] | None:
+        """Return the last moment until *now*, with its day."""
+        back = 2 + int(self.catch_up // 86_400)
+        for ahead in range(1, -back - 1, -1):
+            day = self._day(now) + timedelta(days=ahead)
+            if (at := self._on(day)) is not None and at <= now:
+                return day, at
+        return None
+
+    def _first_after(self, handled: date, now: float) -> tuple[date, float] | None:
+        begin = max(handled, self._day(now) - timedelta(days=2))
+        for ahead in range(1, _SEARCHED):
+            day = begin + timedelta(days=ahead)
+            if (at := self._on(day)) is not None and at > now:
+                return day, at
+        return None
+
+    def _on(self, day: date) -> float | None:
+        at = self.times.on(day, self.zone)
+        if at is None or not self.jitter:
+            return at
+        return at + Random(f"{self.name} {day}").uniform(-self.jitter, self.jitter)  # noqa: S311 - no secret
+
+    def _day(self, at: float) -> date:
+        return datetime.fromtimestamp(at, self.zone).date()

@@ -1,0 +1,275 @@
+"""The schedule of one app: its jobs by name, called when they are due."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable
+from datetime import date, timedelta
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+
+import anyio
+
+from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
+from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode
+from homebot.apps.wall_time import TimeOfDay, read_days, read_time
+from homebot.errors import UsageError
+from homebot.graph.current_cause import TimerCause
+from homebot.units import parse_duration
+
+if TYPE_CHECKING:
+    from homebot.apps.base import App
+
+__all__ = ["Length", "Schedule"]
+
+JOB_SKIPPED: Final = "app.job_skipped"
+MOST_JOBS: Final = 1000
+LONGEST_CATCH_UP: Final = 31 * 86_400.0
+_TIMERS, _DAYS = "_timers", "_days"
+_GRACE: Final = 60.0  # seconds by which a durable timer may be late in any case
+_OWN: Final = "homebot.apps."
+
+Length: TypeAlias = str | float | timedelta
+"""A length of time: text such as ``2m``, seconds, or a timedelta."""
+
+
+@final
+class Schedule:
+    """The jobs of *app*; each method but the properties is one of :class:`homebot.App`'s."""
+
+    def __init__(self, app: App[Any]) -> None:
+        self._app = app
+        self._clock = app.clock
+        self._jobs: dict[str, Job] = {}
+        self._resumed: set[str] = set()
+        self._is_working = False
+        self._changed = anyio.Event()
+
+    @property
+    def jobs(self) -> tuple[Job, ...]:
+        """The jobs, in the order in which they were made."""
+        return tuple(self._jobs.values())
+
+    def resume(self) -> None:
+        """Take over the durable timers of an earlier run; one whose method is gone is dropped with a line."""
+        for name, kept in self._kept(_TIMERS).items():
+            handler = getattr(self._app, str(kept.get("handler")), None)
+            if handler is None:
+                self._keep(_TIMERS, name, None)
+                self._skipped(name, f"its method {kept.get('handler')} is gone")
+                continue
+            left = float(kept["due"]) - self._clock.now()
+            late, delay = max(0.0, -left), min(max(0.0, left), float(kept["delay"]))
+            job = self._interval(name, f"after {kept['delay']:g} s", handler, delay, None)
+            job.late, job.is_missed = late, late > max(_GRACE, float(kept["catch_up"]))
+            self._resumed.add(name)
+            self._add(job)
+
+    def after(self, delay: Length, handler: RunHandler, name: str | None, *, durable: bool, catch_up: Length) -> Job:
+        """See :meth:`homebot.App.after`."""
+        seconds, late = _seconds("delay", delay), _catch_up(catch_up)
+        text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
+        method = getattr(handler, "__name__", "")
+        if durable:
+            if getattr(handler, "__self__", None) is not self._app or not name:
+                raise UsageError(
+                    "a durable timer needs a name, and a method of the app as its handler: "
+                    "it is found by them after a restart"
+                )
+            if name in self._resumed and name in self._jobs:
+                self._resumed.discard(name)
+                return self._jobs[name]
+        elif late:
+            raise UsageError("catch_up is for a durable timer: give durable=True too")
+        job = self._interval(self._name(name, handler, text), text, handler, seconds, None)
+        self._add(job)
+        if durable:
+            kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late}
+            self._keep(_TIMERS, job.name, kept)
+        return job
+
+    def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
+        """See :meth:`homebot.App.every`."""
+        seconds = _seconds("period", period)
+        if not seconds:
+            raise UsageError("period: must be above 0")
+        text = f"every {period if isinstance(period, str) else f'{seconds:g} s'}"
+        begin = seconds + _seconds("offset", offset)
+        job = self._interval(self._name(name, handler, text), text, handler, begin, seconds, mode)
+        return self._add(job)
+
+    def daily(self, at: str, handler: RunHandler, days: str, name: str | None, catch_up: Length, mode: RunMode) -> Job:
+        """See :meth:`homebot.App.daily`."""
+        times = TimeOfDay(read_time(at), read_days(days))
+        text = f"daily at {at}" if not days else f"daily at {at} on {days}"
+        return self._add_wall(times, text, handler, name, catch_up, mode)
+
+    def at(
+        self,
+        event: str,
+        handler: RunHandler,
+        offset: Length,
+        jitter: Length,
+        name: str | None,
+        catch_up: Length,
+        mode: RunMode,
+    ) -> Job:
+        """See :meth:`homebot.App.at`."""
+        from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral takes 40 ms
+
+        home, seconds = self._app.context, _signed("offset", offset)
+        times = sun_time(event, home.latitude, home.longitude, seconds)
+        shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
+        return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, _seconds("jitter", jitter))
+
+    def read(self, name: str) -> date | None:
+        """Return the day of the last call of the job *name*."""
+        kept = self._kept(_DAYS).get(name)
+        return None if kept is None else date.fromisoformat(kept)
+
+    def write(self, name: str, day: date) -> None:
+        """Remember the day of the last call of the job *name*."""
+        self._keep(_DAYS, name, day.isoformat())
+
+    def _add_wall(
+        self,
+        times: Times,
+        text: str,
+        handler: RunHandler,
+        name: str | None,
+        catch_up: Length,
+        mode: RunMode,
+        jitter: float = 0.0,
+    ) -> Job:
+        late = _catch_up(catch_up)
+        facts = self._facts(self._name(name, handler, text), text, handler, mode)
+        return self._add(WallJob(facts, times, self, late, jitter))
+
+    def _interval(
+        self,
+        name: str,
+        text: str,
+        handler: RunHandler,
+        delay: float,
+        period: float | None,
+        mode: RunMode = "single",
+    ) -> Interval:
+        return Interval(self._facts(name, text, handler, mode), self._clock.monotonic() + delay, period)
+
+    def _facts(self, name: str, text: str, handler: RunHandler, mode: RunMode) -> JobFacts:
+        runs = HandlerRuns(self._app.node, self._app.start_task, f"job {name}", mode)
+        zone = self._app.context.zone
+        return JobFacts(name, text, _calling_line(), handler, runs, self._clock, zone, self._forget)
+
+    def _name(self, name: str | None, handler: RunHandler, text: str) -> str:
+        """Return the name of a new job.
+
+        Raises:
+            UsageError: It is taken.
+        """
+        if name is None:
+            function = handler.func if isinstance(handler, partial) else handler
+            base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
+            return next(one for one in _numbered(base) if one not in self._jobs)
+        if (other := self._jobs.get(name)) is not None:
+            raise UsageError(f"two jobs are named {name!r}: at {other.where} and at {_calling_line()}; rename one")
+        return name
+
+    def _add(self, job: Job) -> Job:
+        if len(self._jobs) >= MOST_JOBS:
+            raise UsageError(f"an app has at most {MOST_JOBS:,} jobs; is {job.name} made again and again?")
+        self._jobs[job.name] = job
+        self._changed.set()
+        if not self._is_working:
+            self._app.start_task(self._work)
+            self._is_working = True
+        return job
+
+    def _forget(self, job: Job) -> None:
+        if self._jobs.get(job.name) is job:
+            del self._jobs[job.name]
+            if isinstance(job, Interval) and job.period is None:
+                self._keep(_TIMERS, job.name, None)
+            self._changed.set()
+
+    async def _work(self) -> None:
+        try:
+            while self._jobs:
+                self._changed = anyio.Event()
+                for job in self.jobs:
+                    if (due := job.look()) is not None:
+                        self._call(job, due)
+                nap = min((one.nap() for one in self._jobs.values()), default=math.inf)
+                with anyio.move_on_after(0 if not self._jobs else nap):
+                    await self._changed.wait()
+        finally:
+            self._is_working = False
+
+    def _call(self, job: Job, due: Due) -> None:
+        if isinstance(job, Interval) and job.period is None:
+            self._forget(job)
+        if due.is_missed:
+            self._skipped(job.name, f"it was due {_duration(due.late)} ago")
+            return
+        now = self._clock.now()
+        text = f"{job.text}, {_duration(due.late)} late" if due.late > _GRACE else job.text
+        job.runs.start(job.facts.handler, TimerCause(f"timer-{job.name}-{now:.0f}", text, now))
+
+    def _skipped(self, name: str, why: str) -> None:
+        self._app.log.warning(JOB_SKIPPED, message=f"the job {name} is skipped: {why}", job=name)
+
+    def _kept(self, key: str) -> dict[str, Any]:
+        return dict(self._app.store.get(key, {}))
+
+    def _keep(self, key: str, name: str, value: object) -> None:
+        kept = self._kept(key)
+        if value is None and name not in kept:
+            return
+        self._app.store[key] = {one: kept[one] for one in kept if one != name} | (
+            {} if value is None else {name: value}
+        )
+
+
+def _calling_line() -> str:
+    """Return the line of the app's own code that is at work."""
+    frame = sys._getframe(1)  # noqa: SLF001 - a whole traceback would cost a hundred times as much
+    while frame.f_back is not None and frame.f_globals.get("__name__", "") in _MODULES:
+        frame = frame.f_back
+    return f"{Path(frame.f_code.co_filename).name}:{frame.f_lineno}"
+
+
+_MODULES: Final = frozenset({f"{_OWN}schedule", f"{_OWN}base"})
+
+
+def _numbered(base: str) -> Iterable[str]:
+    yield base
+    yield from (f"{base} ({number})" for number in range(2, MOST_JOBS + 2))
+
+
+def _signed(key: str, length: Length) -> float:
+    if isinstance(length, str):
+        text = length.strip()
+        return -_seconds(key, text[1:]) if text.startswith("-") else _seconds(key, text.removeprefix("+"))
+    seconds = length.total_seconds() if isinstance(length, timedelta) else length
+    return math.copysign(_seconds(key, abs(seconds)), seconds)
+
+
+def _seconds(key: str, length: Length) -> float:
+    try:
+        return parse_duration(length.total_seconds() if isinstance(length, timedelta) else length)
+    except UsageError as exc:
+        raise UsageError(f"{key}: {exc}") from exc
+
+
+def _catch_up(length: Length) -> float:
+    seconds = _seconds("catch_up", length)
+    if seconds > LONGEST_CATCH_UP:
+        raise UsageError(f"catch_up: {length} is more than 31 days")
+    return seconds
+
+
+def _duration(seconds: float) -> str:
+    hours, minutes = int(seconds // 3600), int(seconds % 3600 // 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min"

@@ -1,0 +1,56 @@
+"""Times of the sun at a place. Where it does not rise or set on a day, as beyond the polar circles, there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import date, datetime, tzinfo
+from typing import Final, final
+
+import astral
+from astral import sun
+
+from homebot.errors import UsageError
+from homebot.support.similar import did_you_mean
+
+__all__ = ["SunTime", "sun_time"]
+
+_EVENTS: Final[Mapping[str, Callable[..., datetime]]] = {
+    "dawn": sun.dawn,
+    "sunrise": sun.sunrise,
+    "noon": sun.noon,
+    "sunset": sun.sunset,
+    "dusk": sun.dusk,
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SunTime:
+    """A time so many seconds after an event of the sun; it belongs to the local date of the event."""
+
+    event: str
+    place: astral.Observer
+    offset: float
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return the moment on *day*, in seconds since the Unix epoch; None where there is no such event."""
+        try:
+            found = _EVENTS[self.event](self.place, date=day, tzinfo=zone)
+        except ValueError:
+            return None
+        return found.timestamp() + self.offset
+
+
+def sun_time(event: str, latitude: float | None, longitude: float | None, offset: float) -> SunTime:
+    """Return the time *offset* seconds after *event*.
+
+    Raises:
+        UsageError: There is no such event, or the place is not known.
+    """
+    if event not in _EVENTS:
+        hint = did_you_mean(event, _EVENTS, f"events are {', '.join(_EVENTS)}; for a time of day use daily()")
+        raise UsageError(f"there is no event {event!r} of the sun; {hint}")
+    if latitude is None or longitude is None:
+        raise UsageError(f"{event} needs the place of the home: set latitude and longitude in the table [home]")
+    return SunTime(event, astral.Observer(latitude, longitude), offset)

@@ -1,0 +1,83 @@
+"""Local times of day as moments, over days of 23 and 25 hours. Pure.
+
+A time that a day does not have is the end of the gap; of a time that it has twice, the first.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import date, datetime, time, tzinfo
+from typing import Final, final
+
+from homebot.errors import UsageError
+from homebot.support.similar import did_you_mean
+
+__all__ = ["TimeOfDay", "moment_of", "read_days", "read_time"]
+
+_DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+_TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TimeOfDay:
+    """A time on some days of the week."""
+
+    time: time
+    days: frozenset[int]
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return the moment on *day*, in seconds since the Unix epoch; None where it is none of the days."""
+        return moment_of(day, self.time, zone) if day.weekday() in self.days else None
+
+
+def read_time(text: str) -> time:
+    """Return the time of day *text*, such as ``22:00`` or ``7:30:15``.
+
+    Raises:
+        UsageError: It is none.
+    """
+    if (found := _TIME.fullmatch(text.strip())) is None:
+        raise UsageError(f"{text!r} is no time of day; write it like 22:00 or 7:30:15")
+    hour, minute, second = (int(part or 0) for part in found.groups())
+    return time(hour, minute, second)
+
+
+def read_days(text: str) -> frozenset[int]:
+    """Return the days of the week *text*, such as ``mon-fri`` or ``sat,sun``; Monday is 0, and empty text is all.
+
+    Raises:
+        UsageError: A day does not exist.
+    """
+    found: set[int] = set()
+    for part in filter(None, text.replace(" ", "").lower().split(",")):
+        first, dash, last = part.partition("-")
+        begin = _day(first)
+        found |= {(begin + one) % 7 for one in range((_day(last) - begin) % 7 + 1 if dash else 1)}
+    return frozenset(found or range(7))
+
+
+def moment_of(day: date, at: time, zone: tzinfo) -> float:
+    """Return the moment of *at* on *day* in *zone*, in seconds since the Unix epoch."""
+    wanted = datetime.combine(day, at, zone)
+    moment = wanted.timestamp()
+    if datetime.fromtimestamp(moment, zone).time() == at:
+        return moment
+    low, high = wanted.replace(fold=1).timestamp(), moment  # around the change of the clocks
+    before = datetime.fromtimestamp(low, zone).utcoffset()
+    while high - low > 1:
+        middle = (low + high) // 2
+        if datetime.fromtimestamp(middle, zone).utcoffset() == before:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _day(name: str) -> int:
+    if name[:3] not in _DAYS:
+        raise UsageError(
+            f"days: there is no day {name!r}; {did_you_mean(name, _DAYS, 'write it like mon-fri or sat,sun')}"
+        )
+    return _DAYS.index(name[:3])

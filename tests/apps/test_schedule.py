@@ -1,0 +1,362 @@
+"""Jobs of apps: called once when they are due, however the clock is set, slept through or changed over summer time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from datetime import datetime, timedelta
+from zoneinfo import ZoneInfo
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+from tests.set_clock import SetClock
+
+from homebot.apps import App, AppContext, NoSettings
+from homebot.apps.store import Store
+from homebot.clock import read_zone
+from homebot.devices.current_trigger import current_trigger
+from homebot.errors import UsageError
+from homebot.graph import Graph, Node
+
+pytestmark = pytest.mark.virtual_time
+
+PLACES = {
+    "Europe/Berlin": (52.52, 13.405),
+    "America/Los_Angeles": (34.05, -118.25),
+    "Europe/Oslo": (69.65, 18.96),  # Tromsø
+}
+ZONES = {name: read_zone(name) for name in PLACES}  # read before any loop runs
+HOUR, DAY = 3600.0, 86_400.0
+
+
+class Diary(App):
+    """Notes when its jobs are called."""
+
+    def __init__(self, node: Node, setup: Callable[[Diary], object]) -> None:
+        super().__init__(node, NoSettings())
+        self.setup = setup
+        self.calls: list[str] = []
+        self.causes: list[str] = []
+
+    async def run(self) -> None:
+        self.setup(self)
+        await anyio.sleep_forever()
+
+    def note(self) -> None:
+        self.calls.append(f"{self.now():%m-%d %H:%M:%S}")
+        self.causes.append(current_trigger().text)
+
+    def fail(self) -> None:
+        self.note()
+        raise ValueError("odd")
+
+    async def work(self) -> None:
+        self.note()
+        await anyio.sleep(1.5 * HOUR)
+
+
+@asynccontextmanager
+async def living(
+    setup: Callable[[Diary], object],
+    start: str,
+    zone: str = "Europe/Berlin",
+    clock: SetClock | None = None,
+    store: Store | None = None,
+) -> AsyncIterator[tuple[Diary, SetClock]]:
+    at = datetime.fromisoformat(start).replace(tzinfo=ZONES[zone])
+    clock = clock or SetClock(at.timestamp())
+    kept = Store("diary") if store is None else store
+    async with Node(Graph(clock), "diary") as node, anyio.create_task_group() as tasks:
+        diary = Diary(node, setup)
+        diary.context = AppContext(zone, *PLACES[zone], store_of=lambda _: kept, keeps_values=lambda: True)
+        await tasks.start(diary.serve)
+        await anyio.sleep(0.01)
+        yield diary, clock
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_time_that_does_not_exist_is_the_end_of_the_gap() -> None:
+    async with living(lambda app: app.daily("02:30", app.note), "2026-03-28 12:00") as (diary, _):
+        await anyio.sleep(3 * DAY)
+    assert diary.calls == ["03-29 03:00:00", "03-30 02:30:00", "03-31 02:30:00"]
+
+
+async def test_of_a_time_that_exists_twice_the_first_counts() -> None:
+    async with living(lambda app: app.daily("02:30", app.note, name="n"), "2026-10-24 12:00") as (diary, _):
+        await anyio.sleep(14.75 * HOUR)
+        assert diary.now().isoformat() == "2026-10-25T02:45:00.010000+02:00"
+        (job,) = diary.jobs
+        assert job.next == datetime(2026, 10, 26, 2, 30, tzinfo=ZoneInfo("Europe/Berlin"))
+        await anyio.sleep(2 * HOUR)
+    assert diary.calls == ["10-25 02:30:00"]
+
+
+@pytest.mark.parametrize(("start", "hours"), [("2026-03-28 22:00", 23), ("2026-10-24 22:00", 25)])
+async def test_a_daily_job_over_the_change_is_at_its_local_time(start: str, hours: int) -> None:
+    async with living(lambda app: app.daily("22:00", app.note), start) as (diary, _):
+        await anyio.sleep(hours * HOUR - 1)
+        assert diary.calls == []
+        await anyio.sleep(2)
+    assert [call[6:] for call in diary.calls] == ["22:00:00"]
+
+
+@pytest.mark.parametrize("start", ["2026-03-28 20:00", "2026-10-24 20:00"])
+async def test_an_hourly_job_over_the_change_is_each_3600_seconds(start: str) -> None:
+    async with living(lambda app: app.every("1h", app.note), start) as (diary, _):
+        await anyio.sleep(12 * HOUR + 60)
+    assert len(diary.calls) == 12
+
+
+async def test_a_clock_that_is_set_back_calls_nothing_again() -> None:
+    async with living(lambda app: app.daily("22:00", app.note), "2026-06-01 21:00") as (diary, clock):
+        await anyio.sleep(1.5 * HOUR)
+        clock.wall -= HOUR
+        await anyio.sleep(3 * HOUR)
+        assert diary.calls == ["06-01 22:00:00"]
+        await anyio.sleep(DAY)
+    assert diary.calls == ["06-01 22:00:00", "06-02 22:00:00"]
+
+
+async def test_a_clock_that_was_years_ahead_goes_on_from_where_it_is_set_back_to() -> None:
+    async with living(lambda app: app.daily("22:00", app.note), "2026-06-01 21:00") as (diary, clock):
+        clock.wall += 1000 * DAY
+        await anyio.sleep(2 * HOUR)
+        clock.wall -= 1000 * DAY
+        await anyio.sleep(DAY)
+    assert diary.calls[-1] == "06-02 22:00:00"
+    assert len(diary.calls) == 2
+
+
+@pytest.mark.parametrize(
+    ("catch_up", "step", "expected"),
+    [("30m", 900.0, 1), ("30m", 3 * HOUR, 0), ("0s", 3 * HOUR, 0), ("0s", 20.0, 1), ("12h", 8 * HOUR, 1)],
+)
+async def test_a_clock_that_is_set_forward_over_a_job_goes_by_catch_up(
+    catch_up: str, step: float, expected: int
+) -> None:
+    """As a computer that slept; a call that is a minute late at most is in time."""
+    with capture_logs() as lines:
+        async with living(lambda app: app.daily("22:00", app.note, catch_up=catch_up), "2026-06-01 21:59:50") as (
+            diary,
+            clock,
+        ):
+            clock.wall += step
+            await anyio.sleep(120)
+    assert len(diary.calls) == expected
+    assert sum("is skipped: it was due" in line["message"] for line in lines) == 1 - expected
+    assert all("late" in cause for cause in diary.causes) == (step > 60)
+
+
+class SleptClock(SetClock):
+    """The clock of a computer that counts the time in which it slept."""
+
+    slept = 0.0
+
+    def monotonic(self) -> float:
+        return super().monotonic() + self.slept
+
+
+async def test_hours_that_a_computer_slept_are_at_most_one_call_of_an_hourly_job() -> None:
+    """And the next is on the old grid."""
+    clock = SleptClock(datetime(2026, 6, 1, 12, tzinfo=ZONES["Europe/Berlin"]).timestamp())
+    async with living(lambda app: app.every("1h", app.note), "2026-06-01 12:00", clock=clock) as (diary, _):
+        await anyio.sleep(1.5 * HOUR)
+        clock.slept += 8 * HOUR
+        clock.wall += 8 * HOUR
+        await anyio.sleep(1.5 * HOUR + 1)
+    assert [call[6:11] for call in diary.calls] == ["13:00", "22:00", "23:00"]
+
+
+@pytest.mark.parametrize(("catch_up", "expected"), [("0s", []), ("3h", ["06-01 23:00:00"])])
+async def test_a_daily_job_that_was_missed_while_homebot_was_stopped_goes_by_catch_up(
+    catch_up: str, expected: list[str]
+) -> None:
+    store = Store("diary")
+
+    def setup(app: Diary) -> None:
+        app.daily("22:00", app.note, catch_up=catch_up, name="evening")
+
+    async with living(setup, "2026-06-01 23:00", store=Store("diary")) as (diary, _):
+        assert diary.calls == []  # the first start ever misses nothing
+    async with living(setup, "2026-06-01 20:00", store=store) as (diary, clock):
+        assert diary.calls == []
+    clock.wall += 3 * HOUR - clock.now() % HOUR
+    async with living(setup, "2026-06-01 23:00", store=store) as (diary, _):
+        await anyio.sleep(1)
+        assert diary.calls == expected
+    async with living(setup, "2026-06-01 23:30", store=store) as (diary, _):
+        assert diary.calls == []
+
+
+@pytest.mark.parametrize(("catch_up", "expected"), [("0s", []), ("3h", ["06-01 15:00:00"])])
+async def test_a_durable_timer_that_was_due_while_homebot_was_stopped_goes_by_catch_up(
+    catch_up: str, expected: list[str]
+) -> None:
+    store = Store("diary")
+    async with living(
+        lambda app: app.after("2h", app.note, name="off", durable=True, catch_up=catch_up),
+        "2026-06-01 12:00",
+        store=store,
+    ):
+        pass
+    with capture_logs() as lines:
+        async with living(lambda _: None, "2026-06-01 15:00", store=store) as (diary, _):
+            await anyio.sleep(1)
+    assert diary.calls == expected
+    assert ("the job off is skipped: it was due 1 h 0 min ago" in str(lines)) == (not expected)
+    async with living(lambda _: None, "2026-06-01 16:00", store=store) as (diary, _):
+        assert diary.jobs == ()
+
+
+async def test_a_durable_timer_goes_on_after_a_restart_and_is_taken_over_by_its_name() -> None:
+    store = Store("diary")
+
+    def setup(app: Diary) -> None:
+        app.after("2h", app.note, name="off", durable=True)
+
+    async with living(setup, "2026-06-01 12:00", store=store):
+        pass
+    async with living(setup, "2026-06-01 13:30", store=store) as (diary, _):
+        await anyio.sleep(0.5 * HOUR + 1)
+        assert [call[:11] for call in diary.calls] == ["06-01 14:00"]
+        assert diary.jobs == ()
+
+
+async def test_jobs_wait_for_a_clock_that_was_not_set_yet() -> None:
+    def setup(app: Diary) -> None:
+        app.daily("01:00", app.note, name="early")
+
+    async with living(setup, "1970-01-01 12:00") as (diary, clock):
+        await anyio.sleep(2 * DAY)
+        (job,) = diary.jobs
+        assert (diary.calls, job.next, job.note) == ([], None, "waits until the clock is set")
+        clock.wall += datetime(2026, 6, 1, 12, tzinfo=ZoneInfo("Europe/Berlin")).timestamp() - clock.now()
+        await anyio.sleep(DAY)
+    assert [call[:8] for call in diary.calls] == ["06-02 01"]
+
+
+async def test_a_job_that_still_runs_is_not_called_beside_itself() -> None:
+    def setup(app: Diary) -> None:
+        app.every("1h", app.work, name="one")
+        app.every("1h", app.work, name="beside", mode="parallel")
+
+    async with living(setup, "2026-06-01 12:00") as (diary, _):
+        await anyio.sleep(2.1 * HOUR)
+        one, beside = diary.jobs
+        assert (one.runs.dropped, beside.runs.dropped) == (1, 0)
+        since = one.runs.running_since
+        assert since is not None
+        assert f"{datetime.fromtimestamp(since, ZoneInfo('Europe/Berlin')):%H:%M}" == "13:00"
+    assert [call[6:8] for call in diary.calls] == ["13", "13", "14"]
+
+
+async def test_a_job_that_fails_stays_until_the_fifth_time_in_a_row() -> None:
+    async with living(lambda app: app.every("1h", app.fail, name="odd"), "2026-06-01 12:00") as (diary, _):
+        await anyio.sleep(4.5 * HOUR)
+        (job,) = diary.jobs
+        assert job.next is not None
+        await anyio.sleep(5 * HOUR)
+        assert job.next is None
+        assert job.note == ("failed 5 times in a row and is called no longer (ValueError: odd)")
+    assert len(diary.calls) == 5
+
+
+async def test_two_jobs_of_one_name_are_an_error_that_names_both_lines() -> None:
+    def setup(app: Diary) -> None:
+        first = app.daily("22:00", app.note, name="evening")
+        with pytest.raises(UsageError, match=r"two jobs are named 'evening': at (\S+:\d+) and at (\S+:\d+)") as caught:
+            app.at("sunset", app.note, name="evening")
+        assert first.where in str(caught.value)
+        assert "at test_schedule.py:" in str(caught.value).partition(" and ")[2]
+
+    async with living(setup, "2026-06-01 12:00") as (diary, _):
+        assert len(diary.jobs) == 1
+
+
+@pytest.mark.parametrize(
+    ("zone", "start", "expected"),
+    [
+        ("Europe/Berlin", "2026-06-21 12:00", "06-21 21:03"),
+        ("America/Los_Angeles", "2026-11-23 12:00", "11-23 16:15"),
+        ("America/Los_Angeles", "2026-06-21 18:00", "06-21 19:37"),
+    ],
+)
+async def test_the_sun_goes_by_the_local_date(zone: str, start: str, expected: str) -> None:
+    async with living(lambda app: app.at("sunset", app.note, offset="-30m"), start, zone) as (diary, _):
+        await anyio.sleep(12 * HOUR)
+    (call,) = diary.calls
+    found, wanted = (datetime.strptime(f"2026-{one[:11]}", "%Y-%m-%d %H:%M") for one in (call, expected))  # noqa: DTZ007
+    assert abs(found - wanted) < timedelta(minutes=3)
+    assert diary.causes == ["sunset -30m"]
+
+
+@pytest.mark.parametrize("start", ["2026-06-01 12:00", "2026-12-01 12:00"])
+async def test_where_the_sun_does_not_set_nothing_is_called_and_it_is_said(start: str) -> None:
+    async with living(lambda app: app.at("sunset", app.note), start, "Europe/Oslo") as (diary, _):
+        await anyio.sleep(3 * DAY)
+        (job,) = diary.jobs
+        assert (diary.calls, job.note) == ([], "no sunset today")
+        assert job.next is not None
+        assert timedelta(days=20) < job.next - diary.now() < timedelta(days=70)
+
+
+async def test_an_offset_over_midnight_belongs_to_the_date_of_the_sun() -> None:
+    """Three hours after a sunset at half past nine, each day once."""
+    async with living(lambda app: app.at("sunset", app.note, offset="3h"), "2026-06-21 12:00") as (diary, _):
+        await anyio.sleep(3 * DAY)
+    assert [call[:8] for call in diary.calls] == ["06-22 00", "06-23 00", "06-24 00"]
+
+
+async def test_jitter_moves_each_call_a_little_and_calls_each_day_once() -> None:
+    async with living(lambda app: app.at("noon", app.note, jitter="20m", name="noon"), "2026-06-01 00:00") as (
+        diary,
+        _,
+    ):
+        await anyio.sleep(20 * DAY)
+    minutes = [int(call[6:8]) * 60 + int(call[9:11]) for call in diary.calls]
+    assert len(minutes) == 20
+    assert max(minutes) - min(minutes) > 15
+    assert all(12 * 60 + 46 <= one <= 13 * 60 + 30 for one in minutes)
+
+
+async def test_days_of_the_week_are_those_that_are_named() -> None:
+    async with living(lambda app: app.daily("07:00", app.note, days="fri-sun,tue"), "2026-06-01 00:00") as (diary, _):
+        await anyio.sleep(7 * DAY)
+    assert [call[:5] for call in diary.calls] == ["06-02", "06-05", "06-06", "06-07"]
+
+
+async def test_a_cancelled_job_is_called_no_longer() -> None:
+    async with living(lambda app: app.after("5m", app.note), "2026-06-01 12:00") as (diary, _):
+        (job,) = diary.jobs
+        job.cancel()
+        job.cancel()
+        diary.after(timedelta(minutes=1), diary.note)
+        diary.after(30, diary.note)
+        await anyio.sleep(HOUR)
+        assert diary.jobs == ()
+    assert diary.calls == ["06-01 12:00:30", "06-01 12:01:00"]
+
+
+@pytest.mark.parametrize(
+    ("setup", "problem"),
+    [
+        (lambda app: app.daily("25:00", app.note), "'25:00' is no time of day; write it like 22:00"),
+        (lambda app: app.daily("22:00", app.note, days="mon-frj"), "days: there is no day 'frj'; did you mean fri"),
+        (lambda app: app.at("sunste", app.note), "there is no event 'sunste' of the sun; did you mean sunset"),
+        (lambda app: app.every("0s", app.note), "period: must be above 0"),
+        (lambda app: app.after("two minutes", app.note), "delay: 'two minutes' is not a duration"),
+        (lambda app: app.every("1h", app.note, mode="singel"), "mode: there is no 'singel'; did you mean single"),
+        (lambda app: app.after("1h", lambda: None, name="x", durable=True), "a durable timer needs a name, and a meth"),
+        (lambda app: app.after("1h", app.note, catch_up="1h"), "catch_up is for a durable timer"),
+        (lambda app: app.daily("22:00", app.note, catch_up="90d"), "catch_up: 90d is more than 31 days"),
+    ],
+)
+async def test_a_wrong_argument_is_named(setup: Callable[[Diary], object], problem: str) -> None:
+    def check(app: Diary) -> None:
+        with pytest.raises(UsageError) as caught:
+            setup(app)
+        assert str(caught.value).startswith(problem)
+
+    async with living(check, "2026-06-01 12:00") as (diary, _):
+        assert diary.jobs == ()
