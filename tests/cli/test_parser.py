@@ -42,6 +42,13 @@ def test_without_a_command_the_help_is_shown(capsys: Text, line: str, shown: str
     assert err == ""
 
 
+@pytest.mark.parametrize(("word", "meant"), [("list", "devices"), ("status", "doctor"), ("log", "journal")])
+def test_a_word_of_other_tools_is_understood(word: str, meant: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([word])
+    assert f"no command '{word}'; did you mean {meant}?" in capsys.readouterr().err
+
+
 def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
     with pytest.raises(SystemExit):
         main(["show"])

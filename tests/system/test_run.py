@@ -165,6 +165,7 @@ def test_a_service_manager_is_informed(tmp_path: Path) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
         manager.bind(str(tmp_path / "notify"))
         manager.settimeout(120)
+        (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nurl = "embedded"\n')
         run = Run(tmp_path, NOTIFY_SOCKET=str(tmp_path / "notify"), WATCHDOG_USEC="300000")
         try:
             received = [manager.recv(4096).decode() for _ in range(3)]
@@ -182,6 +183,14 @@ def test_a_service_manager_is_informed(tmp_path: Path) -> None:
             assert last == "STOPPING=1"
         finally:
             run.process.kill()
+
+
+def test_a_service_without_a_configuration_runs_no_simulated_house(start: Start) -> None:
+    run = start(NOTIFY_SOCKET="/nowhere")
+    assert run.end() == 2
+    assert run.log == [
+        "homebot: homebot.toml does not exist, and a service runs no simulated house; give --config FILE\n"
+    ]
 
 
 def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> None:

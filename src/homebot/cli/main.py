@@ -52,7 +52,7 @@ COMMANDS: Final = {
     "tag": "tag devices with words; read and write NFC tags",
     "token": "make a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
-    "service": "list and call services",
+    "service": "list and call services; install homebot as one of systemd",
     "interface": "list, show and import messages, services and actions of ROS",
     "action": "list actions, and send goals to them",
     "param": "list, read, set and save the parameters of nodes",

@@ -13,6 +13,29 @@ __all__ = ["SHELLS", "CommandParser", "PrintCompletion"]
 
 SHELLS: Final = ("bash", "zsh")
 
+SYNONYMS: Final = {
+    "list": "devices",
+    "ls": "devices",
+    "status": "doctor",
+    "health": "doctor",
+    "check": "doctor",
+    "log": "journal",
+    "logs": "journal",
+    "history": "journal",
+    "set": "do",
+    "turn": "do",
+    "switch": "do",
+    "explain": "why",
+    "start": "run",
+    "room": "place",
+    "delete": "forget",
+    "remove": "forget",
+    "rename": "alias",
+    "search": "find",
+    "info": "show",
+}
+"""Words for commands of homebot that other tools use."""
+
 _WRONG_COMMAND_LINE = 2
 _CUTOFF = 0.6
 
@@ -50,7 +73,9 @@ class CommandParser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: str) -> None:
         commands = self._commands()
         if commands is not None and action is commands and value not in commands.choices:
-            self._refuse(f"no command {value!r}; {self._meant(value, commands.choices)}")
+            synonym = SYNONYMS.get(value.lower(), "")
+            meant = f"did you mean {synonym}?" if synonym in commands.choices else self._meant(value, commands.choices)
+            self._refuse(f"no command {value!r}; {meant}")
         super()._check_value(action, value)
 
     @property

@@ -1,4 +1,4 @@
-"""What a changed configuration changes in a running homebot, and what waits for a restart."""
+"""Comparison of a changed configuration with that of a running homebot: the tables that wait for a restart."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ import asyncio
 import atexit
 import gc
 import os
+import sys
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
@@ -18,6 +19,7 @@ from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environm
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
+from homebot.errors import UsageError
 from homebot.log import configure_logging
 from homebot.names import snake_case
 from homebot.plugins import is_file, name_in_file
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
     from homebot.recording.recording_file import LineSink
 
 __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
+
+_WRONG_CONFIGURATION = 2
+"""Exit code of a service whose configuration is wrong: to start it again does not help."""
 
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"
@@ -119,6 +124,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def is_service() -> bool:
+    """Return whether a service manager started the process."""
+    return "NOTIFY_SOCKET" in os.environ
+
+
 def _app(text: str) -> str:
     """Return the name of an app: a plug-in's, ``module:Class``, or a file of Python."""
     module, colon, kind = text.partition(":")
@@ -135,8 +145,14 @@ def _app(text: str) -> str:
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     gc.set_threshold(*COLLECT_AFTER)
-    with gc_paused():
-        config, house = configuration(options)
+    try:
+        with gc_paused():
+            config, house = configuration(options)
+    except UsageError as exc:
+        if not is_service():
+            raise
+        print(f"homebot: {exc}", file=sys.stderr)
+        return _WRONG_CONFIGURATION
     with queued_output() as lost_lines, _recording(options.record) as record_into:
         return _run_apart(options, config, house, lost_lines, record_into)
 
@@ -233,6 +249,8 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
     if options.mqtt:
         home = {"name": options.root} if options.root else {}
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
+    if is_service() and not options.house:
+        raise UsageError(f"{path} does not exist, and a service runs no simulated house; give --config FILE")
     root = options.root or THESIS_ROOT
     apps: dict[str, object] = {} if options.app else {name: {} for name in APPS_OF_THE_SIMULATED_HOUSE}
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}

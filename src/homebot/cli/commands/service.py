@@ -1,4 +1,4 @@
-"""``homebot service``: ``list``, ``type``, ``find`` and ``call``."""
+"""``homebot service``: ``list``, ``type``, ``find``, ``call`` and ``install``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from homebot.cli.arguments import add_verb, add_verbs, seconds, set_client_comma
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
 from homebot.cli.graph_queries import MessageTypeRecord, response_schema
+from homebot.cli.service_unit import add_install_arguments
 from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import UsageError
@@ -24,6 +25,7 @@ _REQUEST = "/rosapi/service_request_details"
 _EXAMPLES = """\
   homebot service list -t
   homebot service call /rosapi/get_time
+  homebot service install --user    run homebot from the start of the computer
 """
 _CALL_EXAMPLES = """\
   homebot service call /rosapi/get_time
@@ -41,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command.add_argument("--timeout", metavar="S", type=seconds, default=5.0, help="seconds to wait (default: 5)")
     command.add_argument("--json", action="store_true", help="print the response as one line of JSON")
     set_client_command(command, _call, _CALL_EXAMPLES, acts=True)
+    add_install_arguments(add_verb(verbs, "install", "install a systemd unit that runs homebot"))
 
 
 @door_command

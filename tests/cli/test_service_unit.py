@@ -1,0 +1,61 @@
+"""``homebot service install``: the unit of systemd."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from homebot.cli import main
+
+Text = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "my % house"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
+    file = folder / "homebot.toml"
+    file.write_text('[gateways.mqtt]\nurl = "embedded"\n')
+    return file
+
+
+def _keys(text: str) -> dict[str, str]:
+    return dict(line.split("=", 1) for line in text.splitlines() if "=" in line)
+
+
+def test_the_unit_of_a_user_runs_homebot_and_can_be_reloaded(config: Path, tmp_path: Path, capsys: Text) -> None:
+    assert main(["service", "install", "--user"]) == 0
+    file = tmp_path / "settings" / "systemd" / "user" / "homebot.service"
+    keys = _keys(file.read_text())
+    assert shlex.split(keys["ExecStart"].replace("%%", "%")) == [
+        sys.executable,
+        *("-m", "homebot", "run", "--config", str(config)),
+    ]
+    assert (keys["Type"], keys["ExecReload"], keys["WatchdogSec"]) == ("notify", "kill -HUP $MAINPID", "30")
+    assert keys["WantedBy"] == "default.target"
+    assert "DynamicUser" not in keys
+    printed = capsys.readouterr().out
+    assert f"wrote {file}" in printed
+    assert "systemctl --user enable --now homebot" in printed
+    assert "enable-linger" in printed
+
+
+def test_the_unit_of_the_computer_is_hardened(config: Path, capsys: Text) -> None:
+    assert main(["service", "install", "--print", "--config", str(config)]) == 0
+    keys = _keys(capsys.readouterr().out)
+    expected = {"DynamicUser": "yes", "ProtectSystem": "strict", "NoNewPrivileges": "yes", "CapabilityBoundingSet": ""}
+    assert expected.items() <= keys.items()
+    assert "AF_BLUETOOTH" in keys["RestrictAddressFamilies"]
+    assert keys["WantedBy"] == "multi-user.target"
+
+
+def test_a_wrong_configuration_is_not_installed(config: Path, tmp_path: Path, capsys: Text) -> None:
+    config.write_text("[control]\ntmeout = 1\n")
+    assert main(["service", "install", "--user"]) == 1
+    assert "control.tmeout: unknown key" in capsys.readouterr().err
+    assert not (tmp_path / "settings").exists()
