@@ -11,6 +11,7 @@
     [door]                           # where tools reach this homebot
     [discovery]
     [control]                        # how long commands wait for the answers of devices
+    [history]                        # how long measurements are kept
     [places.rooms.Hall]              # rooms, and devices in them
     floor = "Downstairs"
     [robots.rosie]                   # one table a robot: where its pose comes from
@@ -153,6 +154,7 @@ class Config(BaseModel):
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: The table ``[discovery]``: how long devices are kept.
         control: The table ``[control]``: how commands are carried out.
+        history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         places: The table ``[places]``: rooms and the owner's statements about devices.
         robots: The tables ``[robots.NAME]``, by name.
         ros: The table ``[ros]``: further interfaces of ROS, and its distribution.
@@ -169,6 +171,7 @@ class Config(BaseModel):
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
     control: Table = Field(default_factory=dict)
+    history: Table | None = None
     places: Table = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
@@ -204,8 +207,8 @@ def load_tables(path: Path) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, places, robots, ros, "
-                "thing_directory",
+                "unknown key; known are home, gateways, apps, door, discovery, control, history, places, robots, "
+                "ros, thing_directory",
             )
     return tables
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
+    from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.robots.settings import RobotSettings
 
@@ -74,7 +75,17 @@ APPS = "homebot.apps"
 _DOORS = "control.presence_guard.doors"
 
 OWN_NODES = frozenset(
-    {"apps", "homebot", "control", "discovery", "robots", "rosapi", "rosbridge_websocket", "thing_directory"}
+    {
+        "apps",
+        "control",
+        "discovery",
+        "history",
+        "homebot",
+        "robots",
+        "rosapi",
+        "rosbridge_websocket",
+        "thing_directory",
+    }
 )
 
 LoadPlugin: TypeAlias = "Callable[[str, str], type[Any]]"
@@ -113,6 +124,7 @@ class Plan:
         interfaces: The interfaces of ROS that clients may name; None for those that homebot comes with.
         places: The rooms and the owner's statements about devices.
         robots: The settings of the robots that have a table.
+        history: The settings of the history; None for the usual ones.
     """
 
     home: str
@@ -127,6 +139,7 @@ class Plan:
     places: Places = NO_PLACES
     grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
+    history: HistorySettings | None = None
 
     def robot_owners(self) -> RobotOwners:
         """Return the robots that a table or the right of a token names, with their topics and frames."""
@@ -356,6 +369,14 @@ def _robots(config: Config) -> Mapping[str, RobotSettings]:
     }
 
 
+def _history(config: Config) -> HistorySettings | None:
+    if config.history is None:
+        return None
+    from homebot.history.settings import HistorySettings  # noqa: PLC0415 - only with the table
+
+    return parse_settings(HistorySettings, config.history, config.source, "history", config.folder)
+
+
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "discovery": lambda one: parse_settings(DirectorySettings, one.discovery, one.source, "discovery", one.folder),
     "control": _control,
@@ -364,6 +385,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "interfaces": _interfaces,
     "places": _places,
     "robots": _robots,
+    "history": _history,
 }
 """The values of a plan that are each read from a table of their own."""
 

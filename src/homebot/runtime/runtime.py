@@ -69,6 +69,9 @@ THESIS_HOME = "home425"
 JOURNAL_FILE = "journal.sqlite"
 """The name of the journal, beside the file of the index."""
 
+_HISTORY_AFTER = 2.0
+"""Seconds after which the history begins: the start goes on without it, and devices are known by then."""
+
 STORE_FILE = "apps.sqlite"
 """The name of the file of what apps keep, likewise."""
 
@@ -282,6 +285,8 @@ class Runtime:
         if self.record_into is not None:
             yield running("recorder", partial(self._record, self.record_into))
         yield self._apps.running(self._plan.apps, lambda: self._start_is_cut)
+        if self._keeps_history:
+            yield running("history", self._history)
         yield running("robots", self._track_robots)
         if self.with_door:
             yield running("door", self._open_door)
@@ -395,6 +400,22 @@ class Runtime:
                 detected=self.detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
+
+    @property
+    def _keeps_history(self) -> bool:
+        """True if a history is kept: in a file where there is an index, else in memory."""
+        settings = self._plan.history
+        if settings is not None and settings.enabled is not None:
+            return settings.enabled
+        return self.index_file is not None or self.house is not None
+
+    async def _history(self, *, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        await anyio.sleep(_HISTORY_AFTER)
+        from homebot.runtime.history_starter import keep_history  # noqa: PLC0415 - the start does without
+
+        index = self.index_file if self._plan.discovery.persist else None
+        await keep_history(self.graph, self._plan.history, index, self._app_context.zone)
 
     async def _start_recorder(self, main: Node, _: TriggerRequest) -> SuccessResponse:
         from homebot.runtime.recorder_starter import RecorderStarter  # noqa: PLC0415 - few runs are recorded

@@ -15,7 +15,7 @@ from pathlib import Path
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.file_access import why_not_trusted
 
-__all__ = ["SqliteFile", "SqliteSchema"]
+__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema"]
 
 _FILES = ("", "-wal", "-shm", "-journal")
 """The endings of the files that SQLite may have for one."""
@@ -32,6 +32,7 @@ class SqliteSchema:
         title: Name of the file in errors, for example ``index file``.
         version: Of the schema, kept as SQLite's ``user_version``.
         page_size: Bytes of a page, of which every change writes a whole one; of a new file.
+        shrinks: Whether pages that are no longer used can be given back, by ``incremental_vacuum``; of a new file.
     """
 
     title: str
@@ -40,13 +41,18 @@ class SqliteSchema:
     checks: Sequence[str]
     migrations: Mapping[int, Sequence[str]] = field(default_factory=dict)
     page_size: int = 4096
+    shrinks: bool = False
+
+
+IN_MEMORY = Path(":memory:")
+"""The path of a database without a file."""
 
 
 class SqliteFile:
     """Opens and replaces the file; derived classes define its content.
 
     Args:
-        path: Where it is; directories are made.
+        path: Where it is; directories are made. :data:`IN_MEMORY` for no file.
         busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
     """
 
@@ -93,7 +99,7 @@ class SqliteFile:
     def is_lost(self) -> bool:
         """Return whether the open file was removed or replaced, so that writes are lost."""
         try:
-            return _identity_of(self.path) != self._identity
+            return self._find_identity() != self._identity
         except OSError:
             return True
 
@@ -118,6 +124,12 @@ class SqliteFile:
                 self._connection.close()
             self._connection = None
 
+    def _find_identity(self) -> tuple[int, int]:
+        if self.path == IN_MEMORY:
+            return 0, 0
+        found = self.path.stat()
+        return found.st_dev, found.st_ino
+
     def _replace(self, now: float) -> Path:
         """Set the damaged file aside and begin a new one; return where the damaged one is."""
         try:
@@ -137,6 +149,8 @@ class SqliteFile:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             version = self._version(connection)
             connection.execute(f"PRAGMA page_size = {self._schema.page_size}")
+            if self._schema.shrinks:
+                connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             _check(connection)
@@ -147,7 +161,7 @@ class SqliteFile:
             connection.close()
             raise
         connection.isolation_level = "DEFERRED"
-        self._connection, self._identity = connection, _identity_of(self.path)
+        self._connection, self._identity = connection, self._find_identity()
 
     def _make_private(self) -> None:
         """Require a file that only the user can write: other users could forge entries.
@@ -155,6 +169,8 @@ class SqliteFile:
         Raises:
             UsageError: Others may write it, or where it is.
         """
+        if self.path == IN_MEMORY:
+            return
         self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         if problem := why_not_trusted(self.path if self.path.exists() else self.path.parent):
             raise UsageError(f"the {self._schema.title} is not used: {problem}")
@@ -199,11 +215,6 @@ class SqliteFile:
         if self._connection is None:
             raise LinkError(f"{self._title} is not open")
         return self._connection
-
-
-def _identity_of(path: Path) -> tuple[int, int]:
-    found = path.stat()
-    return found.st_dev, found.st_ino
 
 
 def _check(connection: sqlite3.Connection) -> None:

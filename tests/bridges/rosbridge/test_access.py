@@ -371,6 +371,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/discovery/query", Right.READ),
         ("/discovery/places", Right.READ),
         ("/control/journal", Right.READ),
+        ("/history/read", Right.READ),
+        ("/history/energy", Right.READ),
         ("/control/unapproved", Right.READ),
         ("/gateway/mqtt/health", Right.READ),
         ("/gateway/mqtt/subscribe_to_topic", Right.READ),

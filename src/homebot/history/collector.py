@@ -1,0 +1,265 @@
+"""Collection of the values of all devices, for the next batch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, final
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
+from homebot.history.buckets import COUNTERS
+
+if TYPE_CHECKING:
+    from homebot.clock import Clock
+    from homebot.devices.device import Device, DeviceChange, StateChange
+    from homebot.devices.value import PlainValue
+    from homebot.messages import Time
+
+__all__ = ["Collector"]
+
+MOST_WAITING: Final = 100_000
+"""Values that wait for the disk; more are lost, the oldest first, and counted. 18 bytes each."""
+
+_LOST_AT_ONCE: Final = 1000
+_MOST_STATES: Final = 60
+"""Changes of a word or flag in one batch; of more the newest counts: some texts change with each message."""
+
+_MOST_WAITING_STATES: Final = 20_000
+_LONGEST_WORD: Final = 100
+
+
+@final
+class _Followed:
+    """A series with its newest value."""
+
+    __slots__ = ("changes", "is_counter", "last", "opened_at", "series", "told_at", "value")
+
+    def __init__(self, series: Series, last: float | None) -> None:
+        self.series = series
+        self.is_counter = series.place[2] in COUNTERS
+        self.last = last  # number before a gap
+        self.value: float | StoredState | None = None
+        self.told_at = 0  # of a number
+        self.opened_at = 0  # of a word or flag
+        self.changes = 0
+
+
+@final
+class Collector:
+    """Watches the house and collects the values of its devices; a :class:`homebot.devices.house_view.HouseWatcher`.
+
+    A number is collected when it changes, and at each batch, for as long as its device lives: so a pause is a gap.
+
+    Args:
+        clock: The clock.
+        most: The number of series at most.
+        known: The series of earlier runs.
+        last: The last value of each counter in earlier runs, by the number of its series.
+
+    Attributes:
+        batch: The values and states that wait.
+        series: All series, by device, part and capability.
+        lost: Values and states that were dropped because too many waited.
+        left_out: Series that there was no room for.
+        folded: Changes of words and flags of which the newest alone was collected.
+    """
+
+    def __init__(self, clock: Clock, most: int, known: Mapping[Place, Series], last: Mapping[int, float]) -> None:
+        self._clock = clock
+        self._most = most
+        self._last = last
+        self._followed: dict[str, dict[tuple[str, str], _Followed]] = {}
+        self._units: dict[str, dict[tuple[str, str], str]] = {}
+        self.series: dict[Place, Series] = dict(known)
+        self.batch = Batch()
+        self.lost = self.left_out = self.folded = 0
+
+    @property
+    def counters(self) -> frozenset[int]:
+        """The numbers of the series of counters."""
+        return frozenset(one.number for one in self.series.values() if one.place[2] in COUNTERS)
+
+    @property
+    def has_states(self) -> bool:
+        """True if a word or flag lasts."""
+        return any(one.opened_at for followed in self._followed.values() for one in followed.values())
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Begin or end to collect the values of a device, as it lives or not."""
+        device = change.device
+        self._units[device.id] = {
+            (part.id, capability.name): capability.unit
+            for part in device.parts
+            for capability in part.part.capabilities
+        }
+        if change.kind == "removed" or device.freshness == "stale" or device.reachable.state == "no":
+            self._end_device(device.id)
+        else:
+            self._begin_device(device)
+
+    def on_values(self, change: StateChange) -> None:
+        """Collect new values of a device."""
+        at = _milliseconds(change.told_at)
+        for reading in change.readings:
+            self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
+
+    def on_event(self, change: StateChange) -> None:
+        """Pass over an event, which has no duration."""
+
+    def close(self) -> None:
+        """End all states: the last ones are known until now."""
+        self.interrupt(self._now())
+
+    def interrupt(self, seen: int) -> None:
+        """End all states at *seen*, in milliseconds since the Unix epoch, and begin all values anew now."""
+        now = self._now()
+        for followed in self._followed.values():
+            for one in followed.values():
+                value = one.value
+                if isinstance(value, float):
+                    self._add(one, now, value)
+                elif one.opened_at and not isinstance(value, float | None):
+                    self._close_state(one, seen)
+                    if seen != now:
+                        self._open_state(one, value, now)
+
+    def repeat(self, at: int) -> None:
+        """Collect each number that lasts once more, at *at*, where nothing newer is known."""
+        for followed in self._followed.values():
+            for one in followed.values():
+                if isinstance(one.value, float) and one.told_at < at:
+                    self._add(one, at, one.value)
+                one.changes = 0
+
+    def take(self) -> Batch:
+        """Remove the values that wait and return them; states and series stay until :meth:`written`."""
+        waiting = self.batch
+        self.batch = Batch(states=waiting.states, new=waiting.new)
+        return Batch(waiting.series, waiting.times, waiting.values, dict(waiting.states), list(waiting.new))
+
+    def put_back(self, batch: Batch) -> None:
+        """Put the values of *batch*, which could not be written, before those that came meanwhile."""
+        newer = self.batch
+        self.batch = Batch(
+            batch.series + newer.series, batch.times + newer.times, batch.values + newer.values, newer.states, newer.new
+        )
+        self._drop_excess()
+
+    def written(self, batch: Batch) -> None:
+        """Remove the states and series of *batch*, which were written."""
+        self.batch.remove(batch)
+
+    def renew(self) -> None:
+        """Have all series written again, and all states that last: the file is a new one."""
+        self.batch.new = list(self.series.values())
+        for followed in self._followed.values():
+            for one in followed.values():
+                if one.opened_at and not isinstance(one.value, float | None):
+                    self.batch.states[one.opened_at, one.series.number] = StateRow(None, one.value)
+
+    def _begin_device(self, device: Device) -> None:
+        known, now = self._followed.get(device.id, {}), self._now()
+        for state in device.states:
+            followed = known.get((state.part, state.capability))
+            if followed is None or followed.value is None:
+                value = state.value.plain()
+                if state.live or not isinstance(value, float):
+                    self._record(device.id, state.part, state.capability, value, now)
+
+    def _end_device(self, device_id: str) -> None:
+        now = self._now()
+        for one in self._followed.get(device_id, {}).values():
+            self._end(one, now)
+
+    def _end(self, followed: _Followed, at: int) -> None:
+        if followed.opened_at:
+            self._close_state(followed, at)
+        followed.value = None
+
+    def _record(self, device: str, part: str, capability: str, value: PlainValue, at: int) -> None:
+        followed = self._followed.get(device, {}).get((part, capability))
+        if followed is None and (value is None or (followed := self._follow((device, part, capability))) is None):
+            return
+        match value:
+            case bool() | str():
+                word = int(value) if isinstance(value, bool) else value[:_LONGEST_WORD]
+                self._record_state(followed, word, at)
+            case float():
+                self._record_number(followed, value, at)
+            case _:
+                self._end(followed, at)
+
+    def _record_number(self, followed: _Followed, value: float, at: int) -> None:
+        if followed.opened_at:
+            self._close_state(followed, at)
+        if followed.is_counter and followed.value is None and followed.last is not None:
+            self._add(followed, at, followed.last)  # it may have risen in the gap
+        followed.value = followed.last = value
+        self._add(followed, at, value)
+
+    def _record_state(self, followed: _Followed, value: StoredState, at: int) -> None:
+        if followed.opened_at:
+            if followed.value == value:
+                return
+            followed.changes += 1
+            if followed.changes > _MOST_STATES:
+                self.folded += 1
+                followed.value = value
+                self.batch.states[followed.opened_at, followed.series.number] = StateRow(None, value)
+                return
+            self._close_state(followed, at)
+        self._open_state(followed, value, at)
+
+    def _open_state(self, followed: _Followed, value: StoredState, at: int) -> None:
+        states, number = self.batch.states, followed.series.number
+        while (at, number) in states:
+            at += 1
+        if len(states) >= _MOST_WAITING_STATES:
+            del states[next(iter(states))]
+            self.lost += 1
+        states[at, number] = StateRow(None, value)
+        followed.opened_at, followed.value = at, value
+
+    def _close_state(self, followed: _Followed, at: int) -> None:
+        value, key = followed.value, (followed.opened_at, followed.series.number)
+        if value is not None:
+            self.batch.states[key] = StateRow(
+                max(at, followed.opened_at), value if isinstance(value, str) else int(value)
+            )
+        followed.opened_at = 0
+
+    def _add(self, followed: _Followed, at: int, value: float) -> None:
+        followed.told_at = at
+        self.batch.add(followed.series.number, at, value)
+        if len(self.batch.times) > MOST_WAITING:
+            self._drop_excess()
+
+    def _drop_excess(self) -> None:
+        excess = len(self.batch.times) - MOST_WAITING
+        if excess > 0:
+            self.batch.drop_oldest(excess + _LOST_AT_ONCE)
+            self.lost += excess + _LOST_AT_ONCE
+
+    def _follow(self, place: Place) -> _Followed | None:
+        """Return the series of *place*, a new one where there is room for it."""
+        series = self.series.get(place)
+        if series is None:
+            if len(self.series) >= self._most:
+                self.left_out += 1
+                return None
+            device, part, capability = place
+            known = CAPABILITIES.get(capability)
+            unit = self._units.get(device, {}).get((part, capability)) or (known.unit if known else "")
+            number = 1 + max((one.number for one in self.series.values()), default=0)
+            series = self.series[place] = Series(number, place, unit)
+            self.batch.new.append(series)
+        followed = _Followed(series, self._last.get(series.number))
+        self._followed.setdefault(place[0], {})[place[1], place[2]] = followed
+        return followed
+
+    def _now(self) -> int:
+        return round(self._clock.now() * 1000)
+
+
+def _milliseconds(time: Time) -> int:
+    return time.sec * 1000 + time.nanosec // 1_000_000

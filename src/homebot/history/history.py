@@ -1,0 +1,117 @@
+"""The node of the history: follows the values of all devices, keeps them, and reads them for others."""
+
+from __future__ import annotations
+
+import math
+from datetime import tzinfo
+from pathlib import Path
+from typing import Final, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.history_messages import ReadEnergy, ReadHistory
+from homebot.devices.house_view import HouseView
+from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.graph import Node
+from homebot.history.collector import Collector
+from homebot.history.history_service import HistoryService
+from homebot.history.settings import HistorySettings
+from homebot.history.store import HistoryStore
+
+__all__ = ["History"]
+
+_LOOK_EVERY: Final = 60.0
+"""Seconds at most until the clock is looked at: it may have been set, and the computer may have slept."""
+
+_LATE: Final = 60.0
+"""Seconds by which the clock may be off from the time that has passed."""
+
+_MANY: Final = 20_000
+"""Values that are written before the batch is due."""
+
+_LAST_CHANCE: Final = 5.0
+
+
+@final
+class History:
+    """Keeps the history of a house.
+
+    Args:
+        node: The node.
+        settings: The table ``[history]``.
+        path: The file; None for memory.
+        zone: The time zone of the home; None for that of the computer.
+    """
+
+    def __init__(
+        self, node: Node, settings: HistorySettings, path: Path | None = None, zone: tzinfo | None = None
+    ) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._settings = settings
+        self._store = HistoryStore(node, path, settings)
+        self._collector = Collector(self._clock, settings.series, {}, {})
+        self._service = HistoryService(node, self._store, zone)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Keep the history until cancelled."""
+        create = self._node.create_service
+        create(ReadHistory, READ_HISTORY, self._service.read, concurrent=True)
+        create(ReadEnergy, READ_ENERGY, self._service.energy, concurrent=True)
+        create(GetHealth, "~/health", self.health)
+        try:
+            await self._open()
+            self._service.collector = self._collector
+            house = HouseView.of(self._node)
+            house.add(self._collector)
+            task_status.started()
+            await self._write_batches()
+        finally:
+            self._collector.close()
+            with anyio.move_on_after(_LAST_CHANCE, shield=True):
+                if self._service.collector is not None:
+                    await self._store.write(self._collector)
+                await self._store.close()
+
+    def health(self, _: HealthRequest) -> HealthResponse:
+        """Return the counters of the history, and the trouble of its file."""
+        collector, store = self._collector, self._store
+        counts = {
+            "history_series": len(collector.series),
+            "history_lost": collector.lost,
+            "history_left_out": collector.left_out,
+            "history_folded": collector.folded,
+            "history_failures": store.failures,
+        }
+        return HealthResponse(counts=Count.each(counts), troubles=(store.problem,) if store.problem else ())
+
+    async def _open(self) -> None:
+        """Open the file; wait while it cannot be used."""
+        while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
+            await anyio.sleep(math.inf if self._store.is_unusable else _LOOK_EVERY)
+        self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)
+
+    async def _write_batches(self) -> None:
+        batch, clock, collector = self._settings.batch, self._clock, self._collector
+        now, passed = clock.now(), clock.monotonic()
+        due = _next(now, batch)
+        while True:
+            await anyio.sleep(min(max(due - now, 0.0), _LOOK_EVERY))
+            before, now, passed_before, passed = now, clock.now(), passed, clock.monotonic()
+            if abs((now - before) - (passed - passed_before)) > _LATE:
+                collector.interrupt(round(before * 1000))
+                due = min(due, _next(now, batch))
+            if now >= due:
+                collector.repeat(round((_next(now, batch) - batch) * 1000))
+                due = _next(now, batch)
+            elif len(collector.batch.times) < _MANY:
+                continue
+            if collector.batch.times or collector.batch.states or collector.has_states:
+                await self._store.write(collector)
+
+
+def _next(now: float, batch: float) -> float:
+    """Return the time of the next batch: each day has them at the same times, and each hour begins with one."""
+    return (now // batch + 1) * batch

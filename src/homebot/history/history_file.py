@@ -1,0 +1,204 @@
+"""The history's file: an SQLite database, written in the order of time. Blocking; called from a worker thread.
+
+Each change of a page is written twice, so a row for each value would wear out an SD card: the values of a series
+become one row an hour.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from array import array
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final, NamedTuple, final
+
+from homebot.history.batch import Batch, Place, Series
+from homebot.history.buckets import COUNTERS, HOUR
+from homebot.history.codec import decode_values, encode_batch
+from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
+from homebot.history.settings import KeepSettings
+from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema
+
+__all__ = ["HistoryFile", "StoredSeries"]
+
+_SCHEMA: Final = SqliteSchema(
+    "history",
+    1,
+    (
+        "CREATE TABLE series (s INTEGER PRIMARY KEY, device TEXT NOT NULL, part TEXT NOT NULL, "
+        "capability TEXT NOT NULL, unit TEXT NOT NULL, UNIQUE (device, part, capability))",
+        # One row a batch, of all series, until the hour is sealed: what a kill loses is one batch at most.
+        "CREATE TABLE recent (t INTEGER PRIMARY KEY, d BLOB NOT NULL)",
+        # Keys are time << 16 | series: rows are added at the right edge, and old ones go at the left one.
+        "CREATE TABLE raw (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
+        "CREATE TABLE five (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
+        "CREATE TABLE day (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
+        "CREATE TABLE state (k INTEGER PRIMARY KEY, until INTEGER, value NOT NULL)",
+    ),
+    (
+        "SELECT s, device, part, capability, unit FROM series LIMIT 1",
+        "SELECT t, d FROM recent LIMIT 1",
+        *(f"SELECT k, d FROM {table} LIMIT 1" for table in ("raw", "five", "day")),  # noqa: S608 - our own names
+        "SELECT k, until, value FROM state LIMIT 1",
+    ),
+    shrinks=True,
+)
+
+_UPSERT_STATE: Final = "INSERT INTO state VALUES (?, ?, ?) ON CONFLICT (k) DO UPDATE SET until = ?2, value = ?3"
+_FREE_SHARE: Final = 4
+"""A file of which a quarter is unused is made smaller."""
+
+
+class StoredSeries(NamedTuple):
+    """The series of a file.
+
+    Attributes:
+        series: By device, part and capability.
+        last: The last value of each counter in the last days, by the number of its series.
+    """
+
+    series: Mapping[Place, Series]
+    last: Mapping[int, float]
+
+
+@final
+class HistoryFile(SqliteFile):
+    """Reads and writes the file.
+
+    Args:
+        path: Where it is; None for memory.
+        keep: How long what is kept.
+    """
+
+    def __init__(self, path: Path | None, keep: KeepSettings) -> None:
+        super().__init__(path or IN_MEMORY, _SCHEMA)
+        self._keep = keep
+        self._counters: set[int] = set()
+        self._recent_hour: int | None = None
+        self._open_days: set[int] = set()
+
+    @property
+    def connection(self) -> sqlite3.Connection:
+        """The open connection.
+
+        Raises:
+            LinkError: It is not open.
+        """
+        return self._opened()
+
+    def load(self) -> StoredSeries:
+        """Return the series; states that lasted when homebot was killed end with its last batch.
+
+        Raises:
+            LinkError: It cannot be read now.
+            WireError: The file is damaged.
+        """
+        connection = self._opened()
+        try:
+            rows = connection.execute("SELECT s, device, part, capability, unit FROM series").fetchall()
+            series = {(row[1], row[2], row[3]): Series(row[0], (row[1], row[2], row[3]), row[4]) for row in rows}
+            self._counters = {one.number for place, one in series.items() if place[2] in COUNTERS}
+            newest = connection.execute("SELECT max(t) FROM recent").fetchone()[0]
+            self._recent_hour = None if newest is None else newest // HOUR
+            (five,) = connection.execute("SELECT max(k) FROM five").fetchone()
+            self._open_days = set() if five is None else {(five >> BITS) // HOURS}
+            self._close_states(newest, five)
+            return StoredSeries(series, self._last_of_counters())
+        except sqlite3.Error as exc:
+            raise self._failure(exc, "read") from exc
+
+    def write(self, batch: Batch, now: int) -> None:
+        """Write *batch* in one transaction; seal the hours and days that are over, and drop what is too old.
+
+        Args:
+            batch: The values and states.
+            now: Milliseconds since the Unix epoch.
+
+        Raises:
+            LinkError: It cannot be written now; nothing was written.
+            WireError: The file is damaged; nothing was written.
+        """
+        connection, state = self._opened(), (self._recent_hour, set(self._open_days))
+        try:
+            with connection:
+                self._write_series(batch.new)
+                rows = [(key_of(at, series), row.until, row.value) for (at, series), row in batch.states.items()]
+                connection.executemany(_UPSERT_STATE, rows)
+                is_over = self._write_values(batch, now)
+            if is_over:
+                self._shrink()
+        except sqlite3.Error as exc:
+            self._recent_hour, self._open_days = state
+            raise self._failure(exc, "written") from exc
+
+    def _write_series(self, new: Iterable[Series]) -> None:
+        rows = [(one.number, *one.place, one.unit) for one in new]
+        self._opened().executemany("INSERT OR IGNORE INTO series VALUES (?, ?, ?, ?, ?)", rows)
+        self._counters.update(one.number for one in new if one.place[2] in COUNTERS)
+
+    def _write_values(self, batch: Batch, now: int) -> bool:
+        """Write the values of this hour, and seal others; return whether a day is over."""
+        connection, hour = self._opened(), now // HOUR
+        is_past = self._recent_hour is not None and self._recent_hour != hour
+        columns = list(read_recent(connection)) if is_past else []
+        past, present = _split(batch, hour)
+        if sum(len(one[0]) for one in (*columns, past)):
+            sealed = seal_hours(connection, points_of((*columns, past)), self._counters)
+            self._open_days |= {one // HOURS for one in sealed}
+        if is_past:
+            connection.execute("DELETE FROM recent")
+            self._drop_old(now)
+        over = {day for day in self._open_days if day < hour // HOURS}
+        for day in sorted(over):
+            seal_day(connection, day)
+        self._open_days -= over
+        (newest,) = connection.execute("SELECT max(t) FROM recent").fetchone()
+        connection.execute("INSERT INTO recent VALUES (?, ?)", (max(now, (newest or 0) + 1), encode_batch(*present)))
+        self._recent_hour = hour
+        return bool(over)
+
+    def _drop_old(self, now: int) -> None:
+        connection, keep = self._opened(), self._keep
+        for table, seconds in (("raw", keep.values), ("five", keep.five_minutes)):
+            oldest = key_of(max(now - round(seconds * 1000), 0) // HOUR, 0)
+            connection.execute(f"DELETE FROM {table} WHERE k < ?", (oldest,))  # noqa: S608 - as above
+        since = max(now - round(keep.states * 1000), 0)
+        connection.execute("DELETE FROM state WHERE k < ? AND until < ?", (key_of(since, 0), since))
+
+    def _shrink(self) -> None:
+        connection = self._opened()
+        free, pages = (connection.execute(f"PRAGMA {one}").fetchone()[0] for one in ("freelist_count", "page_count"))
+        if free * _FREE_SHARE > pages:
+            connection.execute("PRAGMA incremental_vacuum").fetchall()
+
+    def _close_states(self, recent: int | None, five: int | None) -> None:
+        connection = self._opened()
+        (state,) = connection.execute("SELECT max(k) FROM state").fetchone()
+        seen = max(recent or 0, 0 if five is None else ((five >> BITS) + 1) * HOUR, (state or 0) >> BITS)
+        with connection:
+            connection.execute("UPDATE state SET until = max(?, k >> ?) WHERE until IS NULL", (seen, BITS))
+
+    def _last_of_counters(self) -> dict[int, float]:
+        """Return the last value of each counter, as far back as single values are kept."""
+        found = {
+            series: values[-1] for series, (_, values) in points_of(read_recent(self._opened()), self._counters).items()
+        }
+        for key, data in self._opened().execute("SELECT k, d FROM raw ORDER BY k DESC"):
+            if len(found) == len(self._counters):
+                break
+            if (series := key & MASK) in self._counters and series not in found:
+                found[series] = decode_values((key >> BITS) * HOUR, data)[1][-1]
+        return found
+
+
+_Columns = tuple["array[int]", "array[int]", "array[float]"]
+
+
+def _split(batch: Batch, hour: int) -> tuple[_Columns, _Columns]:
+    """Return the values of other hours, and those of *hour*."""
+    if all(at // HOUR == hour for at in (min(batch.times, default=hour * HOUR), max(batch.times, default=hour * HOUR))):
+        return (array("H"), array("q"), array("d")), (batch.series, batch.times, batch.values)
+    past, present = Batch(), Batch()
+    for series, at, value in zip(batch.series, batch.times, batch.values, strict=True):
+        (present if at // HOUR == hour else past).add(series, at, value)
+    return (past.series, past.times, past.values), (present.series, present.times, present.values)

@@ -1,0 +1,214 @@
+"""Answers about the history: values, states, and energy by day."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import datetime, timedelta, tzinfo
+from typing import Final, NamedTuple, final
+
+from homebot.devices.device import Device
+from homebot.devices.history_messages import (
+    EnergyOfDay,
+    HistorySeries,
+    ReadEnergyRequest,
+    ReadEnergyResponse,
+    ReadHistoryRequest,
+    ReadHistoryResponse,
+)
+from homebot.devices.names import FIND_DEVICES
+from homebot.devices.query.terms import QueryTerm
+from homebot.devices.services import FindDevices, FindDevicesRequest
+from homebot.errors import LinkError, ServiceError, WireError
+from homebot.graph import Node
+from homebot.history.batch import Series
+from homebot.history.buckets import COUNTERS
+from homebot.history.collector import Collector
+from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates
+from homebot.history.store import HistoryStore
+from homebot.messages import Time
+
+__all__ = ["HistoryService"]
+
+_DAY: Final = 86_400.0
+_POINTS: Final = 500
+_MOST_SERIES: Final = 50
+_DIGITS: Final = 6
+_NOT_YET: Final = "the history is not kept now; `homebot doctor` says why"
+
+
+class _Found(NamedTuple):
+    """The series of a question, with the names of their devices."""
+
+    series: list[Series]
+    names: Mapping[str, str]
+
+
+@final
+class HistoryService:
+    """Answers questions.
+
+    Args:
+        node: The node, which asks the directory for devices.
+        store: The file.
+        zone: The time zone of the home; None for that of the computer.
+
+    Attributes:
+        collector: The series and values that are not written; None before the file is open.
+    """
+
+    def __init__(self, node: Node, store: HistoryStore, zone: tzinfo | None) -> None:
+        self._clock = node.graph.clock
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._store = store
+        self._zone = zone
+        self.collector: Collector | None = None
+
+    async def read(self, request: ReadHistoryRequest) -> ReadHistoryResponse:
+        """Return the history of the devices that fit *request*."""
+        if self.collector is None:
+            return ReadHistoryResponse(success=False, message=self._store.problem or _NOT_YET)
+        since, until = self._bounds(request.since, request.until, _DAY)
+        if since >= until:
+            return ReadHistoryResponse(success=False, message="since must be before until")
+        try:
+            found = await self._series(self.collector, request.device, request.query)
+            wanted = _fitting(found.series, request)
+            span = Span(round(since * 1000), round(until * 1000), request.points or _POINTS)
+            series = await self._store.read(
+                self.collector, lambda reader: _read(reader, wanted[:_MOST_SERIES], found.names, span)
+            )
+        except (LinkError, WireError, ServiceError) as exc:
+            return ReadHistoryResponse(success=False, message=str(exc))
+        return ReadHistoryResponse(
+            success=True,
+            series=tuple(series),
+            left_out=max(len(wanted) - _MOST_SERIES, 0),
+            since=Time.from_seconds(since),
+            until=Time.from_seconds(until),
+        )
+
+    async def energy(self, request: ReadEnergyRequest) -> ReadEnergyResponse:
+        """Return the energy of each day of the home that *request* touches."""
+        if self.collector is None:
+            return ReadEnergyResponse(success=False, message=self._store.problem or _NOT_YET)
+        since, until = self._bounds(request.since, request.until, 6 * _DAY)
+        span = Span(round(self._midnight(since) * 1000), round(until * 1000), 1)
+        try:
+            found = await self._series(self.collector, request.device, request.query)
+            counters = [one for one in found.series if one.place[2] in COUNTERS]
+            days = await self._store.read(
+                self.collector, lambda reader: _energy(reader, counters, found.names, span, self._zone)
+            )
+        except (LinkError, WireError, ServiceError) as exc:
+            return ReadEnergyResponse(success=False, message=str(exc))
+        return ReadEnergyResponse(success=True, days=tuple(days))
+
+    def _bounds(self, since: Time, until: Time, length: float) -> tuple[float, float]:
+        end = until.to_seconds() or self._clock.now()
+        return since.to_seconds() or end - length, end
+
+    def _midnight(self, at: float) -> float:
+        """Return the begin of the day of the home, in seconds since the Unix epoch."""
+        local = datetime.fromtimestamp(at, self._zone)
+        midnight = local.replace(hour=0, minute=0, second=0, microsecond=0, fold=0)
+        if midnight.timestamp() > at:  # the clocks were set back to midnight
+            midnight -= timedelta(days=1)
+        return midnight.timestamp()
+
+    async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _Found:
+        """Return the series of the devices that fit, main values first where nothing names others.
+
+        Raises:
+            ServiceError: The directory does not answer, or a name in the query is misspelt.
+        """
+        request = FindDevicesRequest(ids=(device,)) if device else FindDevicesRequest(query=query, is_checked=True)
+        devices = {one.id: one for one in (await self._find.call(request)).devices}
+        ids = {device} if device else devices.keys()
+        series = sorted((one for one in collector.series.values() if one.place[0] in ids), key=lambda one: one.place)
+        named = {term.name for term in query}
+        if asked := [one for one in series if one.place[2] in named]:
+            series = asked
+        return _Found(_main_first(series, devices), {key: one.name for key, one in devices.items()})
+
+
+def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list[Series]:
+    """Return *series* with those of settings and self-observations last."""
+
+    def is_aside(one: Series) -> bool:
+        device = devices.get(one.place[0])
+        part = None if device is None else device.part(one.place[1])
+        return part is not None and bool(part.part.category)
+
+    return sorted(series, key=is_aside)
+
+
+def _fitting(series: Iterable[Series], request: ReadHistoryRequest) -> list[Series]:
+    return [one for one in series if request.part in {"", one.place[1]} and request.capability in {"", one.place[2]}]
+
+
+def _read(reader: HistoryReader, wanted: Iterable[Series], names: Mapping[str, str], span: Span) -> list[HistorySeries]:
+    found = []
+    numbers = reader.numbers([one.number for one in wanted], span)
+    for one in wanted:
+        device, part, capability = one.place
+        empty = HistorySeries(device=device, name=names.get(device, device), part=part, capability=capability)
+        if one.number in numbers:
+            found.append(_with_numbers(empty, one.unit, numbers[one.number]))
+        states = reader.states(one.number, span)
+        if states.rows:
+            found.append(_with_states(empty, states, span))
+    return found
+
+
+def _with_numbers(empty: HistorySeries, unit: str, numbers: Numbers) -> HistorySeries:
+    buckets = numbers.buckets
+    is_summary = numbers.width > 0
+    return empty.model_copy(
+        update={
+            "unit": unit,
+            "width": numbers.width / 1000,
+            "times": tuple(at / 1000 for at in numbers.times),
+            "values": tuple(_rounded(one.mean) if is_summary else one.mean for one in buckets),
+            "lows": tuple(one.low for one in buckets) if is_summary else (),
+            "highs": tuple(one.high for one in buckets) if is_summary else (),
+        }
+    )
+
+
+def _with_states(empty: HistorySeries, states: StoredStates, span: Span) -> HistorySeries:
+    flags = {0: "false", 1: "true"}
+    return empty.model_copy(
+        update={
+            "times": tuple(max(at, span.since) / 1000 for at, _ in states.rows),
+            "words": tuple(flags[row.value] if isinstance(row.value, int) else row.value for _, row in states.rows),
+            "ends": tuple(min(row.until or span.until, span.until) / 1000 for _, row in states.rows),
+            "complete": states.is_complete,
+        }
+    )
+
+
+def _energy(
+    reader: HistoryReader, counters: Iterable[Series], names: Mapping[str, str], span: Span, zone: tzinfo | None
+) -> list[EnergyOfDay]:
+    found: dict[tuple[str, str, str], dict[str, float]] = {}
+    for one in counters:
+        device, part, capability = one.place
+        for at, rise in reader.rises(one.number, span, zone):
+            key = datetime.fromtimestamp(at / 1000, zone).date().isoformat(), device, part
+            sums = found.setdefault(key, {})
+            sums[capability] = sums.get(capability, 0.0) + rise
+    return [
+        EnergyOfDay(
+            day=day,
+            device=device,
+            name=names.get(device, device),
+            part=part,
+            used=_rounded(sums.get("energy", 0.0)),
+            returned=_rounded(sums.get("energy_returned", 0.0)),
+        )
+        for (day, device, part), sums in sorted(found.items())
+    ]
+
+
+def _rounded(number: float) -> float:
+    return float(f"{number:.{_DIGITS}g}")

@@ -1,0 +1,207 @@
+"""Reading of the history's file: values, summaries and states in a span of time. Blocking."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime, tzinfo
+from typing import Final, NamedTuple, final
+
+from homebot.history.batch import Batch, StateRow
+from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
+from homebot.history.codec import decode_buckets, decode_values
+from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_recent
+from homebot.history.settings import KeepSettings
+
+__all__ = ["HistoryReader", "Numbers", "Span", "StoredStates"]
+
+_DAY: Final = HOUR * HOURS
+_HOUR_SECONDS: Final = 3600
+_MOST_STATES: Final = 5000
+
+
+class Span(NamedTuple):
+    """A span of time, in milliseconds since the Unix epoch.
+
+    Attributes:
+        points: The number of points at most.
+    """
+
+    since: int
+    until: int
+    points: int
+
+
+class Numbers(NamedTuple):
+    """The numbers of a series.
+
+    Attributes:
+        width: Milliseconds of a bucket; 0 for single values.
+        times: Milliseconds since the Unix epoch: of each value, or of the begin of each bucket.
+        buckets: A bucket each; of single values with that value alone.
+    """
+
+    width: int
+    times: list[int]
+    buckets: list[Bucket]
+
+
+class StoredStates(NamedTuple):
+    """The words or flags of a series.
+
+    Attributes:
+        rows: The begin of each, and the row, the oldest first.
+        is_complete: Whether these are all.
+    """
+
+    rows: list[tuple[int, StateRow]]
+    is_complete: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class HistoryReader:
+    """Reads the file at one moment.
+
+    Attributes:
+        connection: The open file.
+        waiting: Values and states that are not written yet.
+        keep: How long what is kept.
+        counters: The numbers of the series of counters.
+        now: Milliseconds since the Unix epoch.
+    """
+
+    connection: sqlite3.Connection
+    waiting: Batch
+    keep: KeepSettings
+    counters: Collection[int]
+    now: int
+
+    def numbers(self, wanted: Collection[int], span: Span) -> dict[int, Numbers]:
+        """Return the numbers of the series *wanted*: as fine as is kept, and as fits the points of *span*."""
+        unsealed = self._unsealed(wanted)
+        found = {}
+        for series in wanted:
+            numbers = self._numbers(series, span, unsealed.get(series))
+            if numbers.times:
+                found[series] = numbers
+        return found
+
+    def _numbers(self, series: int, span: Span, unsealed: Points | None) -> Numbers:
+        step = max((span.until - span.since) // span.points, 1)
+        if span.since >= self.now - self.keep.values * 1000 and step < FIVE_MINUTES:
+            times, values = self._values(series, span, unsealed)
+            if len(times) <= span.points:
+                return Numbers(0, times, [Bucket(one, one, one, one, 0.0, 0.0) for one in values])
+            width = -(-step // 1000) * 1000
+            until = min(self.now, span.until)
+            return _of(buckets_of(times, values, width, until, is_counter=series in self.counters), width, span)
+        if span.since >= self.now - self.keep.five_minutes * 1000 and step < HOUR:
+            fives, times_as_long = self._fives(series, span, unsealed), -(-step // FIVE_MINUTES)
+            return _of(wider(fives, times_as_long), times_as_long * FIVE_MINUTES, span)
+        hours, times_as_long = self._hours(series, span, unsealed), -(-step // HOUR)
+        return _of(wider(hours, times_as_long), times_as_long * HOUR, span)
+
+    def _values(self, series: int, span: Span, unsealed: Points | None) -> tuple[list[int], list[float]]:
+        """Return the single values, in the order of their times."""
+        pairs: list[tuple[int, float]] = []
+        for hour in range(span.since // HOUR, span.until // HOUR + 1):
+            if data := self._blob("raw", key_of(hour, series)):
+                pairs += zip(*decode_values(hour * HOUR, data), strict=True)
+        if unsealed is not None:
+            pairs += zip(*unsealed, strict=True)
+        pairs = sorted((pair for pair in pairs if span.since <= pair[0] <= span.until), key=lambda pair: pair[0])
+        return [at for at, _ in pairs], [value for _, value in pairs]
+
+    def _fives(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
+        """Return the buckets of five minutes, the oldest first."""
+        found: dict[int, Bucket] = {}
+        for hour in range(span.since // HOUR, span.until // HOUR + 1):
+            if data := self._blob("five", key_of(hour, series)):
+                found.update(decode_buckets(hour * FIVES, data))
+        if unsealed is not None:
+            for number, bucket in self._buckets(series, unsealed).items():
+                found[number] = combined(found.get(number), bucket)
+        return dict(sorted(found.items()))
+
+    def _hours(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
+        """Return the buckets of hours, the oldest first; those of days that are not over are made of smaller ones."""
+        found: dict[int, Bucket] = {}
+        for day in range(span.since // _DAY, span.until // _DAY + 1):
+            if data := self._blob("day", key_of(day, series)):
+                found.update(decode_buckets(day * HOURS, data))
+            elif (day + 1) * _DAY > self.now - self.keep.five_minutes * 1000:
+                whole = Span(day * _DAY, (day + 1) * _DAY - 1, 1)
+                found.update(wider(self._fives(series, whole, None), FIVES))
+        if unsealed is not None:
+            for number, bucket in wider(self._buckets(series, unsealed), FIVES).items():
+                found[number] = combined(found.get(number), bucket)
+        return dict(sorted(found.items()))
+
+    def rises(self, series: int, span: Span, zone: tzinfo | None) -> Iterator[tuple[int, float]]:
+        """Yield the begin of each bucket in which a counter rose, and by how much.
+
+        These are hours, but where a zone is off by half an hour, and the buckets of five minutes are kept.
+        """
+        unsealed = self._unsealed({series}).get(series)
+        is_whole = all(_offset(at, zone) % _HOUR_SECONDS == 0 for at in (span.since, span.until))
+        is_fine = not is_whole and span.since >= self.now - self.keep.five_minutes * 1000
+        buckets, width = (
+            (self._fives(series, span, unsealed), FIVE_MINUTES)
+            if is_fine
+            else (self._hours(series, span, unsealed), HOUR)
+        )
+        for number, bucket in buckets.items():
+            at = number * width
+            if bucket.rise and span.since <= at <= span.until:
+                yield at, bucket.rise
+
+    def states(self, series: int, span: Span) -> StoredStates:
+        """Return the states in *span*, and the one that lasted when it began; the newest, if they are too many."""
+        query = "SELECT k, until, value FROM state WHERE k & ? = ? AND k >= ? AND k < ? ORDER BY k DESC LIMIT ?"
+        since, until = key_of(span.since, 0), key_of(span.until + 1, 0)
+        limit = min(span.points, _MOST_STATES)
+        rows = self.connection.execute(query, (MASK, series, since, until, limit + 1)).fetchall()
+        rows += self.connection.execute(query, (MASK, series, 0, since, 1)).fetchall()
+        found = {key >> BITS: StateRow(ends, value) for key, ends, value in rows}
+        for (at, number), row in self.waiting.states.items():
+            if number == series:
+                found[at] = row
+        fitting = [
+            (at, row)
+            for at, row in sorted(found.items())
+            if at <= span.until
+            and (row.until is None or row.until > max(span.since, at) or span.since <= at == row.until)
+        ]
+        return StoredStates(fitting[-limit:], len(fitting) <= limit)
+
+    def _unsealed(self, wanted: Collection[int]) -> Mapping[int, Points]:
+        waiting = self.waiting
+        batches = (*read_recent(self.connection), (waiting.series, waiting.times, waiting.values))
+        return points_of(batches, wanted)
+
+    def _buckets(self, series: int, points: Points) -> dict[int, Bucket]:
+        return buckets_of(*points, FIVE_MINUTES, self.now, is_counter=series in self.counters)
+
+    def _blob(self, table: str, key: int) -> bytes | None:
+        query = f"SELECT d FROM {table} WHERE k = ?"  # noqa: S608 - our own names
+        row = self.connection.execute(query, (key,)).fetchone()
+        return None if row is None else row[0]
+
+
+def _of(buckets: Mapping[int, Bucket], width: int, span: Span) -> Numbers:
+    """Return *buckets* that *span* touches."""
+    fitting = [(number * width, one) for number, one in buckets.items() if _touches(number * width, width, span)]
+    return Numbers(width, [at for at, _ in fitting], [one for _, one in fitting])
+
+
+def _touches(at: int, width: int, span: Span) -> bool:
+    return at + width > span.since and at <= span.until
+
+
+def _offset(at: int, zone: tzinfo | None) -> float:
+    """Return the seconds by which *zone*, None for that of the computer, is ahead of UTC."""
+    local = datetime.fromtimestamp(at / 1000, zone)
+    offset = (local if zone is not None else local.astimezone()).utcoffset()
+    return 0.0 if offset is None else offset.total_seconds()

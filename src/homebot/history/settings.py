@@ -1,0 +1,62 @@
+"""Settings of the history: the table ``[history]``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from homebot.config import value_errors
+from homebot.units import Seconds, parse_duration
+
+__all__ = ["HistorySettings", "KeepSettings"]
+
+_DAY: Final = 86_400.0
+
+
+def _read_duration(value: object) -> object:
+    with value_errors():
+        return parse_duration(value) if isinstance(value, str) else value
+
+
+_Duration = Annotated[Seconds, BeforeValidator(_read_duration)]
+
+
+class KeepSettings(BaseModel):
+    """The keys of ``[history.keep]``; hours are kept for ever.
+
+    Attributes:
+        values: Time for which each value is kept.
+        five_minutes: Time for which the summaries of five minutes are kept.
+        states: Time for which words and flags are kept.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    values: _Duration = 2 * _DAY
+    five_minutes: _Duration = 30 * _DAY
+    states: _Duration = 365 * _DAY
+
+    @model_validator(mode="after")
+    def _check_order(self) -> Self:
+        if self.five_minutes < 2 * _DAY or self.values > self.five_minutes:
+            raise ValueError("five_minutes must be at least 2d, and no less than values")
+        return self
+
+
+class HistorySettings(BaseModel):
+    """The keys of ``[history]``.
+
+    Attributes:
+        enabled: Whether to keep a history; by default where devices are remembered, and of a simulated house.
+        keep: How long.
+        batch: Time in which values are gathered, which a power cut loses: a disk writes whole blocks each time.
+        series: The number of values of devices at most, of which each has a history.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    enabled: bool | None = None
+    keep: KeepSettings = KeepSettings()
+    batch: _Duration = 300.0
+    series: int = Field(default=1000, ge=1, le=20_000)

@@ -1,0 +1,113 @@
+"""A house whose history is kept, in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from datetime import UTC, tzinfo
+from pathlib import Path
+from typing import TypeAlias
+
+import anyio
+import pytest
+from tests.set_clock import SetClock
+
+from homebot.devices.history_messages import (
+    EnergyOfDay,
+    HistorySeries,
+    ReadEnergy,
+    ReadEnergyRequest,
+    ReadHistory,
+    ReadHistoryRequest,
+    ReadHistoryResponse,
+)
+from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.devices.value import PlainValue
+from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Graph, Node
+from homebot.history.history import History
+from homebot.history.settings import HistorySettings
+from homebot.messages import Time
+
+MIDNIGHT = 1_767_225_600.0
+"""2026-01-01, UTC."""
+
+
+class KeptHouse:
+    """A meter, a thermometer and a lamp.
+
+    Attributes:
+        clock: The wall clock, which a test may set.
+    """
+
+    def __init__(self, clock: SetClock, gateway: MemoryGateway, app: Node, history: History) -> None:
+        self.clock = clock
+        self._gateway = gateway
+        self._read = app.create_client(ReadHistory, READ_HISTORY)
+        self._energy = app.create_client(ReadEnergy, READ_ENERGY)
+        self.history = history
+
+    async def report(self, device: str, **values: PlainValue) -> None:
+        await self._gateway.devices.report(device, values)
+        await anyio.sleep(0.001)
+
+    async def read(self, device: str, capability: str = "", since: float = 86_400.0, points: int = 0) -> HistorySeries:
+        response = await self.response(device, capability, since, points)
+        assert response.success, response.message
+        (series,) = response.series
+        return series
+
+    async def response(
+        self, device: str, capability: str = "", since: float = 86_400.0, points: int = 0
+    ) -> ReadHistoryResponse:
+        begin = Time.from_seconds(self.clock.now() - since)
+        request = ReadHistoryRequest(device=device, capability=capability, since=begin, points=points)
+        return await self._read.call(request)
+
+    async def energy(self, since: float = 86_400.0) -> tuple[EnergyOfDay, ...]:
+        request = ReadEnergyRequest(since=Time.from_seconds(self.clock.now() - since))
+        answer = await self._energy.call(request)
+        assert answer.success, answer.message
+        return answer.days
+
+
+MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[KeptHouse]]
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> MakeHouse:
+    """Makes a house; the second one is the first one after a restart."""
+
+    @asynccontextmanager
+    async def make(
+        begin: float = MIDNIGHT, zone: tzinfo = UTC, settings: HistorySettings | None = None
+    ) -> AsyncIterator[KeptHouse]:
+        clock = SetClock(begin - anyio.current_time())
+        graph = Graph(clock)
+        async with (
+            Node(graph, "memory", namespace="/gateway") as gateway_node,
+            Node(graph, "discovery") as directory_node,
+            Node(graph, "history") as node,
+            Node(graph, "app") as app,
+            anyio.create_task_group() as tasks,
+        ):
+            gateway = MemoryGateway(gateway_node)
+            await tasks.start(gateway.serve)
+            await tasks.start(Directory(directory_node, DirectorySettings()).serve)
+            for name, kind, readable in (
+                ("meter", "electrical_meter", ("power", "energy")),
+                ("thermometer", "temperature_sensor", ("temperature",)),
+                ("lamp", "light", ("on_off",)),
+            ):
+                part = simple_part(kind, readable=readable)
+                gateway.devices.put(GatewayDevice(name, name.title(), (part,)), "it is there")
+            await anyio.sleep(1)
+            history = History(node, settings or HistorySettings(), tmp_path / "history.sqlite", zone)
+            await tasks.start(history.serve)
+            await anyio.sleep(1)
+            yield KeptHouse(clock, gateway, app, history)
+            tasks.cancel_scope.cancel()
+
+    return make
