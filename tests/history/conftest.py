@@ -27,7 +27,7 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
-from homebot.history.history import History
+from homebot.history.history import HistoryKeeper
 from homebot.history.settings import HistorySettings
 from homebot.messages import Time
 
@@ -42,7 +42,7 @@ class KeptHouse:
         clock: The wall clock, which a test may set.
     """
 
-    def __init__(self, clock: SetClock, gateway: MemoryGateway, app: Node, history: History) -> None:
+    def __init__(self, clock: SetClock, gateway: MemoryGateway, app: Node, history: HistoryKeeper) -> None:
         self.clock = clock
         self._gateway = gateway
         self._read = app.create_client(ReadHistory, READ_HISTORY)
@@ -104,7 +104,7 @@ def kept(tmp_path: Path) -> MakeHouse:
                 part = simple_part(kind, readable=readable)
                 gateway.devices.put(GatewayDevice(name, name.title(), (part,)), "it is there")
             await anyio.sleep(1)
-            history = History(node, settings or HistorySettings(), tmp_path / "history.sqlite", zone)
+            history = HistoryKeeper(node, settings or HistorySettings(), tmp_path / "history.sqlite", zone)
             await tasks.start(history.serve)
             await anyio.sleep(1)
             yield KeptHouse(clock, gateway, app, history)

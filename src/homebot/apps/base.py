@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from homebot.apps.run_modes import RunHandler, RunMode
     from homebot.apps.schedule import Length, Schedule
     from homebot.apps.store import Store
+    from homebot.devices.handles.handle import Handle
+    from homebot.devices.history_messages import EnergyOfDay, HistorySeries
 
 __all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
 
@@ -207,6 +209,34 @@ class App(ABC, Generic[SettingsT]):
 
             self._schedule = Schedule(self)
         return self._schedule
+
+    async def history(
+        self, handle: Handle, capability: str, since: str | float = "24h", points: int = 0
+    ) -> HistorySeries:
+        """Return the past of *capability*, for example ``power``, since so long ago: ``times`` and ``values``.
+
+        Args:
+            handle: The part of a device.
+            capability: Its capability.
+            since: How far back, such as ``"7d"``, or seconds.
+            points: The number of values at most, 500 by default; of more, ``values`` are means.
+
+        Raises:
+            UsageError: No history is kept, or an argument is wrong.
+        """
+        from homebot.devices.history_client import read_history  # noqa: PLC0415 - few apps look back
+
+        return await read_history(self.node, handle, capability, since, points)
+
+    async def energy(self, query: str = "", since: str | float = "6d") -> tuple[EnergyOfDay, ...]:
+        """Return the energy by device and day of the home, since so long ago, of the devices that fit *query*.
+
+        Raises:
+            UsageError: No history is kept, or the query is none.
+        """
+        from homebot.devices.history_client import read_energy  # noqa: PLC0415 - few apps look back
+
+        return await read_energy(self.node, query, since)
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.

@@ -47,6 +47,7 @@ COMMANDS: Final = {
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",
+    "history": "show measurements of the past, as a table, a plot, CSV or JSON; energy by day",
     "record": "record the house, for a replay",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",

@@ -29,7 +29,7 @@ _LONGEST_WORD: Final = 100
 
 
 @final
-class _Followed:
+class _CollectedValue:
     """A series with its newest value."""
 
     __slots__ = ("changes", "is_counter", "last", "opened_at", "series", "told_at", "value")
@@ -68,7 +68,7 @@ class Collector:
         self._clock = clock
         self._most = most
         self._last = last
-        self._followed: dict[str, dict[tuple[str, str], _Followed]] = {}
+        self._followed: dict[str, dict[tuple[str, str], _CollectedValue]] = {}
         self._units: dict[str, dict[tuple[str, str], str]] = {}
         self.series: dict[Place, Series] = dict(known)
         self.batch = Batch()
@@ -171,7 +171,7 @@ class Collector:
         for one in self._followed.get(device_id, {}).values():
             self._end(one, now)
 
-    def _end(self, followed: _Followed, at: int) -> None:
+    def _end(self, followed: _CollectedValue, at: int) -> None:
         if followed.opened_at:
             self._close_state(followed, at)
         followed.value = None
@@ -189,15 +189,16 @@ class Collector:
             case _:
                 self._end(followed, at)
 
-    def _record_number(self, followed: _Followed, value: float, at: int) -> None:
+    def _record_number(self, followed: _CollectedValue, value: float, at: int) -> None:
         if followed.opened_at:
             self._close_state(followed, at)
-        if followed.is_counter and followed.value is None and followed.last is not None:
+        is_gap = followed.value is None or at < followed.told_at  # the clock may have been set back
+        if followed.is_counter and is_gap and followed.last is not None:
             self._add(followed, at, followed.last)  # it may have risen in the gap
         followed.value = followed.last = value
         self._add(followed, at, value)
 
-    def _record_state(self, followed: _Followed, value: StoredState, at: int) -> None:
+    def _record_state(self, followed: _CollectedValue, value: StoredState, at: int) -> None:
         if followed.opened_at:
             if followed.value == value:
                 return
@@ -210,7 +211,7 @@ class Collector:
             self._close_state(followed, at)
         self._open_state(followed, value, at)
 
-    def _open_state(self, followed: _Followed, value: StoredState, at: int) -> None:
+    def _open_state(self, followed: _CollectedValue, value: StoredState, at: int) -> None:
         states, number = self.batch.states, followed.series.number
         while (at, number) in states:
             at += 1
@@ -220,7 +221,7 @@ class Collector:
         states[at, number] = StateRow(None, value)
         followed.opened_at, followed.value = at, value
 
-    def _close_state(self, followed: _Followed, at: int) -> None:
+    def _close_state(self, followed: _CollectedValue, at: int) -> None:
         value, key = followed.value, (followed.opened_at, followed.series.number)
         if value is not None:
             self.batch.states[key] = StateRow(
@@ -228,7 +229,7 @@ class Collector:
             )
         followed.opened_at = 0
 
-    def _add(self, followed: _Followed, at: int, value: float) -> None:
+    def _add(self, followed: _CollectedValue, at: int, value: float) -> None:
         followed.told_at = at
         self.batch.add(followed.series.number, at, value)
         if len(self.batch.times) > MOST_WAITING:
@@ -240,7 +241,7 @@ class Collector:
             self.batch.drop_oldest(excess + _LOST_AT_ONCE)
             self.lost += excess + _LOST_AT_ONCE
 
-    def _follow(self, place: Place) -> _Followed | None:
+    def _follow(self, place: Place) -> _CollectedValue | None:
         """Return the series of *place*, a new one where there is room for it."""
         series = self.series.get(place)
         if series is None:
@@ -253,7 +254,7 @@ class Collector:
             number = 1 + max((one.number for one in self.series.values()), default=0)
             series = self.series[place] = Series(number, place, unit)
             self.batch.new.append(series)
-        followed = _Followed(series, self._last.get(series.number))
+        followed = _CollectedValue(series, self._last.get(series.number))
         self._followed.setdefault(place[0], {})[place[1], place[2]] = followed
         return followed
 

@@ -20,7 +20,7 @@ from homebot.history.history_service import HistoryService
 from homebot.history.settings import HistorySettings
 from homebot.history.store import HistoryStore
 
-__all__ = ["History"]
+__all__ = ["HistoryKeeper"]
 
 _LOOK_EVERY: Final = 60.0
 """Seconds at most until the clock is looked at: it may have been set, and the computer may have slept."""
@@ -35,7 +35,7 @@ _LAST_CHANCE: Final = 5.0
 
 
 @final
-class History:
+class HistoryKeeper:
     """Keeps the history of a house.
 
     Args:

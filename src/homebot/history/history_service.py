@@ -36,7 +36,7 @@ _DIGITS: Final = 6
 _NOT_YET: Final = "the history is not kept now; `homebot doctor` says why"
 
 
-class _Found(NamedTuple):
+class _FoundSeries(NamedTuple):
     """The series of a question, with the names of their devices."""
 
     series: list[Series]
@@ -115,7 +115,7 @@ class HistoryService:
             midnight -= timedelta(days=1)
         return midnight.timestamp()
 
-    async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _Found:
+    async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _FoundSeries:
         """Return the series of the devices that fit, main values first where nothing names others.
 
         Raises:
@@ -128,7 +128,7 @@ class HistoryService:
         named = {term.name for term in query}
         if asked := [one for one in series if one.place[2] in named]:
             series = asked
-        return _Found(_main_first(series, devices), {key: one.name for key, one in devices.items()})
+        return _FoundSeries(_main_first(series, devices), {key: one.name for key, one in devices.items()})
 
 
 def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list[Series]:

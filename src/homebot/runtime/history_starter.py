@@ -6,7 +6,7 @@ from datetime import tzinfo
 from pathlib import Path
 
 from homebot.graph import Graph, Node
-from homebot.history.history import History
+from homebot.history.history import HistoryKeeper
 from homebot.history.settings import HistorySettings
 from homebot.support.isolation import run_as
 
@@ -20,4 +20,4 @@ async def keep_history(graph: Graph, settings: HistorySettings | None, index: Pa
     """Keep the history until cancelled, in a file beside *index*; in memory without one."""
     path = None if index is None else index.with_name(HISTORY_FILE)
     async with Node(graph, "history") as node:
-        await run_as(node.full_name, History(node, settings or HistorySettings(), path, zone).serve)
+        await run_as(node.full_name, HistoryKeeper(node, settings or HistorySettings(), path, zone).serve)

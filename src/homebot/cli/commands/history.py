@@ -1,0 +1,212 @@
+"""``homebot history``."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import shutil
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, cast
+
+from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.device_queries import device_or_similar, house_time
+from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.history_plot import plot_lines
+from homebot.cli.json_message import JsonMessage, fields_of
+from homebot.cli.table import printable
+from homebot.cli.terminal import print_table
+from homebot.cli.time_format import from_seconds
+from homebot.cli.values import value_text
+from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.errors import PeerError, UsageError
+from homebot.units import parse_duration
+
+if TYPE_CHECKING:
+    from homebot.devices.history_messages import EnergyOfDay, HistorySeries, ReadHistoryResponse
+
+__all__ = ["add_arguments"]
+
+_ROWS = 24
+_MOST = 5000
+_NARROWEST, _WIDEST = 40, 120
+_DAY = 86_400.0
+_EXAMPLES = """\
+  homebot history 'Kitchen lamp'
+  homebot history 'temperature in kitchen' --since 7d --plot
+  homebot history Washer --capability power --since 2h --csv
+  homebot history --energy --since 30d
+
+Values are kept for 2 days, summaries of five minutes for 30 days, and those of hours for ever. --points says how many
+rows to show at most: more of them are joined. A pause is a time in which the value was unknown.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot history``."""
+    set_client_command(parser, _history, _EXAMPLES)
+    parser.add_argument("query", metavar="QUERY", nargs="*", help="a device, by id or name, or a query as of `find`")
+    parser.add_argument("--capability", metavar="NAME", default="", help="only this value, such as power")
+    parser.add_argument("--since", metavar="SPAN", type=_span, help="the last SPAN, such as 2h or 7d (default: 24h)")
+    parser.add_argument("--until", metavar="SPAN", type=_span, default=0.0, help="without the last SPAN")
+    parser.add_argument(
+        "--points", metavar="N", type=whole, help="rows of each value at most (default: 24, files 5000)"
+    )
+    parser.add_argument("--energy", action="store_true", help="energy by device and day, in kWh (default: 7 days)")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--plot", action="store_true", help="draw numbers")
+    form.add_argument("--csv", action="store_true", help="print comma-separated values, times in ISO 8601 UTC")
+    form.add_argument("--json", action="store_true", help="print a JSON list, times in seconds since 1970")
+
+
+@door_command
+def _history(door: DoorClient, options: argparse.Namespace) -> int:
+    """Print the history of devices; return 1 if there is none."""
+    if not options.query and not options.energy:
+        raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
+    if options.plot and options.energy:
+        raise UsageError("--plot is for values; --energy has a table, --csv and --json")
+    now = house_time(door)
+    until = now - options.until
+    since = now - (options.since or (6 * _DAY if options.energy else _DAY))
+    if since >= until:
+        raise UsageError("--until leaves nothing of --since; give a shorter one")
+    request = _devices(door, " ".join(options.query)) | {"since": from_seconds(since), "until": from_seconds(until)}
+    if options.energy:
+        return _print_energy(_ask(door, READ_ENERGY, request), options)
+    points = options.points or (_WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS)
+    request |= {"capability": options.capability, "points": min(points, _MOST)}
+    found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
+    if options.json:
+        print(json.dumps([fields_of(one) for one in found.series]))
+    elif options.csv:
+        _print_csv(("time", "device", "part", "capability", "value", "low", "high", "until"), _csv_rows(found.series))
+    else:
+        _print_series(found, since, until, is_plot=options.plot)
+    return 0 if found.series else 1
+
+
+def _devices(door: DoorClient, text: str) -> dict[str, object]:
+    """Return the fields that ask for the device called *text*, or else for those that match it as a query."""
+    if not text:
+        return {}
+    device = device_or_similar(door, text)
+    return {"query": text} if isinstance(device, list) else {"device": device.id}
+
+
+def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonMessage:
+    found = JsonMessage(door.call(service, request, 30.0))
+    if not found.success:
+        raise PeerError(cast("str", found.message))
+    return found
+
+
+def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_plot: bool) -> None:
+    if not found.series:
+        print("nothing is known of that time; a history begins a few seconds after homebot, and when a value changes")
+    for number, one in enumerate(found.series):
+        if number:
+            print()
+        part = f"#{one.part}" if one.part else ""
+        print(f"{printable(one.name)}{printable(part)}  {one.capability}{f', {one.unit}' if one.unit else ''}")
+        if is_plot and one.values:
+            width = max(min(shutil.get_terminal_size().columns, _WIDEST), _NARROWEST)
+            print("\n".join(plot_lines(one.times, one.values, since, until, width)))
+        else:
+            _print_table(one, until - since)
+    if found.left_out:
+        print(f"\n… and {found.left_out} more values; --capability or a narrower query leaves some out")
+
+
+def _print_table(one: HistorySeries, length: float) -> None:
+    if one.words:
+        rows = [
+            (_clock(at, length), _word(one.capability, word), _span_text(end - at))
+            for at, word, end in zip(one.times, one.words, one.ends, strict=True)
+        ]
+        print_table(("SINCE", "STATE", "FOR"), rows)
+        if not one.complete:
+            print("… there are older ones; --points shows more")
+    elif one.lows:
+        print_table(
+            ("TIME", "MEAN", "MIN", "MAX"),
+            [
+                (_clock(at, length), *map(_number, rest))
+                for at, *rest in zip(one.times, one.values, one.lows, one.highs, strict=True)
+            ],
+        )
+    else:
+        print_table(
+            ("TIME", "VALUE"),
+            [(_clock(at, length), _number(value)) for at, value in zip(one.times, one.values, strict=True)],
+        )
+
+
+def _csv_rows(series: Sequence[HistorySeries]) -> Iterator[Sequence[object]]:
+    for one in series:
+        place = one.device, one.part, one.capability
+        for number, at in enumerate(one.times):
+            if one.words:
+                yield _iso(at), *place, one.words[number], "", "", _iso(one.ends[number])
+            elif one.lows:
+                yield _iso(at), *place, one.values[number], one.lows[number], one.highs[number], _iso(at + one.width)
+            else:
+                yield _iso(at), *place, one.values[number], "", "", ""
+
+
+def _print_energy(found: JsonMessage, options: argparse.Namespace) -> int:
+    days = cast("list[EnergyOfDay]", found.days)
+    if options.json:
+        print(json.dumps([fields_of(one) for one in days]))
+    elif options.csv:
+        head = ("day", "device", "part", "used", "returned")
+        _print_csv(head, [(one.day, one.device, one.part, one.used, one.returned) for one in days])
+    elif days:
+        rows = [(one.day, f"{one.name}{f'#{one.part}' if one.part else ''}", *_kwh(one)) for one in days]
+        print_table(("DAY", "DEVICE", "USED KWH", "RETURNED KWH"), rows, if_any=("RETURNED KWH",))
+    else:
+        print("no device counted energy in that time")
+    return 0 if days else 1
+
+
+def _kwh(one: EnergyOfDay) -> tuple[str, str]:
+    return f"{one.used:.3f}", f"{one.returned:.3f}" if one.returned else ""
+
+
+def _print_csv(head: Sequence[str], rows: Iterator[Sequence[object]] | Sequence[Sequence[object]]) -> None:
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+
+
+def _word(capability: str, word: str) -> str:
+    return value_text(capability, {"true": True, "false": False}.get(word, word))
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def _clock(at: float, length: float) -> str:
+    form = "%H:%M:%S" if length <= _DAY else "%d %b %H:%M" if length <= 60 * _DAY else "%Y-%m-%d %H:%M"
+    return datetime.fromtimestamp(at).astimezone().strftime(form)
+
+
+def _iso(at: float) -> str:
+    return datetime.fromtimestamp(at, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _span_text(seconds: float) -> str:
+    for size, unit in ((_DAY, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+def _span(text: str) -> float:
+    try:
+        return parse_duration(text)
+    except UsageError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from exc
