@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from functools import cached_property
@@ -23,12 +24,13 @@ from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.hold import hold_part
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
-from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused, Superseded
 from homebot.devices.setting_check import check_setting
 from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
+from homebot.log import LogLimit, more_like_this
 
 if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
@@ -36,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Commander"]
 
-
+COMMAND_FAILED: Final = "app.command_failed"
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it bounds its waiting itself."""
@@ -57,6 +59,8 @@ class Commander:
         self._clock = node.graph.clock
         self._control = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._sender = CommandSender(node)
+        self._under_way: Counter[tuple[str, str]] = Counter()  # by device and part
+        self._limit = LogLimit(self._clock)
 
     async def perform(
         self,
@@ -68,6 +72,8 @@ class Commander:
     ) -> Outcome:
         """Give a command, and return its outcome; a failure of a device or its network is no error.
 
+        A failure is logged as ``app.command_failed``; but not of a command that a newer wish replaced.
+
         Args:
             view: The device; it has the reported values as soon as they are known.
             part_id: The id of the part.
@@ -78,6 +84,34 @@ class Commander:
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
+        place = view.device.id, part_id
+        self._under_way[place] += 1
+        try:
+            outcome = await self._perform(view, part_id, values, transition, code)
+        except RefusedError as exc:
+            self._log_failure(view.device, part_id, str(exc))
+            raise
+        finally:
+            self._under_way[place] -= 1
+            self._under_way += Counter()  # without those at 0
+        if not outcome.succeeded and not isinstance(outcome, Superseded):
+            self._log_failure(view.device, part_id, outcome.text)
+        return outcome
+
+    def is_commanding(self, device_id: str, part_id: str) -> bool:
+        """Return whether a command of the node to the part has no outcome yet."""
+        return (device_id, part_id) in self._under_way
+
+    def _log_failure(self, device: Device, part_id: str, problem: str) -> None:
+        part = device.part(part_id)
+        name = f"{device.name} {part.part.name if part else ''}".rstrip()
+        if (held_back := self._limit.allows(f"{device.id}#{part_id}")) is not None:
+            message = f"{name}: {problem}{more_like_this(held_back)}"
+            self._node.log.warning(COMMAND_FAILED, message=message, device=device.id)
+
+    async def _perform(
+        self, view: DeviceView, part_id: str, values: Mapping[str, PlainValue], transition: float, code: str
+    ) -> Outcome:
         part = None if view.is_gone else view.device.part(part_id)
         if part is None:
             return Gone()

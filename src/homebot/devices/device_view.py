@@ -64,7 +64,7 @@ class DeviceView:
                 self._newer[place] = _NewValue(sequence, reading.value, change.told_at, change.live)
 
     def record_result(self, part_id: str, reported: Setting, now: float) -> None:
-        """Store a value from the result of a command, until the directory publishes it or a newer one.
+        """Store a new value from the result of a command, until the directory publishes it or a newer one.
 
         Args:
             part_id: The id of the part.
@@ -72,6 +72,8 @@ class DeviceView:
             now: The time of the report, in seconds since the Unix epoch.
         """
         place = part_id, reported.capability
+        if self.value(*place) == reported.value.plain():
+            return  # it has been so since it was reported
         known = self._newer.get(place)
         sequence = self.sequence if known is None else known.sequence
         self._newer[place] = _NewValue(sequence, reported.value, Time.from_seconds(now), live=True)

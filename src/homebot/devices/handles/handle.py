@@ -99,6 +99,11 @@ class Handle:
         return self._view.is_gone or self._view.device.part(self._part_id) is None
 
     @property
+    def is_commanded(self) -> bool:
+        """True while a command of this app to it has no outcome yet: what it reports may be the effect of that."""
+        return self._house.commander.is_commanding(self._view.device.id, self._part_id)
+
+    @property
     def reachable(self) -> bool | None:
         """True if it can be reached, as the part or else the device reports; None if neither reports it."""
         device = self._view.device
