@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Coroutine
+from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
-from typing import TYPE_CHECKING, ClassVar, Generic, get_args, get_origin
+from functools import partial
+from inspect import isasyncgenfunction, iscoroutinefunction
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
@@ -15,17 +17,20 @@ from typing_extensions import TypeVar
 
 from homebot.clock import read_zone
 from homebot.devices import Devices
+from homebot.devices.handles.handle import Handle
 from homebot.errors import UsageError
 from homebot.graph import Node
+from homebot.log import LogLimit
 from homebot.support.isolation import isolated
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
+    from homebot.apps.reactions import ItemHandler, Reaction
     from homebot.apps.run_modes import RunHandler, RunMode
     from homebot.apps.schedule import Length, Schedule
     from homebot.apps.store import Store
-    from homebot.devices.handles.handle import Handle
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
 
@@ -71,6 +76,9 @@ class NoSettings(AppSettings):
 
 
 SettingsT = TypeVar("SettingsT", bound=BaseModel, default=BaseModel)
+ItemT = TypeVar("ItemT")
+HandleT = TypeVar("HandleT", bound=Handle)
+_Queries: TypeAlias = AsyncIterable[ItemT] | Sequence[AsyncIterable[ItemT]]
 
 
 class App(ABC, Generic[SettingsT]):
@@ -96,6 +104,9 @@ class App(ABC, Generic[SettingsT]):
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
+        if not iscoroutinefunction(run := cls.run):
+            word = "yields" if isasyncgenfunction(run) else "is a plain function"
+            raise UsageError(f"{cls.__name__}.run {word}; write `async def run(self)`, which may await")
         for base in getattr(cls, "__orig_bases__", ()):
             if isinstance(origin := get_origin(base), type) and issubclass(origin, App):
                 given = get_args(base)[0]
@@ -111,6 +122,7 @@ class App(ABC, Generic[SettingsT]):
         self._store: Store | None = None
         self._schedule: Schedule | None = None
         self._tasks: TaskGroup | None = None
+        self._log_limit = LogLimit(self.clock)
 
     @property
     def store(self) -> Store:
@@ -237,6 +249,79 @@ class App(ABC, Generic[SettingsT]):
         from homebot.devices.history_client import read_energy  # noqa: PLC0415 - few apps look back
 
         return await read_energy(self.node, query, since)
+
+    @overload
+    def on(
+        self,
+        query: _Queries[ItemT],
+        handler: ItemHandler[ItemT],
+        *,
+        mode: RunMode = ...,
+        most: int = ...,
+        key: Callable[[ItemT], Hashable] | None = ...,
+    ) -> Reaction[ItemT]: ...
+
+    @overload
+    def on(
+        self,
+        query: _Queries[ItemT],
+        *,
+        mode: RunMode = ...,
+        most: int = ...,
+        key: Callable[[ItemT], Hashable] | None = ...,
+    ) -> Callable[[ItemHandler[ItemT]], Reaction[ItemT]]: ...
+
+    def on(
+        self,
+        query: _Queries[ItemT],
+        handler: ItemHandler[ItemT] | None = None,
+        *,
+        mode: RunMode = "single",
+        most: int = 10,
+        key: Callable[[ItemT], Hashable] | None = None,
+    ) -> Reaction[ItemT] | Callable[[ItemHandler[ItemT]], Reaction[ItemT]]:
+        """Call *handler* with each item of a live query, or of several; without it return a decorator.
+
+        A command that the handler gives has the item as its cause: a press of a button is the wish of a person.
+
+        Args:
+            query: For example ``self.devices.follow(Light)``.
+            handler: A function or coroutine function of one item; its failures cost that call alone, the fifth in a
+                row all further ones.
+            mode: What a call does while an earlier one runs: ``single`` is dropped, ``restart`` cancels the earlier
+                one, ``queued`` waits for its turn, ``parallel`` runs beside it.
+            most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
+            key: Returns what runs by itself, for example :func:`homebot.apps.rooms.per_room`.
+
+        Returns:
+            The reaction; its ``cancel()`` ends it.
+
+        Raises:
+            UsageError: The app does not run, there is no such mode, or no query.
+        """
+        if handler is None:
+            return partial(self.on, query, mode=mode, most=most, key=key)
+        from homebot.apps.reactions import Reaction  # noqa: PLC0415 - some apps follow by themselves
+
+        queries = query if isinstance(query, Sequence) else (query,)
+        return Reaction(self.node, self.start_task, queries, handler, mode, most, key)
+
+    def log_limited(self, event: str, text: str, **facts: object) -> None:
+        """Log *text* for information, with its *facts*: the same at most once in 10 s."""
+        if self._log_limit.allows(f"{event} {text}") is not None:
+            self.log.info(event, message=text, **facts)
+
+    async def each(
+        self, command: Callable[[HandleT], Coroutine[object, object, Outcome]], handles: Iterable[HandleT]
+    ) -> list[Outcome]:
+        """Give a command to each of *handles*, all at once: ``await self.each(Light.turn_off, lamps)``.
+
+        Returns:
+            The outcomes, in the order of the handles; of a command that makes no sense to its device ``Refused``.
+        """
+        from homebot.devices.group_command import give_each  # noqa: PLC0415 - some apps only watch
+
+        return await give_each(command, handles)
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.

@@ -6,10 +6,11 @@ from typing import Annotated
 
 from pydantic import Field
 
-from homebot.apps.base import AppSettings
-from homebot.apps.room_app import RoomApp, in_room
+from homebot.apps.base import App, AppSettings
+from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import HandleChange, Light, LightSensor, OccupancySensor
-from homebot.graph import Node
+from homebot.devices.health import GetHealth
+from homebot.devices.misspelt_names import ConfiguredNames
 from homebot.support.folding import fold
 
 __all__ = ["FollowMe", "FollowMeSettings"]
@@ -29,25 +30,26 @@ class FollowMeSettings(AppSettings):
     rooms: tuple[str, ...] = ()
 
 
-class FollowMe(RoomApp[FollowMeSettings]):
+class FollowMe(App[FollowMeSettings]):
     """Turns on the lamps of a dark room when a motion sensor there begins to detect motion; turns nothing off.
 
     A room in which a lamp is on already is left as it is.
     """
 
-    def __init__(self, node: Node, settings: FollowMeSettings) -> None:
-        super().__init__(node, settings, settings.rooms)
-        self._rooms = {fold(room) for room in settings.rooms}
-        self.watch(self.devices.follow(OccupancySensor, occupied=True, fresh=True), self._on_motion)
+    async def run(self) -> None:
+        """Light up a room with each motion in it."""
+        names = ConfiguredNames(self.node, rooms=[("rooms", room) for room in self.settings.rooms])
+        self.node.create_service(GetHealth, "~/health", names.health)
+        self.start_task(names.run)
+        motion = self.devices.follow(OccupancySensor, fresh=True).became(occupied=True)
+        self.on(motion, self._light_up, mode="restart", key=per_room)
 
-    def _on_motion(self, change: HandleChange[OccupancySensor]) -> None:
-        if change.kind == "appeared" and (not self._rooms or fold(change.handle.area) in self._rooms):
-            self.start(change.handle.area, self._light_up)
-
-    async def _light_up(self, room: str) -> None:
-        lamps = in_room(await self.devices.find(Light), room)
-        if not any(lamp.on for lamp in lamps) and await self._is_dark(room):
-            await self.each(lambda lamp: self.attempt(lamp, lamp.turn_on), lamps)
+    async def _light_up(self, change: HandleChange[OccupancySensor]) -> None:
+        room, rooms = change.handle.area, set(map(fold, self.settings.rooms))
+        if not rooms or fold(room) in rooms:
+            lamps = in_room(await self.devices.find(Light), room)
+            if not any(lamp.on for lamp in lamps) and await self._is_dark(room):
+                await self.each(Light.turn_on, lamps)
 
     async def _is_dark(self, room: str) -> bool:
         sensors = in_room(await self.devices.find(LightSensor, fresh=True), room)

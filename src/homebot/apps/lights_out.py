@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import anyio
 
-from homebot.apps.base import AppSettings
-from homebot.apps.room_app import RoomApp, in_room
-from homebot.devices.handles import HandleChange, Light, OccupancySensor
-from homebot.graph import Node
+from homebot.apps.base import App, AppSettings
+from homebot.apps.rooms import in_room, per_room
+from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
 from homebot.units import Seconds
 
 __all__ = ["LightsOut", "LightsOutSettings"]
@@ -24,34 +23,29 @@ class LightsOutSettings(AppSettings):
     quiet_after: Seconds = 1260.0  # a minute more than the presence guard waits
 
 
-class LightsOut(RoomApp[LightsOutSettings]):
+class LightsOut(App[LightsOutSettings]):
     """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while."""
 
-    def __init__(self, node: Node, settings: LightsOutSettings) -> None:
-        super().__init__(node, settings)
-        self._quiet_after = settings.quiet_after
-        self._quiet: dict[OccupancySensor, str] = {}  # none that is stale, unreachable or silent; and the room of each
-        self.watch(self.devices.follow(OccupancySensor, occupied=False, fresh=True), self._on_sensor)
-        self.watch(self.devices.follow(Light, on=True), self._on_lamp)
+    async def run(self) -> None:
+        """Begin to count anew with each change of a room."""
+        changes = (
+            self.devices.follow(OccupancySensor, occupied=False, fresh=True).only("appeared", "removed"),
+            self.devices.follow(OccupancySensor, reachable=False).only("appeared", "removed"),
+            self.devices.follow(Light, on=True).only("appeared"),
+        )
+        self.on(changes, self._count_down, mode="restart", key=per_room)
 
-    def _on_sensor(self, change: HandleChange[OccupancySensor]) -> None:
-        sensor, room = change.handle, self._quiet.pop(change.handle, None)
-        if change.kind != "removed" and sensor.reachable is not False:
-            self._quiet[sensor] = sensor.area
-        if room != self._quiet.get(sensor):
-            self.start(sensor.area, self._count_down)
-
-    def _on_lamp(self, change: HandleChange[Light]) -> None:
-        if change.kind == "appeared":
-            self.start(change.handle.area, self._count_down)
-
-    async def _count_down(self, room: str) -> None:
-        await anyio.sleep(self._quiet_after)
-        wait = max(self._quiet_after, SHORTEST)
+    async def _count_down(self, change: HandleChange[Handle]) -> None:
+        room, wait = change.handle.area, self.settings.quiet_after
+        await anyio.sleep(wait)
+        wait = max(wait, SHORTEST)
         while lamps := in_room(await self.devices.find(Light, on=True), room):
-            sensors = in_room(await self.devices.find(OccupancySensor), room)
-            is_quiet = bool(sensors) and self._quiet.keys() >= set(sensors)
-            if is_quiet and all(await self.each(lambda lamp: self.attempt(lamp, lamp.turn_off), lamps)):
+            if await self._is_quiet(room) and all(one.succeeded for one in await self.each(Light.turn_off, lamps)):
                 return
             wait = min(2 * wait, max(wait, LONGEST))  # each try is an entry in the journal
             await anyio.sleep(wait)
+
+    async def _is_quiet(self, room: str) -> bool:
+        sensors = in_room(await self.devices.find(OccupancySensor), room)
+        quiet = in_room(await self.devices.find(OccupancySensor, occupied=False, fresh=True), room)
+        return bool(sensors) and len(quiet) == len(sensors) and all(one.reachable is not False for one in quiet)

@@ -43,6 +43,7 @@ class HandlerRuns:
         mode: What a call does while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
             ``queued`` waits for its turn, ``parallel`` runs beside it.
         most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
+        is_quiet: Whether a dropped call is usual, and logged for debugging alone.
 
     Attributes:
         dropped: Number of calls that were dropped.
@@ -54,7 +55,14 @@ class HandlerRuns:
     """
 
     def __init__(
-        self, node: Node, start_task: StartTask, title: str, mode: RunMode = "single", most: int = MOST_RUNS
+        self,
+        node: Node,
+        start_task: StartTask,
+        title: str,
+        mode: RunMode = "single",
+        most: int = MOST_RUNS,
+        *,
+        is_quiet: bool = False,
     ) -> None:
         if mode not in (modes := get_args(RunMode)):
             hint = did_you_mean(str(mode), modes, f"modes are {', '.join(modes)}")
@@ -67,6 +75,7 @@ class HandlerRuns:
         self._start_task = start_task
         self._title = title
         self._mode = mode
+        self._is_quiet = is_quiet
         self._most = most if mode in ("queued", "parallel") else 1
         self._tasks_at_once = most if mode == "parallel" else 1
         self._tasks = 0
@@ -145,7 +154,8 @@ class HandlerRuns:
         self.dropped += 1
         if (held_back := self._limit.allows("")) is not None:
             why = "its last call still runs" if self._most == 1 else f"{self._most} calls run or wait"
-            self._node.log.warning(
+            log = self._node.log.debug if self._is_quiet else self._node.log.warning
+            log(
                 CALL_DROPPED,
                 message=f"the {self._title} was not called: {why}{more_like_this(held_back)}",
                 mode=self._mode,

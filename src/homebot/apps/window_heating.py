@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import anyio
+from functools import partial
 
-from homebot.apps.base import AppSettings
-from homebot.apps.room_app import RoomApp, in_room
-from homebot.devices.handles import Closure, ContactSensor, HandleChange, Thermostat
-from homebot.graph import Node
+from homebot.apps.base import App, AppSettings
+from homebot.apps.rooms import in_room, per_room
+from homebot.devices.handles import Closure, ContactSensor, Handle, HandleChange, Thermostat
 from homebot.units import Celsius, Seconds
 
 __all__ = ["WindowHeating", "WindowHeatingSettings"]
@@ -20,38 +19,37 @@ class WindowHeatingSettings(AppSettings):
     lowered_to: Celsius = 12.0
 
 
-class WindowHeating(RoomApp[WindowHeatingSettings]):
+class WindowHeating(App[WindowHeatingSettings]):
     """Lowers the heating while a window or contact of its room is open; leaves a setpoint that was changed meanwhile.
 
     The setpoints to restore are kept in memory only: a heater that is lowered at the end of a run stays lowered.
     """
 
-    def __init__(self, node: Node, settings: WindowHeatingSettings) -> None:
-        super().__init__(node, settings)
-        self._open_for, self._low = settings.open_for, settings.lowered_to
-        self._open: set[ContactSensor | Closure] = set()
+    async def run(self) -> None:
+        """Lower and restore setpoints as windows open and close."""
         self._setpoints: dict[Thermostat, float] = {}
-        self.watch(self.devices.follow(ContactSensor, is_open=True), self._on_window)
-        self.watch(self.devices.follow(Closure, closed=False), self._on_window)
+        follow, lasting = self.devices.follow, self.settings.open_for
+        opened = (
+            follow(ContactSensor).became(is_open=True, lasting=lasting),
+            follow(Closure).became(closed=False, lasting=lasting),
+        )
+        closed = follow(ContactSensor, is_open=True).only("removed"), follow(Closure, closed=False).only("removed")
+        self.on(opened, self._lower, key=per_room, mode="queued")
+        self.on(closed, self._restore, key=per_room, mode="queued")
 
-    def _on_window(self, change: HandleChange[ContactSensor] | HandleChange[Closure]) -> None:
-        room, is_closed = change.handle.area, change.kind == "removed"
-        was_open = bool(in_room(self._open, room))
-        (self._open.discard if is_closed else self._open.add)(change.handle)
-        if was_open != bool(in_room(self._open, room)):
-            self.start(room, self._restore if is_closed else self._lower)
+    async def _lower(self, change: HandleChange[Handle]) -> None:
+        low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), change.handle.area)
+        new = {one: now for one in found if (now := one.heating_setpoint or 0.0) > low and one not in self._setpoints}
+        self._setpoints |= new
+        await self.each(lambda one: one.heat_to(low), new)
 
-    async def _lower(self, room: str) -> None:
-        await anyio.sleep(self._open_for)
-        found = in_room(await self.devices.find(Thermostat), room)
-        setpoints = {one: now for one in found if (now := one.heating_setpoint or 0.0) > self._low}
-        self._setpoints = setpoints | self._setpoints
-        await self.each(lambda one: self.attempt(one, lambda: one.heat_to(self._low)), setpoints)
-
-    async def _restore(self, room: str) -> None:
-        await self.each(self._restore_one, in_room(self._setpoints, room))
+    async def _restore(self, change: HandleChange[Handle]) -> None:
+        windows = *await self.devices.find(ContactSensor, is_open=True), *await self.devices.find(Closure, closed=False)
+        if not in_room(windows, room := change.handle.area):
+            for one in in_room(self._setpoints, room):
+                self.start_task(partial(self._restore_one, one))
 
     async def _restore_one(self, one: Thermostat) -> None:
-        is_changed = one.heating_setpoint not in {None, self._low, self._setpoints[one]}
-        if is_changed or await self.attempt(one, lambda: one.heat_to(self._setpoints[one])):
-            del self._setpoints[one]
+        is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, self._setpoints[one]}
+        if is_changed or (await self.each(lambda one: one.heat_to(self._setpoints[one]), [one]))[0].succeeded:
+            self._setpoints.pop(one, None)

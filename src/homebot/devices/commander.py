@@ -31,6 +31,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
 from homebot.log import LogLimit, more_like_this
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 __all__ = ["Commander"]
 
 COMMAND_FAILED: Final = "app.command_failed"
+_EFFECT_WITHIN: Final = 1.0
+"""Seconds after an outcome in which an app receives the report that it is made of."""
+_MOST_ENDED: Final = 1000
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it bounds its waiting itself."""
@@ -60,6 +64,7 @@ class Commander:
         self._control = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._sender = CommandSender(node)
         self._under_way: Counter[tuple[str, str]] = Counter()  # by device and part
+        self._ended: BoundedMap[tuple[str, str], float] = BoundedMap(_MOST_ENDED)
         self._limit = LogLimit(self._clock)
 
     async def perform(
@@ -94,13 +99,17 @@ class Commander:
         finally:
             self._under_way[place] -= 1
             self._under_way += Counter()  # without those at 0
+            self._ended[place] = self._clock.monotonic()
         if not outcome.succeeded and not isinstance(outcome, Superseded):
             self._log_failure(view.device, part_id, outcome.text)
         return outcome
 
     def is_commanding(self, device_id: str, part_id: str) -> bool:
-        """Return whether a command of the node to the part has no outcome yet."""
-        return (device_id, part_id) in self._under_way
+        """Return whether a command of the node to the part has no outcome yet, or has had one for a second at most."""
+        place = device_id, part_id
+        ended = self._ended.get(place)
+        is_recent = ended is not None and self._clock.monotonic() - ended <= _EFFECT_WITHIN
+        return is_recent or place in self._under_way
 
     def _log_failure(self, device: Device, part_id: str, problem: str) -> None:
         part = device.part(part_id)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
 from functools import cached_property
-from typing import ParamSpec, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
@@ -32,6 +32,9 @@ from homebot.graph import Client, Node, Subscription
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.devices.handles.messages import HandleMessages
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -138,6 +141,21 @@ class Devices:
             return Follow(self._node, service_type)
         wanted = service_type.where(*none, **query)
         return FollowHandles(self._node, wanted, _call_text("follow", wanted, query))
+
+    def messages(self, kind: HandleType[P, HandleT], *none: P.args, **query: P.kwargs) -> HandleMessages[HandleT]:
+        """Return a live query for the raw messages of the devices with such a handle, as ``message`` changes.
+
+        A message is left out where its values are known already, so that with :meth:`follow` each report comes once.
+        Use :meth:`listen` for every message.
+
+        Args:
+            kind: As for :meth:`find`, and so are the others.
+            none: Not used.
+            query: The conditions.
+        """
+        from homebot.devices.handles.messages import HandleMessages  # noqa: PLC0415 - most apps need none
+
+        return HandleMessages(self._node, self.follow(kind, *none, **query), self.listen)
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.

@@ -14,7 +14,7 @@ import anyio.lowlevel
 import homebot.devices.query
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, Not, Or, Query, StateIs, TypeIs, facets_of, fits, type_is
+from homebot.devices.query import And, AreaIs, FactIs, NameIs, Not, Or, Query, StateIs, TypeIs, facets_of, fits, type_is
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -33,6 +33,7 @@ _CHECKED_AFTER: Final = (10.0, 290.0)
 """Seconds from the start, and then from the first check, until the names in a query are checked."""
 
 _ANY: Final = And(())
+NOTHING_FITS: Final = "devices.nothing_fits"
 NO_LONGER: Final = "it no longer matches the query"
 
 
@@ -103,12 +104,18 @@ class LiveQuery(ABC, Generic[ItemT]):
 
     async def _check_names(self, view: HouseView) -> None:
         """End the query if it has a misspelt name, soon and when devices had time to be announced."""
+        is_found = True
         for wait in _CHECKED_AFTER:
             await anyio.sleep(wait)
             try:
-                await view.check(self._names, self._text)
+                is_found = await view.check(self._names, self._text)
             except UsageError as exc:
                 self._refuse(str(exc))
+        if not is_found and not self._problem and _is_of_names(self._names):
+            message = (
+                f"{self._text}: nothing in the house has this name or type, {sum(_CHECKED_AFTER) / 60:g} minutes on"
+            )
+            self._node.log.warning(NOTHING_FITS, message=message)
 
     def _refuse(self, problem: str) -> None:
         """End the query with an error: *problem* is its mistake."""
@@ -228,6 +235,12 @@ class Follow(LiveQuery[DeviceChange]):
 
     def _wants(self, device: Device) -> bool:
         return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
+
+
+def _is_of_names(query: Query) -> bool:
+    """Return whether nothing but a type, rooms, tags and names is asked for, which do not come and go."""
+    terms = query.terms if isinstance(query, And) else (query,)
+    return all(isinstance(one, TypeIs | AreaIs | FactIs | NameIs) for one in terms)
 
 
 def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:

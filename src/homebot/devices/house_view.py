@@ -117,8 +117,11 @@ class HouseView:
             raise RefusedError("the search", answer.message)
         return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
 
-    async def check(self, query: Query, text: str) -> None:
+    async def check(self, query: Query, text: str) -> bool:
         """Check the rooms, types and names in *query*, of the call *text* of an app; without an answer all is well.
+
+        Returns:
+            False if nothing in the house fits it.
 
         Raises:
             UsageError: Nothing in the house has one of them; says what was probably meant.
@@ -127,6 +130,8 @@ class HouseView:
             answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
             if answer.is_mistake:
                 raise UsageError(f"{text}: {answer.message}")
+            return answer.success and answer.total > 0
+        return True
 
     @cached_property
     def _query(self) -> Client[QueryDevicesRequest, QueryDevicesResponse]:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from typing import Final, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final
 
+import anyio
+
+from homebot.clock import Clock
 from homebot.devices.device import Device, DeviceChange, State, StateChange
 from homebot.devices.follow import LiveQuery
 from homebot.devices.handles.handle import Handle
@@ -13,10 +18,19 @@ from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.house_view import HouseView
 from homebot.devices.query import And
 from homebot.graph import Node
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.support.timer_queue import TimerQueue
+from homebot.units import parse_duration
 
-__all__ = ["FollowHandles", "HandleChange"]
+if TYPE_CHECKING:
+    from homebot.devices.gateway_messages import RawMessage
+
+__all__ = ["Became", "FollowHandles", "HandleChange"]
 
 HandleT = TypeVar("HandleT", bound=Handle)
+HandleT_co = TypeVar("HandleT_co", bound=Handle, covariant=True)
+
+_Kind: TypeAlias = Literal["appeared", "changed", "event", "message", "removed"]
 
 _MAX_EVENTS: Final = 1000
 """Events that wait for a slow reader; the oldest is dropped and counted."""
@@ -29,20 +43,27 @@ _EARLY: Final = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class HandleChange(Generic[HandleT]):
+class HandleChange(Generic[HandleT_co]):
     """A change of one part that a live query matches.
 
     Attributes:
         kind: ``appeared``: it matches the query from now on; ``changed``: its description or a value changed;
             ``event``: something happened that has no duration, such as a button press; ``removed``: it is gone or no
-            longer matches.
+            longer matches. ``message`` comes from :meth:`homebot.devices.Devices.messages` alone.
         handle: The handle of the part, the same object each time.
         event: The event, in ``event.capability`` and ``event.value``; None for the other kinds.
+        message: The raw message; likewise.
     """
 
-    kind: Literal["appeared", "changed", "event", "removed"]
-    handle: HandleT
+    kind: _Kind
+    handle: HandleT_co
     event: State | None = None
+    message: RawMessage | None = None
+
+    @property
+    def text(self) -> str:
+        """The raw message without spaces around it, in lower case; empty for the other kinds, and if it is no text."""
+        return "" if self.message is None else self.message.payload.decode(errors="ignore").strip().lower()
 
 
 class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
@@ -65,12 +86,38 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     def __init__(self, node: Node, query: HandleQuery[HandleT], text: str = "the live query") -> None:
         super().__init__(node, And(query.names), text, query.near_search)
         self._query = query
+        self._text = text
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, ready as "changed"
         self._compared: dict[str, Device] = {}  # by the description alone, if no new value changes the matches
         self._clock = node.graph.clock
         self._events: deque[StateChange] = deque()
         self._early_events: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
         self.events_lost = 0
+
+    async def only(self, *kinds: _Kind) -> AsyncIterator[HandleChange[HandleT]]:
+        """Yield the changes of these kinds alone: ``only("event")`` for presses of buttons."""
+        async for change in self:
+            if change.kind in kinds:
+                yield change
+
+    def became(self, *, lasting: str | float = 0.0, **conditions: object) -> Became[HandleT]:
+        """Return a live query that yields ``appeared`` each time that a handle comes to meet further conditions.
+
+        Those that meet them at the beginning count.
+
+        Args:
+            lasting: How long they must be met first, such as ``"5m"``. The time runs on over what else changes; after
+                a restart it begins anew, unless the device has reported these values for longer.
+            conditions: For example ``occupied=False``, as :meth:`homebot.devices.Devices.find` takes them.
+
+        Raises:
+            TypeError: The kind has no such condition; the message suggests the nearest.
+            UsageError: *lasting* is no duration.
+        """
+        more = self._query.kind.where(**conditions)  # type: ignore[arg-type]  # checked there
+        given = ", ".join(f"{key}={value!r}" for key, value in conditions.items())
+        follow = FollowHandles(self._node, self._query.narrowed(more), f"{self._text}.became({given})")
+        return Became(follow, more.exact_values, parse_duration(lasting), self._clock)
 
     def close(self) -> None:
         """End the query. Twice is fine."""
@@ -154,3 +201,67 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
                 self._ready.append(HandleChange("appeared", handle))
         if matching:
             self._reported[device_id] = matching
+
+
+@final
+class Became(Generic[HandleT]):
+    """Iterator over the handles that have matched a live query for a while; see :meth:`FollowHandles.became`.
+
+    The cause of a command that it leads to is the change with which the handle came to match.
+
+    Args:
+        follow: The live query.
+        values: The capabilities that are to have one value: if one of them had another one meanwhile, which a reader
+            that is busy misses, the time begins anew.
+        lasting: Seconds.
+        clock: Measures them.
+    """
+
+    def __init__(self, follow: FollowHandles[HandleT], values: tuple[str, ...], lasting: float, clock: Clock) -> None:
+        self._follow = follow
+        self._values = values
+        self._lasting = lasting
+        self._clock = clock
+        self._since: dict[HandleT, float] = {}
+        self._due: TimerQueue[HandleT, tuple[HandleChange[HandleT], object]] = TimerQueue()
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> HandleChange[HandleT]:
+        """Return the next handle, as ``appeared``.
+
+        Raises:
+            StopAsyncIteration: The query or its node was closed.
+            UsageError: It has a misspelt name.
+        """
+        while True:
+            due = self._due.next()
+            wait = math.inf if due is None else due - self._clock.monotonic()
+            with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
+                self._record(await anext(self._follow))  # first, as what was reported meanwhile may end the wait
+            if scope.cancelled_caught and (found := self._due.pop(self._clock.monotonic())) is not None:
+                _, (change, cause) = found
+                CURRENT_CAUSE.set(cause)
+                return change
+
+    def close(self) -> None:
+        """End the query. Twice is fine."""
+        self._follow.close()
+
+    def _record(self, change: HandleChange[HandleT]) -> None:
+        handle = change.handle
+        if change.kind == "removed":
+            self._since.pop(handle, None)
+            self._due.discard(handle)
+        elif change.kind != "event":
+            since, before = self._known_since(handle), self._since.get(handle)
+            if before is None or since > before:
+                self._since[handle] = since
+                proven = self._clock.now() - since if since else 0.0
+                begun = type(change)("appeared", handle), CURRENT_CAUSE.get()
+                self._due.set(handle, self._clock.monotonic() + self._lasting - max(0.0, proven), begun)
+
+    def _known_since(self, handle: HandleT) -> float:
+        """Return since when the handle has reported the values, in seconds since the Unix epoch; 0 if not known."""
+        return max(map(handle.since, self._values), default=0.0) if handle.freshness == "fresh" else 0.0

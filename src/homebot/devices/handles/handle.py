@@ -100,7 +100,7 @@ class Handle:
 
     @property
     def is_commanded(self) -> bool:
-        """True while a command of this app to it has no outcome yet: what it reports may be the effect of that."""
+        """True until a second after the outcome of a command of this app to it: a report may be the effect of that."""
         return self._house.commander.is_commanding(self._view.device.id, self._part_id)
 
     @property
@@ -132,6 +132,16 @@ class Handle:
         """
         self._check_name(capability)
         return self._view.value(self._part_id, capability)
+
+    def since(self, capability: str) -> float:
+        """Return since when *capability* has had its value, in seconds since the Unix epoch; 0 if that is unknown."""
+        state = self._view.state(self._part_id, capability)
+        return 0.0 if state is None else state.since.to_seconds()
+
+    @property
+    def told_at(self) -> float:
+        """The time of the latest new value of the device, in seconds since the Unix epoch; 0 if there is none."""
+        return max((one.told_at.to_seconds() for one in self._view.current().states), default=0.0)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.

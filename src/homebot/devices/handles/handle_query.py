@@ -101,7 +101,9 @@ class HandleQuery(Generic[HandleT]):
     __slots__ = (
         "_category",
         "_device_terms",
+        "_filters",
         "_part_terms",
+        "_terms",
         "asks_for_values",
         "kind",
         "names",
@@ -124,6 +126,8 @@ class HandleQuery(Generic[HandleT]):
         freshness: list[Query] = [fresh if filters["fresh"] else Not(fresh)] if "fresh" in filters else []
         self._device_terms: Final = [*places, *freshness]
         self._part_terms: Final = (*part_terms, *terms)
+        self._filters: Final = filters
+        self._terms: Final = terms
         self.kind: Final = kind
         named = places[1:] if filters.get("area") == "" else places  # the empty name is that of no room
         self.names: Final = (*named, *names)
@@ -136,6 +140,15 @@ class HandleQuery(Generic[HandleT]):
         found: list[Query] = [one for one in terms if not isinstance(one, Not)]  # another part may match that
         found += [FactIs("category", self._category)] if self._category else types
         return And((*found, *places) if self.near is None else (*found, *places, self.near))
+
+    def narrowed(self, more: HandleQuery[HandleT]) -> HandleQuery[HandleT]:
+        """Return the query with the conditions of *more* as well."""
+        return HandleQuery(self.kind, {**self._filters, **more._filters}, (*self._terms, *more._terms))
+
+    @property
+    def exact_values(self) -> tuple[str, ...]:
+        """The capabilities that are to have one value."""
+        return tuple([one.capability for one in self._terms if isinstance(one, StateIs) and one.operator == "="])
 
     @property
     def near_search(self) -> Query | None:

@@ -1,0 +1,105 @@
+"""A reaction of an app: a handler that is called with each item of live queries."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Sequence
+from functools import partial
+from typing import Any, Final, Generic, TypeAlias, TypeVar, final
+
+import anyio
+
+from homebot.apps.run_modes import HandlerRuns, RunMode
+from homebot.errors import RefusedError, UsageError
+from homebot.graph import Node
+from homebot.graph.current_cause import CURRENT_CAUSE
+
+__all__ = ["ItemHandler", "Reaction"]
+
+ItemT = TypeVar("ItemT")
+ItemHandler: TypeAlias = Callable[[ItemT], Awaitable[object] | None]
+
+_MOST_KEYS: Final = 1000
+
+
+@final
+class Reaction(Generic[ItemT]):
+    """Calls a handler with each item; the commands of a call have the cause of its item, also if it runs later.
+
+    A command that makes no sense to its device ends the call; it is logged and no failure of the handler.
+
+    Args:
+        node: The node of the app.
+        start_task: Starts a task of the app.
+        queries: The live queries.
+        handler: The handler.
+        mode: What a call does while an earlier one with the same key runs; see :class:`HandlerRuns`.
+        most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
+        key: Returns what runs by itself, such as the room of an item; None for all items together. Beyond 1,000 keys
+            the others run as one.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        start_task: Callable[[Callable[[], Coroutine[Any, Any, Any]]], object],
+        queries: Sequence[AsyncIterable[ItemT]],
+        handler: ItemHandler[ItemT],
+        mode: RunMode,
+        most: int,
+        key: Callable[[ItemT], Hashable] | None,
+    ) -> None:
+        if not queries:
+            raise UsageError("on() takes a live query, such as self.devices.follow(Light), or several")
+        self.name = getattr(handler, "__name__", "handler")
+        self._handler = handler
+        self._key = key
+        self._runs: dict[Hashable, HandlerRuns] = {}
+        self._new_runs = partial(
+            HandlerRuns, node, start_task, f"handler {self.name}", mode, most, is_quiet=mode == "single"
+        )
+        self._runs[None] = self._new_runs()
+        self._scope = anyio.CancelScope()
+        self._readers = len(queries)
+        start_task(partial(self._read_all, queries))
+
+    @property
+    def running_since(self) -> float | None:
+        """Start of the oldest call that is at work, in seconds since the Unix epoch; None where none is."""
+        return min((one.running_since for one in self._runs.values() if one.running_since is not None), default=None)
+
+    @property
+    def dropped(self) -> int:
+        """Number of calls that were dropped."""
+        return sum(one.dropped for one in self._runs.values())
+
+    @property
+    def trouble(self) -> str:
+        """Reason for which the handler is called no longer, of one key at least; empty while it is."""
+        return next((one.trouble for one in self._runs.values() if one.trouble), "")
+
+    def cancel(self) -> None:
+        """End it, with the calls that run or wait. Twice is fine."""
+        self._scope.cancel()
+        for runs in self._runs.values():
+            runs.cancel()
+
+    async def _read_all(self, queries: Sequence[AsyncIterable[ItemT]]) -> None:
+        with self._scope:
+            async with anyio.create_task_group() as tasks:
+                for query in queries:
+                    tasks.start_soon(self._read, query)
+
+    async def _read(self, query: AsyncIterable[ItemT]) -> None:
+        async for item in query:
+            key = None if self._key is None else self._key(item)
+            if key not in self._runs:
+                key = key if len(self._runs) < _MOST_KEYS else None
+                self._runs.setdefault(key, self._new_runs())
+            self._runs[key].start(partial(self._call, item), CURRENT_CAUSE.get())
+
+    async def _call(self, item: ItemT) -> None:
+        try:
+            if (result := self._handler(item)) is not None:
+                await result
+        except RefusedError:  # logged as ``app.command_failed``
+            return

@@ -1,0 +1,31 @@
+"""Rooms of apps that act room by room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeVar
+
+from homebot.devices.handles import Handle, HandleChange
+from homebot.support.folding import fold
+
+__all__ = ["in_room", "per_handle", "per_room"]
+
+HandleT = TypeVar("HandleT", bound=Handle)
+
+
+def per_handle(change: HandleChange[Handle]) -> Handle:
+    """Return the handle of *change*, as the key of a reaction with runs of its own for each handle."""
+    return change.handle
+
+
+def per_room(change: HandleChange[Handle]) -> str:
+    """Return the room of *change*, as the key of a reaction with runs of its own for each room."""
+    return fold(change.handle.area)
+
+
+def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
+    """Return the *handles* in *room* itself; for a floor those in none of its rooms.
+
+    Case and accents do not matter. A device without a room is in none.
+    """
+    return [one for one in handles if room and fold(one.area) == fold(room)]

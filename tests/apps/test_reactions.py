@@ -1,0 +1,209 @@
+"""Reactions of apps: conditions that last, runs by key, and the person behind a command; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+from tests.apps.houses import flat, lamp, motion
+from tests.control.conftest import Home, OpenHome
+
+from homebot.apps import App, NoSettings
+from homebot.apps.rooms import per_handle
+from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
+from homebot.errors import UsageError
+from homebot.graph import Graph, Node
+from homebot.testing import virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+SetUp = Callable[[App], object]
+
+
+def app_of(node: Node, set_up: SetUp) -> App:
+    class Mine(App):
+        async def run(self) -> None:
+            set_up(self)
+
+    return Mine(node, NoSettings())
+
+
+async def started(home: Home, node: Node, set_up: SetUp) -> App:
+    app = app_of(node, set_up)
+    home.tasks.start_soon(app.serve)
+    await anyio.sleep(0.01)
+    return app
+
+
+async def test_a_condition_counts_once_it_has_lasted(open_home: OpenHome) -> None:
+    """Another value in between begins it anew; it is told once, until it ends."""
+    quiet: list[tuple[float, str]] = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        home.put("hall", "occupancy_sensor", readable=("occupancy",))
+        await home.report("hall", "occupancy", True)
+        begin = anyio.current_time()
+
+        def on_quiet(change: HandleChange[OccupancySensor]) -> None:
+            quiet.append((round(anyio.current_time() - begin), change.handle.id))
+
+        await started(
+            home,
+            node,
+            lambda app: app.on(app.devices.follow(OccupancySensor).became(occupied=False, lasting="5m"), on_quiet),
+        )
+        for wait, occupied in ((10, False), (200, True), (0, False), (400, False), (500, True), (60, False)):
+            await anyio.sleep(wait)
+            await home.report("hall", "occupancy", occupied)
+        await anyio.sleep(400)
+    assert [at for at, _ in quiet] == [210 + 300, 1170 + 300]
+
+
+async def test_a_restart_begins_anew_but_for_what_the_device_proves(open_home: OpenHome) -> None:
+    """It has reported that it is quiet for four minutes when the app starts."""
+    quiet: list[float] = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        home.put("hall", "occupancy_sensor", readable=("occupancy",))
+        await home.report("hall", "occupancy", False)
+        await anyio.sleep(240)
+        begin = anyio.current_time()
+        await started(
+            home,
+            node,
+            lambda app: app.on(
+                app.devices.follow(OccupancySensor).became(occupied=False, lasting="5m"),
+                lambda _: quiet.append(round(anyio.current_time() - begin)),
+            ),
+        )
+        await anyio.sleep(600)
+    assert quiet == [60]
+
+
+async def test_the_runs_of_one_key_do_not_touch_those_of_another(open_home: OpenHome) -> None:
+    """A newer change of a lamp cancels what was done for the last one of that lamp alone."""
+    ended: list[str] = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        for key in ("one", "two"):
+            home.put(key, "light", "on_off")
+
+        async def wait(change: HandleChange[Light]) -> None:
+            await anyio.sleep(10)
+            ended.append(f"{change.handle.id} {change.handle.on}")
+
+        await started(
+            home,
+            node,
+            lambda app: app.on(app.devices.follow(Light, on=True), wait, mode="restart", key=per_handle),
+        )
+        await home.report("one", "on_off", True)
+        await home.report("two", "on_off", True)
+        await anyio.sleep(6)
+        await home.report("one", "on_off", False)
+        await anyio.sleep(6)
+        assert [one.split()[1] for one in ended] == ["True"]
+        await anyio.sleep(6)
+    assert len(ended) == 2
+
+
+async def test_a_press_is_the_wish_of_a_person_also_while_an_earlier_one_is_at_work(open_home: OpenHome) -> None:
+    """The presence guard lets what it leads to through, and refuses the same without a press."""
+    outcomes: list[str] = []
+    async with open_home(presence_guard=True) as home, Node(home.graph, "mine") as node:
+        home.put("lamp", "light", "on_off", area="hall")
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        home.put("button", "generic_switch", readable=("press",), area="hall")
+        await home.report("lamp", "on_off", True)
+        await home.report("motion", "occupancy", True)
+
+        async def pressed(change: HandleChange[Handle]) -> None:
+            await anyio.sleep(5)
+            outcomes.append((await (await home_lamp(app)).turn_off()).kind)
+            await (await home_lamp(app)).turn_on()
+
+        app = await started(
+            home,
+            node,
+            lambda app: app.on(app.devices.follow(Handle).only("event"), pressed, mode="queued"),
+        )
+        await anyio.sleep(1)
+        for _ in range(2):
+            await home.report("button", "press", "single")
+            await anyio.sleep(1)
+        await anyio.sleep(30)
+        assert (await (await home.handle(Light, "lamp")).turn_off()).kind == "refused"
+    assert outcomes == ["confirmed", "confirmed"]
+
+
+async def home_lamp(app: App) -> Light:
+    (lamp,) = await app.devices.find(Light)
+    return lamp
+
+
+async def test_a_command_that_fails_is_logged_for_every_app(open_home: OpenHome) -> None:
+    """One that makes no sense too; it costs neither the handler nor the other lamps."""
+    outcomes: list[list[str]] = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        home.put("sealed", "light", readable=("on_off",))
+        home.put("lamp", "light", "on_off")
+        app = await started(home, node, lambda _: None)
+        with capture_logs() as lines:
+            found = await app.each(Light.turn_on, sorted(await app.devices.find(Light), key=lambda one: one.name))
+            outcomes.append([one.kind for one in found])
+    assert outcomes == [["confirmed", "refused"]]
+    assert [one["message"].partition(":")[0] for one in lines if one["event"] == "app.command_failed"] == ["Sealed"]
+
+
+async def refuse(make: Callable[[App], object]) -> str:
+
+    async with Node(Graph(), "mine") as node:
+        with pytest.raises((UsageError, TypeError)) as caught:
+            make(app_of(node, lambda _: None))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "problem"),
+    [
+        (lambda app: app.devices.follow(Light).became(onn=True), "did you mean on?"),
+        (lambda app: app.devices.follow(Light).became(on=True, lasting="5 mins"), "'5 mins' is not a duration"),
+        (lambda app: app.on(app.devices.follow(Light), print), "does not run yet"),
+    ],
+)
+async def test_a_mistake_is_named(make: Callable[[App], object], problem: str) -> None:
+    assert problem in await refuse(make)
+
+
+def test_a_plain_run_is_refused_when_the_app_is_loaded() -> None:
+    with pytest.raises(UsageError, match=r"Hall\.run is a plain function; write `async def run\(self\)`"):
+        type("Hall", (App,), {"run": print})
+
+
+async def test_the_mode_is_checked_when_the_reaction_begins() -> None:
+    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "mine") as node:
+        app = app_of(node, lambda app: app.on(app.devices.follow(Light), print, mode="restrat"))  # type: ignore[call-overload]
+        with pytest.raises(ExceptionGroup) as caught:
+            await app.serve()
+    assert "did you mean restart?" in str(caught.value.exceptions[0])
+
+
+@pytest.mark.parametrize(
+    ("set_up", "text"),
+    [
+        (lambda app: app.on(app.devices.follow(Light, area="attic"), print), "follow(Light, area='attic')"),
+        (lambda app: app.on(app.devices.follow("lanterns"), print), "follow('lanterns')"),
+    ],
+)
+async def test_a_name_that_nothing_has_is_told_when_devices_had_time_to_come(
+    open_home: OpenHome, set_up: SetUp, text: str
+) -> None:
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        home.put("lamp", "light", "on_off", area="hall")
+        with capture_logs() as lines:
+            await started(home, node, set_up)
+            await anyio.sleep(290)
+            assert [one for one in lines if one["event"] == "devices.nothing_fits"] == []
+            await anyio.sleep(20)
+        (line,) = [one for one in lines if one["event"] == "devices.nothing_fits"]
+    assert line["message"].startswith(f"{text}: nothing in the house has this name")
