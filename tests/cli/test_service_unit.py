@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -59,3 +60,13 @@ def test_a_wrong_configuration_is_not_installed(config: Path, tmp_path: Path, ca
     assert main(["service", "install", "--user"]) == 1
     assert "control.tmeout: unknown key" in capsys.readouterr().err
     assert not (tmp_path / "settings").exists()
+
+
+def test_the_commands_of_the_guide_work(config: Path, capsys: Text) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "operate.md").read_text()
+    commands = re.findall(r"^\$ homebot (.*)$", guide, re.MULTILINE)
+    assert len(commands) == 3
+    for command in commands:
+        assert main(shlex.split(command)) == 0
+    assert "[door.tokens.panel]" in config.read_text()
+    assert capsys.readouterr().err == ""
