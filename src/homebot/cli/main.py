@@ -26,6 +26,7 @@ __all__ = ["gc_paused", "main", "make_parser"]
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
+    "new": "make a folder with an app, its test, its configuration and its service",
     "app": "load, unload and reload apps of a running homebot",
     "config": "check the configuration",
     "devices": "list the devices in the house",
@@ -79,8 +80,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 an MQTT broker and nothing else
 
-All commands but `run`, `replay`, `broker`, `config`, `interface` and `token` connect to a running homebot, by default
-on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands but `run`, `replay`, `broker`, `config`, `interface`, `new` and `token` connect to a running homebot, by
+default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

@@ -1,0 +1,54 @@
+"""A new app passes its own test and the check of its configuration, and runs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.ports import reserve_port
+
+from homebot.cli.main import main
+
+
+@pytest.mark.slow
+def test_a_new_folder_passes_and_runs(tmp_path: Path) -> None:
+    assert main(["new", str(tmp_path / "Hall-Light")]) == 0
+    folder = tmp_path / "Hall-Light"
+    found = sorted(path.name for path in folder.iterdir())
+    assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "test_hall_light.py"]
+    run = ("-m", "homebot", "run", "--for", "1", "--ephemeral", "--door", f"127.0.0.1:{reserve_port()}")
+    for words in (("-m", "pytest", "-q", "-p", "no:cacheprovider"), ("-m", "homebot", "config", "check"), run):
+        done = subprocess.run(
+            [sys.executable, *words], capture_output=True, text=True, check=False, timeout=120, cwd=folder
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert "running the app hall_light" in done.stderr
+    unit = (folder / "hall_light.service").read_text()
+    assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
+
+
+def test_nothing_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "porch"
+    assert main(["new", str(folder)]) == 0
+    before = (folder / "porch.py").read_text()
+    assert main(["new", str(folder)]) == 1
+    assert f"homebot: {folder}/porch.py exists; give another folder" in capsys.readouterr().err
+    assert (folder / "porch.py").read_text() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("7", "an app cannot be named after the folder '7'; use letters, such as hall_light"),
+        ("class", "an app cannot be named after the folder 'class'"),
+        ("json", "there is a module 'json' already; give the folder another name, such as my_json"),
+    ],
+)
+def test_a_name_that_no_app_can_have_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, problem: str
+) -> None:
+    assert main(["new", str(tmp_path / name)]) == 1
+    assert problem in capsys.readouterr().err
+    assert not (tmp_path / name).exists()
