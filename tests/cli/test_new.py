@@ -12,19 +12,25 @@ from tests.ports import reserve_port
 from homebot.cli.main import main
 
 
+def _passes(folder: Path, *words: str) -> str:
+    """Run a module of Python in *folder*, and return what it said."""
+    command = [sys.executable, "-m", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
 @pytest.mark.slow
 def test_a_new_folder_passes_and_runs(tmp_path: Path) -> None:
     assert main(["new", str(tmp_path / "Hall-Light")]) == 0
     folder = tmp_path / "Hall-Light"
     found = sorted(path.name for path in folder.iterdir())
     assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "test_hall_light.py"]
-    run = ("-m", "homebot", "run", "--for", "1", "--ephemeral", "--door", f"127.0.0.1:{reserve_port()}")
-    for words in (("-m", "pytest", "-q", "-p", "no:cacheprovider"), ("-m", "homebot", "config", "check"), run):
-        done = subprocess.run(
-            [sys.executable, *words], capture_output=True, text=True, check=False, timeout=120, cwd=folder
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-    assert "running the app hall_light" in done.stderr
+    _passes(folder, "pytest", "-q", "-p", "no:cacheprovider")
+    _passes(folder, "homebot", "config", "check")
+    door = f"127.0.0.1:{reserve_port()}"
+    said = _passes(folder, "homebot", "run", "--for", "1", "--ephemeral", "--door", door)
+    assert "running the app hall_light" in said
     unit = (folder / "hall_light.service").read_text()
     assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
 
