@@ -74,3 +74,16 @@ async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     supervisor, counters = house.runtime.supervisor, house.simulated.counters
     assert (supervisor.restarts, supervisor.given_up, log.lost) == ({}, [], 0)
     assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("dialect", DIALECTS)
+async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(dialect: str) -> None:
+    """Most makers' protocols carry no room, and some no name: the owner states them."""
+    kinds = sorted(DIALECTS[dialect].kinds - {"robot", "tag"})
+    devices = {f"hall_{kind}": {"kind": kind, "room": "hall", "dialect": dialect} for kind in kinds}
+    world = parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
+        await house.run_for("20s")
+        found = await Devices(judge).find()
+    assert {(device.name, device.area) for device in found} == {(name, "hall") for name in devices}

@@ -332,7 +332,7 @@ async def test_it(house):
         [
             "*what happened in `house`*",
             "it is 2026-01-01 00:01:00 UTC in the house; crashed: app_1",
-            "2026-01-01 00:00:00.000 mqtt home425/lights/desk/out on",
+            "00:00:00.000  desk                on",
         ]
     )
 
@@ -491,3 +491,35 @@ def test_every_command_of_every_kind_is_among_those() -> None:
     pattern = plugin._FORGOTTEN_COMMANDS[0].split(":")[1]
     assert len(commands) > 25
     assert [one for one in commands if not re.match(pattern, f"coroutine '{one}' was never awaited")] == []
+
+
+def test_a_failed_test_shows_commands_and_changes_and_no_raw_messages(pytester: pytest.Pytester) -> None:
+    """Under 40 lines of at most 120 columns, the newest last."""
+    pytester.makepyfile(
+        START
+        + """
+from homebot.house import SimulatedLamp
+
+@pytest.mark.house("light_service", world=lambda: World.of(SimulatedLamp("hall")))
+async def test_it(house):
+    for _ in range(30):
+        await house.run_for("10m")
+        await house.press("hall", "on")
+    await house.becomes("hall", on=True, within="5m")
+"""
+    )
+    result = run(pytester)
+    result.assert_outcomes(failed=1)
+    lines = result.stdout.lines
+    begin = next(number for number, line in enumerate(lines) if "what happened in `house`" in line)
+    end = next(number for number, line in enumerate(lines[begin + 1 :], begin + 1) if line.startswith(("---", "===")))
+    shown = lines[begin:end]
+    assert len(shown) < 40
+    assert max(map(len, shown)) <= 120
+    assert not any("mqtt" in line for line in shown)
+    assert [line.split()[2:] for line in shown[-3:]] == [
+        ["on", "by", "hand"],
+        ["→", "off", "because", "lights/hall", "reported", "on", "app_1"],
+        ["off", "as", "commanded", "app_1"],
+    ]
+    result.stdout.fnmatch_lines(["E*hall did not become on=True within 5m: it is on=False"])

@@ -243,6 +243,8 @@ LEAST, MOST = 5.0, 30.0
 PERIOD = 300.0
 """Seconds between two looks at the thermometer; rooms are slow."""
 
+_DEGREES = " °C"
+
 BAND = 0.3
 """Kelvin below the target at which heating begins; it ends at as much above."""
 
@@ -265,6 +267,7 @@ class SimulatedThermostat(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "thermostat"
+    senses = ("temperature", float)
     celsius: float = 20.0
     target: float = 20.0
     outside: float = 10.0
@@ -295,6 +298,18 @@ class SimulatedThermostat(SimulatedDevice):
         reports = self.advance(now)
         self.outside = value
         return reports
+
+    def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
+        """Take a target by hand, or a temperature of the room, see :meth:`sensing`."""
+        if not command.endswith(_DEGREES):
+            return super().operate_manually(command, now)
+        reports = self.advance(now)
+        self.celsius = self._reported = float(command.removesuffix(_DEGREES))
+        return (*reports, self.state())
+
+    def sensing(self, value: float) -> str:
+        """Return the command for a room of *value* degrees, which then cools or warms."""
+        return f"{number_text(value)}{_DEGREES}"
 
     def next_event(self) -> float | None:
         """Return when it looks at the thermometer."""

@@ -11,6 +11,8 @@ from homebot.support.numbers import to_number
 __all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 
 _MEASURE: Final = "measure"
+_STAYS: Final = "motion stays"
+_LEFT: Final = "motion left"
 
 
 @dataclass(eq=False)
@@ -22,6 +24,7 @@ class SimulatedContactSensor(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "contact"
+    senses = ("is_open", bool)
     is_open: bool = False
     service_type: str = field(default="contacts", kw_only=True)
 
@@ -36,6 +39,10 @@ class SimulatedContactSensor(SimulatedDevice):
             return ()
         self.is_open = value > 0
         return (self.state(),)
+
+    def sensing(self, value: float) -> str:
+        """Return ``open`` or ``close``."""
+        return "open" if value else "close"
 
     def commands(self) -> tuple[str, ...]:
         """Return the manual commands; the world carries them out, because the door or window stays so."""
@@ -53,11 +60,13 @@ class MotionSensor(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "motion"
+    senses = ("occupied", bool)
     hold: float = 60.0
     service_type: str = field(default="motions", kw_only=True)
 
     def __post_init__(self) -> None:
         self._sees_motion = False
+        self._is_held = False
         self._clear_at: float | None = None
 
     def state(self) -> str:
@@ -71,16 +80,24 @@ class MotionSensor(SimulatedDevice):
             self._clear_at = None
             reports += () if self._sees_motion else ("motion",)
             self._sees_motion = True
-        elif self._sees_motion and self._clear_at is None:
+        elif self._sees_motion and self._clear_at is None and not self._is_held:
             self._clear_at = self.now + self.hold
         return reports
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Simulate a person walking past for ``motion``."""
+        """Simulate a person walking past for ``motion``; a test lets somebody stay, or leave, see :meth:`sensing`."""
         reports = self.advance(now)
+        if command in {_STAYS, _LEFT}:
+            self._is_held = command == _STAYS
+            reports += self.apply_input(float(self._is_held), now)
+            return reports if self._is_held or not self._sees_motion else (*reports, *self._on_timer())
         if command == "motion" and (not self._sees_motion or self._clear_at is not None):
             reports += self.apply_input(1.0, now) + self.apply_input(0.0, now)
         return reports
+
+    def sensing(self, value: float) -> str:
+        """Return the command for somebody who stays in front of it, or for nobody there any more."""
+        return _STAYS if value else _LEFT
 
     def commands(self) -> tuple[str, ...]:
         """Return the manual commands."""
@@ -139,6 +156,7 @@ class LuxSensor(_MeasuringSensor):
     """
 
     kind: ClassVar[str] = "lux"
+    senses = ("lux", float)
     lux: float = 0.0
     share: float = 0.2
     service_type: str = field(default="light_levels", kw_only=True)
@@ -165,6 +183,7 @@ class PowerMeter(_MeasuringSensor):
     """
 
     kind: ClassVar[str] = "power_meter"
+    senses = ("watts", float)
     total: float = 0.0
     step: float = 1.0
     of: str = ""

@@ -22,9 +22,12 @@ class SimulatedDevice(ABC):
         device_id: Its name.
         service_type: Its service type.
         now: The time it was last advanced to.
+        senses: The property of its handle that it senses, with the type of its values; None for a device that senses
+            nothing.
     """
 
     kind: ClassVar[str]
+    senses: ClassVar[tuple[str, type[bool | float]] | None] = None
     device_id: str
     service_type: str = field(default="", kw_only=True)
     now: float = field(default=0.0, init=False)
@@ -74,6 +77,10 @@ class SimulatedDevice(ABC):
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
         """Operate it by hand with *command*; return its immediate reports."""
         return self.handle_command(command, now)
+
+    def sensing(self, value: float) -> str:
+        """Return the manual command by which a test lets it sense *value*, 1 and 0 for true and false."""
+        return number_text(value)
 
     def commands(self) -> tuple[str, ...]:
         """Return the manual commands, for people: each one, or a text for a range, such as ``0 to 1``."""

@@ -64,8 +64,6 @@ RUNNING = "runtime.running"
 APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
 
-THESIS_HOME = "home425"
-
 JOURNAL_FILE = "journal.sqlite"
 """The name of the journal, beside the file of the index."""
 
@@ -293,9 +291,7 @@ class Runtime:
         if self._plan.thing_directory is not None:
             yield running("thing_directory", partial(self._serve_things, self._plan.thing_directory))
         if self._house is not None:
-            homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
-            home = next(filter(None, homes), THESIS_HOME)
-            yield running("house", partial(self._house.serve, self._context, home, self.graph))
+            yield running("house", partial(self._house.serve, self._context, self.graph))
 
     def _greeting(self) -> str:
         home = "homebot" if self._plan.home == UNNAMED else self._plan.home

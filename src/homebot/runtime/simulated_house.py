@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import final
@@ -14,20 +14,24 @@ from homebot.errors import ConfigError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
+from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
 from homebot.house.robot import Robot
 from homebot.house.rooms import DOOR_WIDTH
+from homebot.house.simulated_device import Placed
 from homebot.places import NO_PLACES, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
 from homebot.places.plan import door_name
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
-__all__ = ["HouseOfRun"]
+__all__ = ["HouseOfRun", "identifiers"]
 
 ROBOT = "house.robot"
 
 _STATED = ("configuration", 0.0)
+_THESIS = "thesis"
+_THESIS_HOME = "home425"
 _FRAMES = ("odom", "base_footprint", "base_link")
 _BOOTS = 1.0
 """Seconds that a robot boots longer than a house starts, so that its code does not delay the start."""
@@ -51,10 +55,11 @@ class HouseOfRun:
         self._world = world
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
+        self._home = _THESIS_HOME
         self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
-        """Return *plan* with the robot of the house, and with its floor plan where none is stated.
+        """Return *plan* with the robot of the house, and with its rooms and floor plan where none are stated.
 
         Raises:
             ConfigError: The plan of the configuration *source* has no in-process peer for its devices, or they have
@@ -62,7 +67,9 @@ class HouseOfRun:
         """
         if not any(map(_is_host, plan.gateways)):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
-        if self.robot and plan.places is NO_PLACES:
+        homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
+        self._home = next(filter(None, homes), self._home)
+        if plan.places is NO_PLACES:
             places = self.places()
             HousePlan(plan.home, places.rooms, source, places.doors)  # checks the names
             plan = replace(plan, places=places)
@@ -77,12 +84,13 @@ class HouseOfRun:
         return any(one.name in self._configured and not _is_host(one) for one in plan.gateways)
 
     def places(self) -> Places:
-        """Return its rooms with an extent, the doors between them, and its devices; by construction they fit."""
+        """Return its devices in their rooms; with a robot also the rooms with an extent, and their doors."""
         rooms, devices = self._world.rooms, self._world.devices
-        ids = {
-            name: f"{one.device.service_type}/{name}" if one.dialect == "thesis" else name
-            for name, one in devices.items()
-        }
+        known_by = {name: identifiers(placed, self._home) for name, placed in devices.items()}
+        facts = {known_by[name]: tuple(_facts(name, placed)) for name, placed in devices.items()}
+        if not self.robot:
+            return Places((), facts)
+        ids = {name: known_by[name][0] for name in devices}
         at_door = {
             (frozenset({one.room, one.door}), unwrap(one.device).kind): ids[name]
             for name, one in devices.items()
@@ -92,11 +100,6 @@ class HouseOfRun:
         for room, other, middle in rooms.doorways():
             contact, lock = (at_door.get((frozenset({room, other}), kind), "") for kind in ("contact", "lock"))
             doors.append(HouseDoor(door_name((room, other)), (room, other), (middle,), DOOR_WIDTH, contact, lock))
-        facts: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
-        for name, one in devices.items():
-            if rooms.rooms[one.room].corners:
-                position = () if one.at is None else (OwnerFact("position", Position(*one.at).text, *_STATED),)
-                facts[ids[name],] = (OwnerFact("area", one.room, *_STATED), *position)
         areas = tuple(
             HouseRoom(name, polygons=((room.corners,),)) for name, room in rooms.rooms.items() if room.corners
         )
@@ -105,7 +108,6 @@ class HouseOfRun:
     async def serve(
         self,
         context: GatewayContext,
-        home: str,
         graph: Graph,
         *,
         task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
@@ -113,13 +115,12 @@ class HouseOfRun:
         """Run the devices at the host in *context* until cancelled.
 
         Args:
-            home: The first level of their topics.
             graph: The graph, on which its robot is.
         """
         host = context.service(SimulatedHouse.Host)
         assert host is not None  # noqa: S101 - its plan has one
         house = SimulatedHouse.hosted_by(
-            host, home, self._world, graph.clock, random=context.random, network=self.network
+            host, self._home, self._world, graph.clock, random=context.random, network=self.network
         )
         if not self.robot:
             await house.serve(task_status=task_status)
@@ -159,6 +160,31 @@ class HouseOfRun:
             message = f"the robot is in {read().room}; ask what is near it: homebot find 'light near {self.robot}'"
             node.log.info(ROBOT, message=message)
             await robot.serve()
+
+
+def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
+    """Return the id of a simulated device in the directory, or else the id and the hardware address that it may have.
+
+    Args:
+        placed: The device.
+        home: The first level of the devices' topics, on which hardware addresses depend.
+    """
+    name, kind = placed.device.device_id, placed.device.service_type
+    if placed.dialect == _THESIS:
+        return (f"{kind}/{name}",)
+    from homebot.house.dialects.wire import hardware_address  # noqa: PLC0415 - the thesis's devices have none
+
+    address = hardware_address(SimulatedDeviceInfo(home, "", name, kind, placed.room))
+    return (name, f"mac:{address}")
+
+
+def _facts(name: str, placed: Placed) -> Iterator[OwnerFact]:
+    """Yield the facts that the owner of a simulated device would state: few protocols carry a room, or a name."""
+    yield OwnerFact("area", placed.room, *_STATED)
+    if placed.dialect != _THESIS:
+        yield OwnerFact("name", name, *_STATED)
+    if placed.at is not None:
+        yield OwnerFact("position", Position(*placed.at).text, *_STATED)
 
 
 def _is_host(gateway: PlannedComponent[Gateway]) -> bool:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import islice
-from typing import Literal
+from typing import Literal, cast
 
+from homebot.cli.json_message import JsonMessage
+from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.clock import Clock
+from homebot.devices.device import DeviceChange, StateChange, part_names
+from homebot.devices.journal_messages import JournalEntry
 from homebot.errors import ClosedError
 from homebot.graph import EntityKind, GraphChange, Node
 from homebot.messages import Message
@@ -139,19 +143,40 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
     node.create_subscription(message_type, info.name, on_message, 1000)
 
 
-LINES = 40
+LINES = 36
+"""With the lines above them and the title below 40."""
+
+WIDTH = 120
 
 
 def house_report(house: TestHouse) -> str:
-    """Return the time in *house*, its crashes, and the newest 40 lines of its log."""
+    """Return the time in *house*, its crashes, and the newest commands and changes of its log."""
     now = datetime.fromtimestamp(house.runtime.graph.clock.now(), UTC)
-    events = house.log.events
-    newest = list(islice(reversed(events), LINES))[::-1]
-    older = house.log.lost + len(events) - len(newest)
+    happened = list(_lines(house.log.events))
+    older = len(happened) - LINES
     return "\n".join(
         [
             f"it is {now:%Y-%m-%d %H:%M:%S} UTC in the house; crashed: {', '.join(house.crashed) or 'nothing'}",
-            *([f"({older} older events: house.log)"] if older else []),
-            *(str(event) for event in newest),
+            *([f"({older} older commands and changes; print(house.log) shows every message)"] if older > 0 else []),
+            *(happened[-LINES:] or ["no device was commanded or changed; print(house.log) shows every message"]),
         ]
     )
+
+
+def _lines(events: Iterable[HouseEvent]) -> Iterator[str]:
+    """Yield commands and changes, as `homebot watch` shows them."""
+    names: dict[str, str] = {}
+    lines = HouseLines(names)
+    found: list[WatchLine] = []
+    for event in events:
+        match event.said:
+            case DeviceChange(device=device):
+                names |= {key: name for key, name in part_names((device,)).items() if name}
+            case StateChange():
+                lines.add_change(cast("StateChange", JsonMessage(message_to_json(event.said))), event.at)
+            case JournalEntry():
+                lines.add_entry(cast("JournalEntry", JsonMessage(message_to_json(event.said))), event.at)
+        found += lines.pop(event.at)
+    for line in (*found, *lines.pop(math.inf)):
+        stamp = f"{datetime.fromtimestamp(line.at, UTC):%H:%M:%S.%f}"[:-3]
+        yield fitted(line_cells(line, names, stamp), WIDTH)

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Final
 import anyio
 
 from homebot.config import Config, Table, parse_config, parse_settings
+from homebot.devices.house_view import HouseView
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.graph import Node
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.native import NativeClient
@@ -202,6 +204,23 @@ class TestHouse:
         if not received:
             raise TimeoutError(self._timeout_text(topic, within))
         return received.popleft()
+
+    async def becomes(self, device: str, *, within: str | float = DEFAULT_WAIT, **values: object) -> None:
+        """Return when *device* has *values* in the directory, at once if it has them now.
+
+        Args:
+            device: Its id, or one of its names.
+            within: The longest time: such as ``"5m"``, or seconds.
+            values: By the names of the properties of its handle, for example ``on=False`` or ``level=40``.
+
+        Raises:
+            AssertionError: It has other values when the time is over; the message says which.
+        """
+        __tracebackhide__ = True
+        from homebot.testing.expectation import Expectation  # noqa: PLC0415 - few tests ask for it
+
+        async with Node(self.runtime.graph, "expectation") as node:
+            await Expectation(HouseView.of(node), device, values).wait(within)
 
     async def listen(self) -> None:
         """Receive homebot's messages until cancelled."""

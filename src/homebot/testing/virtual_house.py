@@ -18,6 +18,8 @@ from homebot.config import Config
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
+from homebot.house.faults import unwrap
+from homebot.house.simulated_device import Placed
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
@@ -25,9 +27,10 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.recording.recording_file import LineSink
 from homebot.runtime import Runtime
+from homebot.runtime.simulated_house import identifiers
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing.contexts import in_background, plain_logs
-from homebot.testing.house import EVERYTHING, TestHouse, house_config
+from homebot.testing.house import DEFAULT_WAIT, EVERYTHING, TestHouse, house_config
 from homebot.units import parse_duration
 
 __all__ = ["START", "VirtualHouse", "next_moment", "parse_time", "virtual_house_of"]
@@ -148,15 +151,47 @@ class VirtualHouse(TestHouse):
         Raises:
             UsageError: There is no such device or command; the message lists those that there are.
         """
-        placed = self.world.devices.get(device_id)
-        if placed is None:
-            there = ", ".join(self.world.devices) or "none"
-            raise UsageError(f"there is no device {device_id!r}; in the house are: {there}")
+        placed = self._placed(device_id)
         if not placed.device.knows(command):
             known = ", ".join(placed.device.commands()) or "nothing by hand"
             raise UsageError(f"{device_id} does not know {command[:_SHOWN]!r}; it takes: {known}")
         self.simulated.press(device_id, command)
         await self.settle()
+
+    async def sense(self, device_id: str, **values: bool | float) -> None:
+        """Let a simulated sensor sense a value until another; returns when all that follows at once has happened.
+
+        Args:
+            device_id: The sensor.
+            values: One value, by the property of its handle: ``occupied=True``, ``is_open=False``, ``lux=12``,
+                ``watts=140`` or, of a thermostat, ``temperature=17.5``.
+
+        Raises:
+            UsageError: There is no such device, or it does not sense this; the message says what it senses.
+        """
+        device = unwrap(self._placed(device_id).device)
+        word, kind = device.senses or ("nothing", bool)
+        given = ", ".join(f"{name}={value!r}" for name, value in values.items())
+        fits = [*values] == [word] and isinstance(values[word], bool) is (kind is bool)
+        if not fits:
+            example = "True or False" if kind is bool else "a number"
+            known = f"{word}={example}" if device.senses else word
+            raise UsageError(f"{device_id} cannot sense {given or 'nothing'}; it senses {known}")
+        self.simulated.press(device_id, device.sensing(float(values[word])))
+        await self.settle()
+
+    async def becomes(self, device: str, *, within: str | float = DEFAULT_WAIT, **values: object) -> None:
+        """Return when *device* has *values*, as :meth:`TestHouse.becomes`, in the time of the house."""
+        __tracebackhide__ = True
+        await super().becomes(device, within=within, **values)
+        await self.settle()
+
+    def _placed(self, device_id: str) -> Placed:
+        placed = self.world.devices.get(device_id)
+        if placed is None:
+            there = ", ".join(self.world.devices) or "none"
+            raise UsageError(f"there is no device {device_id!r}; in the house are: {there}")
+        return placed
 
     async def settle(self) -> None:
         """Wait until everything that is due now has happened; no time passes."""
@@ -194,7 +229,7 @@ async def virtual_house_of(
     with plain_logs():
         async with MemoryBroker(clock=clock, random=random, limits=_limits(len(world.devices))) as broker:
             runtime = Runtime(
-                house_config(apps, root, EMBEDDED, config),
+                _with_rooms(house_config(apps, root, EMBEDDED, config), world, root),
                 with_door=False,
                 clock=clock,
                 services=[HostedBroker.in_memory(broker)],
@@ -224,6 +259,17 @@ async def _inhabited(
         async with in_background(house.listen, simulated.serve):
             await house.settle()
             yield house
+
+
+def _with_rooms(config: Config, world: World, root: str) -> Config:
+    """Return *config* with the name and the room of each device of *world*, unless it states places itself."""
+    if config.places:
+        return config
+    devices = {
+        name: {"room": placed.room, "aliases": [name], "identifiers": identifiers(placed, root)}
+        for name, placed in world.devices.items()
+    }
+    return config.model_copy(update={"places": {"devices": devices}})
 
 
 def _limits(devices: int) -> BrokerLimits:

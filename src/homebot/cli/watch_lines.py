@@ -1,0 +1,201 @@
+"""Lines about what happens in the house: a line a change and a line a command. Pure."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, TypeVar, final
+
+from homebot.cli.journal_words import entry_text, issuer_text, name_text, outcome_text, settings_text, trigger_text
+from homebot.cli.table import printable
+from homebot.cli.time_format import to_seconds
+from homebot.cli.values import plain_value
+
+if TYPE_CHECKING:
+    from homebot.devices import StateChange
+    from homebot.devices.journal_messages import JournalEntry
+    from homebot.devices.value import Reading
+
+__all__ = ["HouseLines", "WatchLine", "fitted", "line_cells"]
+
+EXPLAINED_WITHIN: Final = 0.8
+"""Seconds in which the journal tells why a value changed: the directory gathers settings for half a second."""
+
+_DEVICE: Final = 18
+_VALUE: Final = 16
+_WHY: Final = 32
+"""Columns of a line; longer texts push the following ones to the right."""
+
+_MOST: Final = 10_000
+"""Values, and commands, that are known at once; the oldest are dropped."""
+
+_CAUSES: Final = {"person": "by hand", "device": "by itself", "unknown": "by hand or by itself", "command": "raw text"}
+_DONE: Final = frozenset({"confirmed", "already_so"})
+_KeyT = TypeVar("_KeyT")
+_ValueT = TypeVar("_ValueT")
+_Place: TypeAlias = tuple[str, str, str]
+_Value: TypeAlias = tuple[str, str, str, str]
+"""Device, part, capability, and the value as text."""
+
+
+@dataclass(slots=True)
+class WatchLine:
+    """One line.
+
+    Attributes:
+        at: Seconds since 1970.
+        kind: ``change``, ``command``, or ``outcome`` of a command that no change shows.
+        device: The id of the device.
+        part: The id of the part; empty for a device with one.
+        values: The values as text, by capability.
+        value: The values in words.
+        why: The cause of a change or command, or the outcome, in words.
+        issuer: The issuer of the command, in words; empty for none.
+    """
+
+    at: float
+    kind: Literal["change", "command", "outcome"]
+    device: str
+    part: str
+    values: Mapping[str, object]
+    value: str
+    why: str = ""
+    issuer: str = ""
+
+
+@dataclass(slots=True)
+class _Waiting:
+    line: WatchLine
+    due: float
+    keys: tuple[_Value, ...] = ()
+
+
+@dataclass(slots=True)
+class _Command:
+    settings: Mapping[str, object]
+    words: str
+    is_seen: bool = False
+
+
+@final
+class HouseLines:
+    """Lines from changes of values and from entries of the journal, in the order of their coming.
+
+    Args:
+        names: The names of devices, by id, and of their parts by ``ID#PART``; may grow.
+    """
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self._names = names
+        self._values: dict[_Place, str] = {}
+        self._commands: dict[str, _Command] = {}
+        self._explained: dict[_Value, tuple[str, str]] = {}
+        self._waiting: deque[_Waiting] = deque()
+
+    def learn(self, device: str, readings: Iterable[Reading]) -> None:
+        """Record known values, which are no change."""
+        for one in readings:
+            _bounded(self._values)[device, one.part, one.capability] = str(plain_value(one.value))
+
+    def add_change(self, change: StateChange, now: float) -> None:
+        """Add a line for the values of *change* that differ from the known ones."""
+        changed = []
+        for one in change.readings:
+            place, text = (change.device, one.part, one.capability), str(plain_value(one.value))
+            if self._values.get(place) != text:
+                _bounded(self._values)[place] = text
+                changed.append(one)
+        if not changed:
+            return
+        keys = tuple((change.device, one.part, one.capability, str(plain_value(one.value))) for one in changed)
+        why, issuer = next((self._explained.pop(key) for key in keys if key in self._explained), ("", ""))
+        values = {one.capability: plain_value(one.value) for one in changed}
+        at, part = to_seconds(change.told_at), changed[0].part
+        line = WatchLine(at, "change", change.device, part, values, settings_text(changed), why, issuer)
+        self._waiting.append(_Waiting(line, now if why else now + EXPLAINED_WITHIN, keys))
+
+    def add_entry(self, entry: JournalEntry, now: float) -> None:
+        """Add a line for a command, or the cause of a change."""
+        match entry.kind:
+            case "requested" | "published":
+                self._add_command(entry, now)
+            case "reported" | "changed":
+                self._explain(entry)
+            case "outcome" | "reverted":
+                self._add_outcome(entry, now)
+            case "denied":
+                self._add(entry, "outcome", {}, "", entry_text(entry, self._names), now)
+
+    def pop(self, now: float) -> Iterator[WatchLine]:
+        """Remove and yield the lines that wait for no cause any more."""
+        while self._waiting and self._waiting[0].due <= now:
+            yield self._waiting.popleft().line
+
+    def _add_command(self, entry: JournalEntry, now: float) -> None:
+        if entry.kind == "published" and entry.command in self._commands:
+            self._commands[entry.command].is_seen = True
+            return  # a text of an app, which was requested
+        values = {one.capability: plain_value(one.value) for one in entry.settings}
+        words = settings_text(entry.settings) if entry.settings else repr(printable(entry.text, 60))
+        _bounded(self._commands)[entry.command] = _Command(values, words)
+        cause = trigger_text(entry.trigger, self._names)
+        self._add(entry, "command", values, f"→ {words}", f"because {cause}" if cause else "", now)
+
+    def _add_outcome(self, entry: JournalEntry, now: float) -> None:
+        command = self._commands.get(entry.command) or _Command({}, "")
+        result = entry.results[0]
+        if not (result.outcome in _DONE and command.is_seen and entry.kind == "outcome"):
+            self._add(entry, "outcome", command.settings, f"→ {command.words}", outcome_text(result), now)
+
+    def _explain(self, entry: JournalEntry) -> None:
+        command = self._commands.get(entry.command)
+        if command is not None:
+            command.is_seen = True
+        issuer = issuer_text(entry.issuer) if entry.issuer else ""
+        why = "as commanded" if entry.kind == "reported" and entry.cause != "person" else _CAUSES.get(entry.cause, "")
+        for one in entry.settings:
+            key = (entry.device, entry.part, one.capability, str(plain_value(one.value)))
+            waiting = next((each for each in self._waiting if key in each.keys and not each.line.why), None)
+            if waiting is None:
+                _bounded(self._explained)[key] = why, issuer
+            else:
+                waiting.line.why, waiting.line.issuer, waiting.due = why, issuer, 0.0
+
+    def _add(
+        self,
+        entry: JournalEntry,
+        kind: Literal["command", "outcome"],
+        values: Mapping[str, object],
+        words: str,
+        why: str,
+        now: float,
+    ) -> None:
+        issuer = issuer_text(entry.issuer) if entry.issuer else ""
+        line = WatchLine(to_seconds(entry.at), kind, entry.device, entry.part, values, words, why, issuer)
+        self._waiting.append(_Waiting(line, now))
+
+
+def line_cells(line: WatchLine, names: Mapping[str, str], time: str) -> tuple[str, ...]:
+    """Return time, device, value, why and issuer."""
+    return time, name_text(line.device, names, line.part), line.value, printable(line.why), line.issuer
+
+
+def fitted(cells: tuple[str, ...], width: int | None) -> str:
+    """Return *cells* in columns; if *width* is given the line fits it: why is cut first, then the issuer."""
+    time, device, value, why, issuer = cells
+    begin = f"{time}  {device:<{_DEVICE}}  {value:<{_VALUE}}"
+    if width is None:
+        return f"{begin}  {why:<{_WHY}}  {issuer}".rstrip()
+    room = max(0, width - len(begin) - 2)
+    issuer = printable(issuer, room) if len(issuer) > room and room else issuer[:room]
+    left = room - len(issuer) - 2
+    cut = printable(why, left) if left > 0 else ""
+    return f"{begin}  {cut:<{min(_WHY, max(left, 0))}}  {issuer}".rstrip()[:width]
+
+
+def _bounded(known: dict[_KeyT, _ValueT]) -> dict[_KeyT, _ValueT]:
+    """Return *known* with room for one more."""
+    if len(known) >= _MOST:
+        del known[next(iter(known))]
+    return known

@@ -1,0 +1,150 @@
+"""A wait for values of one device, in the words of its handles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Final, final
+
+import anyio
+
+from homebot.devices import handles
+from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.handles import Handle
+from homebot.devices.house_view import HouseView
+from homebot.errors import UsageError
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+from homebot.units import parse_duration
+
+__all__ = ["Expectation"]
+
+_UNKNOWN: Final = object()
+_KINDS: Final = tuple(
+    kind
+    for name in handles.__all__
+    if isinstance(kind := getattr(handles, name), type) and issubclass(kind, Handle) and kind.service_types
+)
+"""Every kind of handle of a certain type of device."""
+
+_TOLERANCE: Final = 0.01
+"""Share by which a number may differ: devices round levels and temperatures."""
+
+
+@final
+class Expectation:
+    """The values that one device is to have, such as ``on=False``.
+
+    Args:
+        view: The devices of the house.
+        name: The id of the device, or one of its names.
+        values: The expected values, by the names of the properties of its handles.
+    """
+
+    def __init__(self, view: HouseView, name: str, values: Mapping[str, object]) -> None:
+        if not values:
+            raise UsageError(f"say what {name} is to become, for example on=False")
+        self._view = view
+        self._name = name
+        self._values = values
+        self._news = anyio.Event()
+        self._known: dict[str, Device] = {}
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record a device, or its end."""
+        if change.kind == "removed":
+            self._known.pop(change.device.id, None)
+        else:
+            self._known[change.device.id] = change.device
+        self._news.set()
+
+    def on_values(self, change: StateChange) -> None:
+        """Look again."""
+        del change
+        self._news.set()
+
+    def on_event(self, change: StateChange) -> None:
+        """Ignore an event: it is no value."""
+
+    def close(self) -> None:
+        """Look a last time."""
+        self._news.set()
+
+    async def wait(self, within: str | float) -> None:
+        """Return when the device has the values.
+
+        Raises:
+            AssertionError: It has others when the time is over; the message says which.
+        """
+        __tracebackhide__ = True
+        self._view.add(self)
+        try:
+            with anyio.move_on_after(parse_duration(within)):
+                while any(not _is_equal(seen, wanted) for seen, wanted in self._seen()):
+                    await self._news.wait()
+                    self._news = anyio.Event()
+                return
+            problem = self._problem()
+        finally:
+            self._view.remove(self)
+        wanted = ", ".join(f"{word}={value!r}" for word, value in self._values.items())
+        time = within if isinstance(within, str) else f"{within:g} s"
+        raise AssertionError(f"{self._name} did not become {wanted} within {time}: {problem}")
+
+    def _seen(self) -> Iterator[tuple[object, object]]:
+        """Yield the present and the expected value of each word."""
+        present = self._present()
+        yield from ((present.get(word, _UNKNOWN), value) for word, value in self._values.items())
+
+    def _problem(self) -> str:
+        """Return the present values in words, or the word or name that does not exist."""
+        if self._device() is None:
+            known = sorted({one.name or one.id for one in self._known.values()})
+            return f"there is no such device; {did_you_mean(self._name, known, f'there are {_listed(known)}')}"
+        present = self._present()
+        for word in self._values:
+            if word not in present:
+                hint = did_you_mean(word, present, f"its values are {_listed(sorted(present))}")
+                return f"it has no value {word!r}; {hint}"
+        return f"it is {', '.join(f'{word}={present[word]!r}' for word in self._values)}"
+
+    def _present(self) -> Mapping[str, object]:
+        """Return the present values of the device by property and by capability; of several parts the first known."""
+        device = self._device()
+        view = None if device is None else self._view.get(device.id)
+        found: dict[str, object] = {}
+        for part in () if view is None else view.device.parts:
+            for kind in _KINDS:
+                if view is not None and part.part.service_type in kind.service_types:
+                    handle = kind(view, part.id, self._view)
+                    found |= {word: getattr(handle, word) for word in _words(kind) if found.get(word) is None}
+        for state in () if view is None else view.current().states:  # a thermostat's temperature may be another part's
+            if found.get(state.capability) is None:
+                found[state.capability] = state.value.plain()
+        return found
+
+    def _device(self) -> Device | None:
+        wanted = fold(self._name)
+        devices = self._known.values()
+        named = [one for one in devices if one.id == self._name or one.id.rpartition("/")[2] == self._name]
+        named = named or [one for one in devices if wanted in {fold(text) for text in (one.name, *one.names)}]
+        if len(named) > 1:
+            raise UsageError(f"{self._name} may be {_listed([one.id for one in named])}; give the id of one")
+        return named[0] if named else None
+
+
+def _words(kind: type[Handle]) -> Iterator[str]:
+    """Yield the names of the values that handles of *kind* have beside those of every handle."""
+    for owner in kind.__mro__:
+        if owner is not Handle:
+            yield from (name for name, one in vars(owner).items() if isinstance(one, property))
+
+
+def _is_equal(present: object, wanted: object) -> bool:
+    if isinstance(present, float) and isinstance(wanted, int | float) and not isinstance(wanted, bool):
+        return math.isclose(present, wanted, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
+    return present == wanted
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names) or "none"
