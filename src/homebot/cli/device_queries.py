@@ -28,6 +28,7 @@ __all__ = [
     "device_or_similar",
     "find_devices",
     "house_time",
+    "matching_devices",
     "named_device",
     "reasons_for",
     "unapproved",
@@ -66,6 +67,21 @@ def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesRe
         PeerError: The query is not understood; the message names the part that is not.
     """
     return _begin_query(door, query, limit, 0)()
+
+
+def matching_devices(door: DoorClient, query: str) -> list[Device]:
+    """Return all devices that match *query*, all of the house if it is empty.
+
+    Raises:
+        PeerError: The query is not understood; the message names the part that is not.
+    """
+    found: list[Device] = []
+    total = 1
+    while len(found) < total:
+        page = _begin_query(door, query, _PAGE, len(found))()
+        found += [one.device for one in page.results]
+        total = page.total if page.results else 0
+    return found
 
 
 def named_device(door: DoorClient, name: str) -> Device:

@@ -45,6 +45,7 @@ COMMANDS: Final = {
     "release": "end the leases of a device",
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
+    "watch": "print each change and each command as it happens",
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",

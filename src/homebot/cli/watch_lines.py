@@ -13,7 +13,7 @@ from homebot.cli.time_format import to_seconds
 from homebot.cli.values import plain_value
 
 if TYPE_CHECKING:
-    from homebot.devices import StateChange
+    from homebot.devices import State, StateChange
     from homebot.devices.journal_messages import JournalEntry
     from homebot.devices.value import Reading
 
@@ -93,7 +93,7 @@ class HouseLines:
         self._explained: dict[_Value, tuple[str, str]] = {}
         self._waiting: deque[_Waiting] = deque()
 
-    def learn(self, device: str, readings: Iterable[Reading]) -> None:
+    def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
         """Record known values, which are no change."""
         for one in readings:
             _bounded(self._values)[device, one.part, one.capability] = str(plain_value(one.value))

@@ -1,0 +1,139 @@
+"""``homebot watch`` against a running homebot, and its lines."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any, cast
+
+import pytest
+from tests.cli.test_guides import HOUSE
+from tests.ports import reserve_door
+
+from homebot.cli.commands.watch import MOST_LINES, _Printer
+from homebot.cli.json_message import JsonMessage
+from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
+
+pytestmark = pytest.mark.slow
+HOMEBOT = (sys.executable, "-m", "homebot")
+
+
+def _environment(door: str) -> dict[str, str]:
+    return {**os.environ, "HOMEBOT_DOOR": door}
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
+    (folder / "house.toml").write_text(HOUSE)
+    command = [*HOMEBOT, "run", "--house", "house.toml", "--ephemeral"]
+    process = subprocess.Popen(command, env=_environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
+    assert process.stderr is not None
+    waited_for = {"found hall_lamp", "found front_door", "is running"}
+    for line in process.stderr:
+        waited_for -= {one for one in waited_for if one in line}
+        if not waited_for:
+            break
+    yield door
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=120)
+
+
+def _watch(door: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [*HOMEBOT, "watch", *arguments],
+        env=_environment(door),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _do(door: str, *arguments: str) -> None:
+    subprocess.run([*HOMEBOT, "do", *arguments], env=_environment(door), check=False, capture_output=True, timeout=60)
+
+
+def _first_lines(door: str, watch: subprocess.Popen[str], device: str) -> list[str]:
+    """Return the lines after commands to *device*, as when the subscription begins is not visible from outside."""
+    assert watch.stdout is not None
+    os.set_blocking(watch.stdout.fileno(), False)
+    text, words = "", iter(("on", "off") * 10)
+    while text.count("as commanded") < 2 or "→" not in text:
+        _do(door, device, next(words))
+        text += watch.stdout.read() or ""
+    watch.send_signal(signal.SIGINT)
+    return (text + watch.communicate(timeout=60)[0]).splitlines()
+
+
+def test_a_command_and_the_change_are_a_line_each(door: str) -> None:
+    lines = _first_lines(door, _watch(door), "Hall lamp")
+    cells = [line.split()[1:] for line in lines]  # the light service commands it too, and some commands change nothing
+    commands = [number for number, one in enumerate(cells) if one[:2] == ["hall_lamp", "→"]]
+    changes = [[each[:4] for each in cells[number + 1 :]] for number in commands]
+    words = [cells[number][2] for number in commands]
+    pairs = zip(words, changes, strict=True)
+    assert any(["hall_lamp", word, "as", "commanded"] in later for word, later in pairs), lines
+    assert "\x1b" not in "".join(lines)
+
+
+def test_json_has_an_object_a_line_and_a_query_leaves_others_out(door: str) -> None:
+    watch = _watch(door, "--json", "light")
+    _do(door, "Front door", "lock")
+    found = [json.loads(line) for line in _first_lines(door, watch, "Hall lamp")]
+    assert {one["device"] for one in found} == {"hall_lamp"}
+    shown = [one for one in found if one["kind"] != "outcome"]  # of one that changed nothing
+    assert {one["kind"] for one in shown} == {"command", "change"}
+    assert all(isinstance(one["values"]["on_off"], bool) and one["issuer"] for one in shown)
+
+
+def test_a_query_that_is_not_understood_is_refused(door: str) -> None:
+    watch = _watch(door, "temperature >")
+    _, errors = watch.communicate(timeout=60)
+    assert (watch.returncode, errors.startswith("homebot: ")) == (1, True)
+
+
+def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
+    watch = _watch(door)
+    assert watch.stdout is not None
+    watch.stdout.close()
+    for word in ("on", "off") * 20:
+        _do(door, "Hall lamp", word)
+        if watch.poll() is not None:
+            break
+    assert watch.stderr is not None
+    assert (watch.wait(60), watch.stderr.read()) == (0, "")
+    watch.stderr.close()
+
+
+def test_a_flood_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    printer = _Printer({}, as_json=False)
+    for number in range(MOST_LINES + 130):
+        printer.print(WatchLine(0.0, "change", "lamp", "", {}, str(number)), 10.0)
+    printer.end_second(10.9)
+    printer.end_second(11.0)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == MOST_LINES + 1
+    assert lines[-1] == "… 130 more"
+
+
+def test_why_is_cut_first_and_then_the_issuer() -> None:
+    cells = ("12:00:00.0", "lamp", "on", "because the motion sensor reported motion", "light_service")
+    assert fitted(cells, None).endswith("because the motion sensor reported motion  light_service")
+    assert fitted(cells, 80).split("  ")[-1] == "light_service"
+    assert "…" in fitted(cells, 80)
+    assert all(len(fitted(cells, width)) <= width for width in range(20, 140))
+
+
+def test_a_change_without_a_reason_waits_for_the_journal_and_no_longer() -> None:
+    lines, zero = HouseLines({}), {"sec": 1, "nanosec": 0}
+    reading = {"part": "", "capability": "on_off", "value": True}
+    change = cast("Any", JsonMessage({"device": "lamp", "readings": [reading], "told_at": zero}))
+    lines.add_change(change, 10.0)
+    assert list(lines.pop(10.5)) == []
+    assert [line.why for line in lines.pop(11.0)] == [""]
+    lines.add_change(change, 12.0)
+    assert list(lines.pop(20.0)) == []  # the same value is no change
