@@ -27,7 +27,7 @@ __all__ = ["gc_paused", "main", "make_parser"]
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "make a folder with an app, its test, its configuration and its service",
-    "app": "load, unload and reload apps of a running homebot",
+    "app": "list, load, unload and reload apps of a running homebot",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import RUNTIME_HEALTH
@@ -22,16 +22,24 @@ class RuntimeHealth:
 
     Args:
         watch: Detector of a blocked event loop, or None.
+        app_troubles: Returns the problems of apps, in words.
     """
 
     def __init__(
-        self, node: Node, home: str, supervisor: Supervisor, watch: LoopWatch | None, lost_lines: Callable[[], int]
+        self,
+        node: Node,
+        home: str,
+        supervisor: Supervisor,
+        watch: LoopWatch | None,
+        lost_lines: Callable[[], int],
+        app_troubles: Callable[[], Iterable[str]],
     ) -> None:
         self._graph: Graph = node.graph
         self._home = home
         self._supervisor = supervisor
         self._watch = watch
         self._lost_lines = lost_lines
+        self._app_troubles = app_troubles
         node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
     def _answer(self, _request: HealthRequest) -> HealthResponse:
@@ -61,6 +69,7 @@ class RuntimeHealth:
                 yield f"{name} kept crashing and will not be restarted; fix it and restart homebot ({crash.last})"
             elif crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
+        yield from self._app_troubles()
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:
                 why = "its caller gave up, and later calls may wait for it"

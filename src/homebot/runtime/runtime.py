@@ -26,7 +26,7 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
-from homebot.devices.names import POSE_TOPICS, START_RECORDER
+from homebot.devices.names import LIST_APPS, POSE_TOPICS, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
@@ -168,6 +168,7 @@ class Runtime:
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
+        self._running_apps: dict[str, App] = {}
         self._apps = AppManager(self.supervisor, lambda app: partial(self._app, app), self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
@@ -254,7 +255,8 @@ class Runtime:
         self._main = main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self._apps.offer_services(main)
-        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines)
+        main.offer_service("homebot/srv/ListApps", LIST_APPS, partial(self._serve_app_list, main))
+        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self._app_troubles)
         main.create_service(Trigger, START_RECORDER, partial(self._start_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
@@ -362,11 +364,23 @@ class Runtime:
             _offer_settings(node, component.settings)
             app = component.kind(node, component.settings)
             app.context = self._app_context
+            self._running_apps[component.name] = app
             try:
                 await run_as(node.full_name, partial(app.serve, task_status=task_status))
             finally:
+                self._running_apps.pop(component.name, None)
                 if self._stores is not None:
                     await self._stores.flush()
+
+    def _serve_app_list(self, main: Node) -> None:
+        from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
+
+        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self._running_apps, self.supervisor)
+
+    def _app_troubles(self) -> Iterator[str]:
+        """Yield the jobs that apps have given up."""
+        for name, app in self._running_apps.items():
+            yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 import argparse
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, set_client_command
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.device_json import json_text, list_text
+from homebot.cli.device_queries import house_time
+from homebot.cli.door_client import DoorClient, door_command, with_client
+from homebot.cli.json_message import JsonMessage
 from homebot.cli.table import printable
-from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.cli.terminal import print_table
+from homebot.cli.time_format import age, iso, to_seconds
+from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import PeerError
+
+if TYPE_CHECKING:
+    from homebot.devices.app_messages import AppInfo, AppJob, AppsResponse
+    from homebot.messages import Time
 
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
+  homebot app list                the apps, and when their jobs are called next
   homebot app load hall.py        start an app in a file, in the homebot that runs
   homebot app reload hall         load its file and its settings anew; if that fails the old one runs on
   homebot app unload hall         stop it, until homebot is restarted or it is loaded again
 
-It takes the right `manage`. What an app keeps in its store stays.
+But for `list`, it takes the right `manage`. What an app keeps in its store stays.
 """
 
 _LONGEST = 60.0
@@ -29,6 +41,9 @@ _LONGEST = 60.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot app``."""
     verbs = add_verbs(parser, _EXAMPLES)
+    command = add_verb(verbs, "list", "list the apps with their jobs, and when these are called next")
+    set_client_command(command, _list, "  homebot app list --json\n")
+    command.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
     _add(verbs, "load", LOAD_APP, "start an app of the configuration, an installed one, or one in a file")
     _add(verbs, "reload", RELOAD_APP, "replace an app by its code and settings as they are now")
     _add(verbs, "unload", UNLOAD_APP, "stop an app")
@@ -58,3 +73,60 @@ def _absolute(app: str) -> str:
     """Return *app* with the path of its file as the other program needs it."""
     file, colon, kind = app.partition(":")
     return f"{Path(file).resolve()}{colon}{kind}" if file.endswith(".py") else app
+
+
+@door_command
+def _list(door: DoorClient, options: argparse.Namespace) -> int:
+    """Print the apps, each with its jobs below it."""
+    apps = cast("AppsResponse", JsonMessage(door.call(LIST_APPS, {}))).apps
+    if options.json:
+        print(list_text([json_text(_json(one)) for one in apps]))
+    elif apps:
+        now = house_time(door)
+        print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now)])
+    else:
+        print("no app runs")
+    return 0
+
+
+def _rows(app: AppInfo, now: float) -> list[tuple[str, ...]]:
+    crashes = f", {app.crashes} crashes: {printable(app.last_crash, 60)}" if app.crashes else ""
+    head = (printable(app.name), f"{app.state}{crashes}")
+    jobs = [(_job_text(job), *_times(job, now)) for job in app.jobs] or [("", "", "")]
+    return [(*(head if number == 0 else ("", "")), *job) for number, job in enumerate(jobs)]
+
+
+def _job_text(job: AppJob) -> str:
+    return printable(job.name if job.text in job.name else f"{job.name} ({job.text})", 80)
+
+
+def _times(job: AppJob, now: float) -> tuple[str, str]:
+    notes = [printable(job.note, 200)] if job.note else []
+    if job.running_since.sec:
+        notes.append(f"running since {_local(job.running_since)}")
+    if job.dropped:
+        notes.append(f"{job.dropped} calls dropped")
+    if not job.next.sec:
+        return "", "; ".join(notes)
+    left = age(cast("Time", JsonMessage({"sec": int(now), "nanosec": 0})), to_seconds(job.next))
+    return f"{_local(job.next)}, in {left}", "; ".join(notes)
+
+
+def _local(time: Time) -> str:
+    return f"{datetime.fromtimestamp(to_seconds(time), UTC).astimezone():%a %d %b %H:%M}"
+
+
+def _json(app: AppInfo) -> dict[str, object]:
+    jobs = [
+        {
+            "name": job.name,
+            "text": job.text,
+            "next": iso(job.next) if job.next.sec else None,
+            "running_since": iso(job.running_since) if job.running_since.sec else None,
+            "dropped": job.dropped,
+            "note": job.note,
+        }
+        for job in app.jobs
+    ]
+    facts = {"name": app.name, "state": app.state, "crashes": app.crashes, "last_crash": app.last_crash}
+    return {**facts, "jobs": jobs}

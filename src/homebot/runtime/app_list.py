@@ -1,0 +1,52 @@
+"""The service ``/apps/list``: apps with their states, and their jobs with the next times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from homebot.apps import App
+from homebot.apps.jobs import Job
+from homebot.devices.app_messages import AppInfo, AppJob, AppsRequest, AppsResponse, ListApps
+from homebot.devices.names import LIST_APPS
+from homebot.graph import Node
+from homebot.messages import Time
+from homebot.runtime.supervisor import ComponentCrashes, Supervisor
+
+__all__ = ["serve_app_list"]
+
+
+def serve_app_list(
+    node: Node, names: Callable[[], Iterable[str]], running: Mapping[str, App], supervisor: Supervisor
+) -> None:
+    """Serve it on *node*.
+
+    Args:
+        names: Returns the names of the apps.
+        running: Those that run.
+    """
+
+    def answer(_request: AppsRequest) -> AppsResponse:
+        infos = (_info(name, running.get(name), supervisor.crashes.get(name)) for name in names())
+        return AppsResponse(apps=tuple(infos))
+
+    node.create_service(ListApps, LIST_APPS, answer)
+
+
+def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
+    jobs = () if app is None else tuple(map(_job, app.jobs))
+    if crashes is None:
+        return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)
+    state = crashes.state if app is None else "running"
+    return AppInfo(name=name, state=state, crashes=crashes.count, last_crash=crashes.last, jobs=jobs)
+
+
+def _job(job: Job) -> AppJob:
+    at = job.next
+    return AppJob(
+        name=job.name,
+        text=job.text,
+        next=Time.from_seconds(0.0 if at is None else at.timestamp()),
+        running_since=Time.from_seconds(job.runs.running_since or 0.0),
+        dropped=job.runs.dropped,
+        note=job.note,
+    )

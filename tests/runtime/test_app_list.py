@@ -1,0 +1,73 @@
+"""``homebot app list``: apps with their jobs, when these are called next, and why one is not."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+import anyio
+import pytest
+
+from homebot import App
+from homebot.apps.run_modes import FAILURES_IN_A_ROW
+from homebot.cli.main import main
+from homebot.config import parse_config
+from homebot.devices.app_messages import AppsRequest, ListApps
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.names import LIST_APPS, RUNTIME_HEALTH
+from homebot.graph import Node
+from homebot.runtime import Runtime
+
+GIVEN_UP = anyio.Event()
+
+
+class Hall(App):
+    failures = 0
+
+    async def run(self) -> None:
+        self.every("0.01s", self.work, name="slow")
+        self.every("0.01s", self.fail, name="odd")
+        self.daily("22:00", self.work, name="evening")
+        await anyio.sleep_forever()
+
+    async def work(self) -> None:
+        await anyio.sleep_forever()
+
+    def fail(self) -> None:
+        self.failures += 1
+        if self.failures == FAILURES_IN_A_ROW:
+            GIVEN_UP.set()
+        raise ValueError("no lamp")
+
+
+def home() -> Runtime:
+    tables = {"apps": {"hall": {"class": f"{__name__}:Hall"}}, "door": {"port": 0}, "discovery": {"persist": False}}
+    return Runtime(parse_config(tables, "test"))
+
+
+async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_line(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    async with home() as runtime, Node(runtime.graph, "client") as node:
+        client = node.create_client(ListApps, LIST_APPS)
+        await GIVEN_UP.wait()
+        await anyio.sleep(0.05)
+        (app,) = (await client.call(AppsRequest())).apps
+        slow, odd, evening = app.jobs
+        assert (app.name, app.state, app.crashes) == ("hall", "running", 0)
+        assert slow.running_since.sec > 0
+        assert (odd.next.sec, odd.note) == (0, "failed 5 times in a row and is called no longer (ValueError: no lamp)")
+        assert (evening.text, evening.running_since.sec) == ("daily at 22:00", 0)
+        assert 0 < evening.next.to_seconds() - runtime.graph.clock.now() <= 25 * 3600
+        health = await node.create_client(GetHealth, RUNTIME_HEALTH).call(HealthRequest())
+        assert health.troubles == (f"the job odd of hall {odd.note}",)
+        assert runtime.door is not None
+        door = ["--door", f"127.0.0.1:{runtime.door.port}"]
+        capsys.readouterr()
+        assert await asyncio.to_thread(main, ["app", "list", *door]) == 0
+        printed = capsys.readouterr().out
+        assert "evening (daily at 22:00)" in printed
+        assert "running since" in printed
+        assert await asyncio.to_thread(main, ["app", "list", "--json", *door]) == 0
+        text = capsys.readouterr().out
+        assert [job["name"] for job in json.loads(text[text.index("[\n") :])[0]["jobs"]] == ["slow", "odd", "evening"]
