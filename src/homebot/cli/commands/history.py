@@ -7,6 +7,7 @@ import csv
 import json
 import shutil
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_queries import device_or_similar, house_time
 from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
 from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.cli.table import printable
@@ -33,6 +35,10 @@ _ROWS = 24
 _MOST = 5000
 _NARROWEST, _WIDEST = 40, 120
 _DAY = 86_400.0
+_BEGINS_WITHIN = 5.0
+"""Seconds after its start in which homebot begins a history."""
+
+_PAUSE = 0.3
 _EXAMPLES = """\
   homebot history 'Kitchen lamp'
   homebot history 'temperature in kitchen' --since 7d --plot
@@ -97,6 +103,13 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
 
 
 def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonMessage:
+    begins = time.monotonic()
+    while not entities(door, kind="service", name=service):
+        if time.monotonic() - begins > _BEGINS_WITHIN:
+            raise PeerError(
+                "this homebot keeps no history; `enabled = true` in [history] of its configuration begins one"
+            )
+        time.sleep(_PAUSE)
     found = JsonMessage(door.call(service, request, 30.0))
     if not found.success:
         raise PeerError(cast("str", found.message))

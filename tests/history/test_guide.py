@@ -1,0 +1,57 @@
+"""Every command of the guide runs, against a washer on a broker."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.ports import reserve_door
+from tests.test_readme import environment, run
+
+from homebot.cli.history_plot import plot_lines
+
+pytestmark = pytest.mark.slow
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "history.md").read_text()
+COMMANDS = [re.sub(r" +#.*", "", one) for one in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
+HOUSE = """
+[house]
+dialect = "homeassistant"
+[rooms.kitchen]
+[devices.Washer]
+kind = "power_meter"
+room = "kitchen"
+"""
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
+    (folder / "house.toml").write_text(HOUSE)
+    arguments = ["homebot", "run", "--house", "house.toml", "--ephemeral"]
+    process = subprocess.Popen(arguments, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
+    assert process.stderr is not None
+    for line in process.stderr:
+        if "is running" in line:
+            break
+    yield door
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=120)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
+    """A young history may have little; a command waits for its begin."""
+    done = run(command, door=door)
+    assert done.stderr == ""
+    assert done.stdout
+
+
+def test_a_plot_shows_the_largest_value_on_top_and_a_pause_blank() -> None:
+    lines = plot_lines([0.0, 10.0, 90.0], [1.0, 5.0, 1.0], 0.0, 100.0, 31, 4)
+    assert lines[0] == "        5 │  █"
+    assert lines[3] == "        1 │▁ █               ▁"
