@@ -12,10 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from homebot.bridges.rosbridge.access import right_to_call
 from homebot.cli.main import main
 from homebot.config import load_config
 from homebot.devices.app_messages import ChangeAppRequest, ChangeAppResponse, ReloadApp
-from homebot.devices.names import LOAD_APP, RELOAD_APP
+from homebot.devices.client_rights import Right
+from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.graph import Node
 from homebot.runtime import Runtime
@@ -200,6 +202,12 @@ async def test_clients_load_and_reload_by_services_and_by_the_command_line(
         printed = [line for line in said.out.splitlines() if not line.startswith("[")]  # without the log
         assert printed == ["reloaded the app hall", "unloaded the app hall"]
         assert "homebot: no app 'hall' runs" in said.err
+
+
+@pytest.mark.parametrize("service", [LOAD_APP, UNLOAD_APP, RELOAD_APP])
+def test_only_those_who_manage_homebot_change_its_apps(service: str) -> None:
+    """A file that is loaded is a program."""
+    assert right_to_call(service) is Right.MANAGE
 
 
 def resident() -> int:
