@@ -517,9 +517,7 @@ async def test_it(house):
     assert len(shown) < 40
     assert max(map(len, shown)) <= 120
     assert not any("mqtt" in line for line in shown)
-    assert [line.split()[2:] for line in shown[-3:]] == [
-        ["on", "by", "hand"],
-        ["→", "off", "because", "lights/hall", "reported", "on", "app_1"],
-        ["off", "as", "commanded", "app_1"],
-    ]
+    cells = [line.split()[1:] for line in shown[2:]]
+    assert ["lights/hall", "on", "by", "hand"] in cells
+    assert cells[-1] == ["lights/hall", "off", "as", "commanded", "app_1"]
     result.stdout.fnmatch_lines(["E*hall did not become on=True within 5m: it is on=False"])
