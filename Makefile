@@ -4,13 +4,14 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
+PAGE = .venv-page
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-.PHONY: help run test coverage test-fast test-peers fuzz houses days nightly check format docs wheel bench lock test-lowest clean
+.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock test-lowest clean
 
 ## Prints this list.
 help:
@@ -39,6 +40,13 @@ test-fast: $(VENV)/.dev
 ## Runs the gateways against other people's programs, those that are installed.
 test-peers: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
+
+# The result is committed: who installs homebot needs no Node.
+## Builds the web page from src/homebot/web/source, with npm.
+page:
+	@mkdir -p $(PAGE) && cp -r src/homebot/web/source/. $(PAGE)
+	@cd $(PAGE) && npm install --silent --no-audit --no-fund --no-package-lock
+	@cd $(PAGE) && npm run --silent build -- --outdir=$(CURDIR)/src/homebot/web/page
 
 # 100,000 cases for each target; `make fuzz SEED=...` repeats a run.
 ## Runs generated cases against everything that handles untrusted input: about an hour.

@@ -25,10 +25,24 @@ from homebot.devices import (
 )
 from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE, GatewayNames
+from homebot.devices.names import (
+    DISCOVERY_HEALTH,
+    FORGET_DEVICE,
+    LIST_DEVICES,
+    MERGE_DEVICES,
+    SPLIT_DEVICE,
+    GatewayNames,
+)
 from homebot.devices.part import Part
 from homebot.devices.query import QueryTerm, parse_query, query_terms
-from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, ForgetDevice, MergeDevices, SplitDevice
+from homebot.devices.services import (
+    FindDevicesRequest,
+    FindDevicesResponse,
+    ForgetDevice,
+    ListDevices,
+    MergeDevices,
+    SplitDevice,
+)
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
@@ -140,6 +154,35 @@ async def test_devices_are_found_by_their_ids(lamp: Sighting) -> None:
         assert await found("nobody") == []
         assert await found("other", service_type="light") == ["other"]
         assert await found("other", service_type="lock") == []
+
+
+async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting, tell: Tell) -> None:
+    """For screens, and for agents that pay for each byte."""
+    async with directory() as house:
+        others = [
+            lamp.model_copy(update={"key": f"k{one}", "identifiers": (f"id:other-{one}",), "name": f"Other {one}"})
+            for one in range(210)
+        ]
+        await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
+        ask = house.asker.create_client(ListDevices, LIST_DEVICES)
+
+        (found,) = (await ask.call(ListDevices.Request(ids=("desk_lamp",)))).devices
+        assert found.model_dump(mode="json") == {
+            "id": "desk_lamp",
+            "name": "Desk lamp",
+            "type": "light",
+            "room": "Study",
+            "freshness": "fresh",
+            "is_reachable": True,
+            "waits": False,
+            "states": [{"part": "light", "capability": "on_off", "value": True}],
+        }
+        first = await ask.call(ListDevices.Request(limit=1000))
+        rest = await ask.call(ListDevices.Request(offset=200))
+        assert (len(first.devices), len(rest.devices), first.total, rest.total) == (200, 11, 211, 211)
+        assert len({one.id for one in (*first.devices, *rest.devices)}) == 211
+        wrong = await ask.call(ListDevices.Request(query=query_terms(parse_query("in hal"))))
+        assert (wrong.success, wrong.devices) == (False, ())
 
 
 async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_devices(

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
 from homebot.support.addresses import is_loopback
 
-__all__ = ["AccessSettings", "Count", "name_of_token", "refusal", "token_of"]
+__all__ = ["AccessSettings", "Count", "is_same_origin", "name_of_token", "refusal", "token_of"]
 
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
 """A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
@@ -68,6 +68,11 @@ def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[st
         if origin != host and not is_loopback(origin):
             return f"web pages from {origins[0][:100]!r} are not allowed; see allowed_origins"
     return None
+
+
+def is_same_origin(host: str, origin: str) -> bool:
+    """Return whether the page at *origin* comes from the server that it calls *host*, its port included."""
+    return urlsplit(origin).netloc.lower() == host.lower()
 
 
 def token_of(path: str, authorizations: Sequence[str]) -> str:

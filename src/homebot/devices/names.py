@@ -7,6 +7,7 @@ from homebot.names import escape_token
 GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
 QUERY_DEVICES = "/discovery/query"
+LIST_DEVICES = "/discovery/list"
 FORGET_DEVICE = "/discovery/forget"
 SPLIT_DEVICE = "/discovery/split"
 MERGE_DEVICES = "/discovery/merge"

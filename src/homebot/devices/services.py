@@ -2,9 +2,10 @@
 
 from typing import Literal, TypeAlias
 
-from homebot.devices.device import Device, DeviceChange
+from homebot.devices.device import Device, DeviceChange, Freshness
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.query.terms import QueryTerm
+from homebot.devices.value import Reading
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
@@ -20,6 +21,8 @@ __all__ = [
     "IndexEntry",
     "IndexRow",
     "IndexTable",
+    "ListDevices",
+    "ListedDevice",
     "QueryDevices",
     "SubscribeToTopic",
 ]
@@ -144,6 +147,60 @@ class QueryDevicesResponse(ServiceAnswer):
     is_mistake: bool = False
     pose_age: float = 0.0
     left_out: tuple[KeyValue, ...] = ()
+
+
+class ListDevicesRequest(Message):
+    """A question for the devices that match a query, in short, for screens and agents.
+
+    Attributes:
+        query: The query that they match, as terms; empty for all. Programs outside may send it as text.
+        ids: Only the devices with these ids; empty for all.
+        offset: How many to leave out, by id.
+        limit: How many to give; at most 200, and 0 for as many.
+    """
+
+    query: tuple[QueryTerm, ...] = ()
+    ids: tuple[str, ...] = ()
+    offset: UInt32 = 0
+    limit: UInt32 = 0
+
+
+class ListedDevice(Message):
+    """A device in short: about 150 bytes of JSON.
+
+    Attributes:
+        id: Its id.
+        name: The name for people.
+        type: Its main type of the vocabulary, for example ``light``.
+        room: The room that it is in; empty if none is known.
+        freshness: As of :class:`homebot.devices.Device`.
+        is_reachable: False if it reports that it cannot be reached.
+        waits: Whether its commands wait for the owner's approval.
+        states: The latest value of each capability that people use.
+    """
+
+    id: str
+    name: str
+    type: str
+    room: str
+    freshness: Freshness
+    is_reachable: bool
+    waits: bool
+    states: tuple[Reading, ...]
+
+
+class ListDevicesResponse(ServiceAnswer):
+    """The devices, by id. A query with a misspelt type, room or word fails.
+
+    Attributes:
+        devices: The devices.
+        total: Number of matches, before the limit.
+        sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
+    """
+
+    devices: tuple[ListedDevice, ...] = ()
+    total: UInt32 = 0
+    sequence: int = 0
 
 
 class GetChangesRequest(Message):
@@ -311,6 +368,7 @@ GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetI
 FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDevicesResponse)
 QueryDevices = ServiceType("homebot/srv/QueryDevices", QueryDevicesRequest, QueryDevicesResponse)
 ForgetDevice = ServiceType("homebot/srv/ForgetDevice", ForgetDeviceRequest, ForgetDeviceResponse)
+ListDevices = ServiceType("homebot/srv/ListDevices", ListDevicesRequest, ListDevicesResponse)
 GetChanges = ServiceType("homebot/srv/GetChanges", GetChangesRequest, GetChangesResponse)
 SplitDevice = ServiceType("homebot/srv/SplitDevice", SplitDeviceRequest, SplitDeviceResponse)
 MergeDevices = ServiceType("homebot/srv/MergeDevices", MergeDevicesRequest, MergeDevicesResponse)

@@ -24,7 +24,14 @@ from homebot.devices import (
     QueryDevices,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import DISCOVERY_HEALTH, EXPORT_INDEX, FORGET_DEVICE, MERGE_DEVICES, SPLIT_DEVICE
+from homebot.devices.names import (
+    DISCOVERY_HEALTH,
+    EXPORT_INDEX,
+    FORGET_DEVICE,
+    LIST_DEVICES,
+    MERGE_DEVICES,
+    SPLIT_DEVICE,
+)
 from homebot.devices.query import And, Query, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
@@ -41,6 +48,9 @@ from homebot.devices.services import (
     GetIndexDataRequest,
     GetIndexDataResponse,
     IndexEntry,
+    ListDevices,
+    ListDevicesRequest,
+    ListDevicesResponse,
     MergeDevices,
     MergeDevicesRequest,
     MergeDevicesResponse,
@@ -99,6 +109,7 @@ class DirectoryServices:
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
+        node.create_service(ListDevices, LIST_DEVICES, self._list)
         node.create_service(GetChanges, GET_CHANGES, self._get_changes)
         owner.serve(ForgetDevice, FORGET_DEVICE, self._forget)
         owner.serve(SplitDevice, SPLIT_DEVICE, self._split)
@@ -131,9 +142,14 @@ class DirectoryServices:
 
     async def _find_near(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
+        return self._found(request, await self._near_robot(request))
+
+    async def _near_robot(self, request: FindDevicesRequest) -> set[str] | None:
+        """Return the ids of those that *request* finds near a robot; None where it does not ask for that."""
         near, rest = homebot.devices.query.split_near(read_terms(request.query))
-        found = [] if near is None else (await (await self._nearness()).find(near, rest)).devices
-        return self._found(request, {one.device for one in found})
+        if near is None:
+            return None
+        return {one.device for one in (await (await self._nearness()).find(near, rest)).devices}
 
     def _found(self, request: FindDevicesRequest, near: AbstractSet[str] | None = None) -> FindDevicesResponse:
         is_by_id = request.ids and not request.query and not request.service_type
@@ -181,6 +197,24 @@ class DirectoryServices:
             if (device := index.get(one)) is not None
         ]
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
+
+    async def _list(self, request: ListDevicesRequest) -> ListDevicesResponse:
+        from homebot.discovery.listing import MOST_LISTED, listed  # noqa: PLC0415 - for screens and agents alone
+
+        await self._catch_up()
+        wanted = FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
+        try:
+            found = self._matching(wanted, await self._near_robot(wanted))
+        except (RefusedError, UsageError) as exc:
+            return ListDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
+        end = request.offset + min(request.limit or MOST_LISTED, MOST_LISTED)
+        devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
+        return ListDevicesResponse(
+            success=True,
+            devices=tuple(listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
+            total=len(found),
+            sequence=self._index.sequence,
+        )
 
     async def _nearness(self) -> Nearness:
         """Return what finds devices near a robot; loaded in a thread, as that takes longer than a turn may."""

@@ -5,10 +5,11 @@ The order is: broker (where it is ours), gateways, directory, apps, robots, door
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
+from http import HTTPStatus
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -300,9 +301,9 @@ class Runtime:
         if self.door is None:
             return f"{home} is running"
         host = self._plan.door.host
-        where = f"[{host}]" if ":" in host else host
+        where = f"{f'[{host}]' if ':' in host else host}:{self.door.port}"
         note = " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
-        return f"{home} is running{note}; listening for rosbridge clients on ws://{where}:{self.door.port}"
+        return f"{home} is running{note}; listening for rosbridge clients on ws://{where}; its page is http://{where}"
 
     def _apps_text(self) -> str:
         names = [app.name for app in self._plan.apps]
@@ -482,9 +483,8 @@ class Runtime:
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
             announce = self._network_services.publish
-            self.door = Door(
-                node, self._plan.door, announce, self._local_rights, self._plan.robot_owners, self._plan.home
-            )
+            owners, home = self._plan.robot_owners, self._plan.home
+            self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
@@ -497,6 +497,16 @@ class Runtime:
             things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
             node.create_service(GetHealth, "~/health", things.health)
             await run_as(node.full_name, partial(things.run, task_status=task_status))
+
+
+async def _page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    return await to_thread.run_sync(_read_page, path, etag)
+
+
+def _read_page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    from homebot.web.site import answer  # noqa: PLC0415 - with the first browser
+
+    return answer(path, etag)
 
 
 def _offer_settings(node: Node, settings: BaseModel) -> None:

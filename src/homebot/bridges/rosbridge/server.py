@@ -7,26 +7,30 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 from urllib.parse import quote
 from weakref import WeakKeyDictionary
 
 import anyio
 from anyio.abc import TaskStatus
 from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
 
-from homebot.bridges.admission import refusal, token_of
+from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.client_frames import client_frames
 from homebot.bridges.rosbridge.connection import DoorConnection
+from homebot.bridges.rosbridge.log_in import LOG_IN, token_in
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
@@ -55,6 +59,10 @@ _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
 
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
+_PAGE: Final = ""  # the name of a page that has yet to show its token
+
+Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
+"""Returns status, headers and body for a path and an ``If-None-Match`` header; None where it has no such page."""
 
 
 _log = get_logger(node="/rosbridge_websocket")
@@ -73,6 +81,7 @@ class Door:
         owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
         home: The name of the home, for clients; empty for none.
         open_timeout: Seconds that a client has for its handshake, on however slow a computer.
+        site: The files that browsers are sent.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
@@ -87,6 +96,7 @@ class Door:
         owners: Callable[[], RobotOwners] | None = None,
         home: str = "",
         open_timeout: float = 10.0,
+        site: Site | None = None,
     ) -> None:
         self._local_rights = local_rights
         self._rights = settings.rights(local_rights)
@@ -120,6 +130,7 @@ class Door:
         self._announce = announce
         self._home = quote(home)
         self._open_timeout = open_timeout
+        self._site = site
 
     @property
     def port(self) -> int:
@@ -219,6 +230,7 @@ class Door:
             port,
             process_request=self._admit,
             process_response=self._name_home,
+            select_subprotocol=lambda _, offered: Subprotocol(LOG_IN) if LOG_IN in offered else None,
             compression=None,  # costs more than a local link saves, and a small frame could grow without limit
             server_header=None,
             max_size=settings.max_frame_bytes,
@@ -239,14 +251,33 @@ class Door:
         problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
         if problem is not None:
             return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        is_websocket = any("websocket" in value.lower() for value in headers.get_all("Upgrade"))
+        if not is_websocket and (file := await self._file(request)) is not None:
+            return file
+        if LOG_IN in headers.get("Sec-WebSocket-Protocol", "") and is_same_origin(
+            headers["Host"], headers.get("Origin", "")
+        ):
+            self._names[connection] = _PAGE
+            return None
         response = await self._check_token(connection, token_of(request.path, headers.get_all("Authorization")))
         if response is not None:
             return response
-        if not any("websocket" in value.lower() for value in headers.get_all("Upgrade")):
+        if (page := self._unnamed_page(request, connection)) and not is_same_origin(headers["Host"], page):
+            problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
+            return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        if not is_websocket:
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
             return response
         return None
+
+    async def _file(self, request: Request) -> Response | None:
+        """Return the file of the page that *request* asks for; None where it has no such file."""
+        found = self._site and await self._site(request.path, request.headers.get("If-None-Match", ""))
+        if not found:
+            return None
+        status, headers, body = found
+        return Response(status.value, status.phrase, Headers(headers), body)
 
     async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
         """Check the token of the client; return the response to a refused one."""
@@ -262,12 +293,23 @@ class Door:
         self._names[connection] = name
         return None
 
-    def _unnamed_page(self, connection: ServerConnection) -> str:
+    def _unnamed_page(self, request: Request | None, connection: ServerConnection) -> str:
         """Return the origin of a web page without a token that the settings do not name; empty for other clients."""
-        request = connection.request
         origin = request.headers.get("Origin", "") if request is not None else ""
         is_local = self._names[connection] == LOCAL_CLIENT
         return origin if is_local and origin not in self._settings.allowed_origins else ""
+
+    async def _log_in(self, connection: ServerConnection, texts: AsyncIterator[str]) -> bool:
+        """Return whether the first frame of homebot's own page shows a token, or needs none; else close it."""
+        token = None
+        with anyio.move_on_after(self._open_timeout):
+            token = token_in(await anext(texts, ""))
+        problem: Response | None = None
+        if token is None or (problem := await self._check_token(connection, token)) is not None:
+            reason = "the first frame must be an auth" if problem is None else problem.body.decode().strip()
+            await connection.close(CloseCode.POLICY_VIOLATION, reason)
+            return False
+        return True
 
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
@@ -305,18 +347,21 @@ class Door:
             with suppress(ConnectionClosed):
                 await (await connection.ping())
 
+        texts = client_frames(connection)
+        if self._names[connection] == _PAGE and not await self._log_in(connection, texts):
+            return
         self._counters.clients += 1
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
         name = self._names[connection]
-        rights, page = self._rights[name], self._unnamed_page(connection)
+        rights, page = self._rights[name], self._unnamed_page(connection.request, connection)
         address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
         is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
         link = sessions.DoorLink(send, cut, ping, is_excused)
         session = sessions.ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
         self._sessions[connection] = session
         try:
-            await session.run(_texts(connection))
+            await session.run(texts)
         finally:
             del self._sessions[connection]
 
@@ -338,29 +383,6 @@ class _LibraryLog(logging.Handler):
             problem = str(error or record.msg)
             message = f"a client of the rosbridge server sent invalid WebSocket: {problem}"
             self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
-
-
-async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
-    """Yield the frames of a client until it leaves; a binary one ends the connection, unless it holds JSON.
-
-    The original server takes those too, and websocket-sharp, which ROS# uses, sends bytes in no other way.
-    """
-    try:
-        async for frame in connection:
-            text = frame if isinstance(frame, str) else _json_object(frame)
-            if text is None:
-                await connection.close(CloseCode.UNSUPPORTED_DATA, "the rosbridge server accepts only JSON in UTF-8")
-                return
-            yield text
-    except ConnectionClosed:
-        return
-
-
-def _json_object(frame: bytes) -> str | None:
-    """Return the text of a binary frame; None where it cannot be that of a JSON object."""
-    with suppress(UnicodeDecodeError):
-        return frame.decode() if frame.lstrip()[:1] == b"{" else None
-    return None
 
 
 def _is_roslibpy(connection: ServerConnection) -> bool:

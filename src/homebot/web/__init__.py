@@ -1,0 +1,1 @@
+"""The web page of homebot: its files, and the list of devices that it begins with."""

@@ -1,0 +1,63 @@
+"""The files of the page, as the door serves them: no secret is in them, and nothing is loaded from anywhere else."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from functools import cache
+from http import HTTPStatus
+from importlib.resources import files
+from typing import Final
+
+from homebot.devices.capabilities import CAPABILITIES
+
+__all__ = ["answer"]
+
+_TYPES: Final = {
+    "": ("index.html", "text/html; charset=utf-8"),
+    "icon.svg": ("icon.svg", "image/svg+xml"),
+    "licences.txt": ("licences.txt", "text/plain; charset=utf-8"),
+    "page.css": ("page.css", "text/css; charset=utf-8"),
+    "page.js": ("page.js", "text/javascript; charset=utf-8"),
+    "vocabulary.json": ("", "application/json"),
+}
+"""File and type of each path; that without a file is made of the vocabulary."""
+
+_HEADERS: Final = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'; "
+        "trusted-types 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+    "Connection": "close",
+}
+
+
+def answer(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    """Return status, headers and body for *path* and the ``If-None-Match`` header *etag*; None for an unknown path."""
+    name = path.partition("?")[0].removeprefix("/")
+    if name not in _TYPES:
+        return None
+    own, body = _file(name)
+    headers = {**_HEADERS, "ETag": own}
+    if etag == own:
+        return HTTPStatus.NOT_MODIFIED, {**headers, "Content-Length": "0"}, b""
+    return HTTPStatus.OK, {**headers, "Content-Type": _TYPES[name][1], "Content-Length": str(len(body))}, body
+
+
+@cache
+def _file(name: str) -> tuple[str, bytes]:
+    file = _TYPES[name][0]
+    body = files("homebot.web").joinpath("page", file).read_bytes() if file else _units()
+    return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
+
+
+def _units() -> bytes:
+    """Return the unit of each capability that has one."""
+    return json.dumps({name: one.unit for name, one in CAPABILITIES.items() if one.unit}).encode()

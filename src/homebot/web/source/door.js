@@ -1,0 +1,155 @@
+// The connection to homebot: rosbridge v2, as every other client speaks it.
+import { signal } from "@preact/signals";
+
+const FIRST_DELAY = 500; // ms until the first attempt to connect again, twice as long each time
+const LONGEST_DELAY = 10_000;
+const ANSWER_WITHIN = 15_000;
+const TOKEN = "homebot.token";
+
+/** "connecting", "open", or "refused": a token is needed; with the reason in `reason`. */
+export const connection = signal({ state: "connecting", reason: "" });
+
+const calls = new Map(); // by id: resolve, reject, timer
+const topics = new Map(); // by topic: handlers
+const openers = new Set(); // called with each new connection
+let socket = null;
+let delay = FIRST_DELAY;
+let number = 0;
+let retry = 0;
+
+/** The token that was typed in; kept for this tab, or where `remember` says so for this browser. */
+export const token = signal(takeToken());
+
+export function logIn(text, remember) {
+  sessionStorage.setItem(TOKEN, text);
+  if (remember) localStorage.setItem(TOKEN, text);
+  else localStorage.removeItem(TOKEN);
+  token.value = text;
+  reconnect();
+}
+
+export function logOut() {
+  sessionStorage.removeItem(TOKEN);
+  localStorage.removeItem(TOKEN);
+  token.value = "";
+  reconnect();
+}
+
+/** Call `handler` now, and with each later connection. */
+export function onOpen(handler) {
+  openers.add(handler);
+  if (connection.value.state === "open") handler();
+  return () => openers.delete(handler);
+}
+
+/** Return the values of the answer; an Error says why there is none. */
+export function call(service, args = {}) {
+  return new Promise((resolve, reject) => {
+    if (connection.value.state !== "open") {
+      reject(new Error("homebot cannot be reached"));
+      return;
+    }
+    const id = `page-${++number}`;
+    const timer = setTimeout(() => finish(id, new Error(`${service} did not answer`)), ANSWER_WITHIN);
+    calls.set(id, { resolve, reject, timer });
+    send({ op: "call_service", service, args, id });
+  });
+}
+
+/** Call `handler` with each message of `topic`; returns the function that ends it. */
+export function subscribe(topic, handler) {
+  if (!topics.has(topic)) {
+    topics.set(topic, new Set());
+    if (connection.value.state === "open") send({ op: "subscribe", topic });
+  }
+  topics.get(topic).add(handler);
+  return () => {
+    const handlers = topics.get(topic);
+    handlers?.delete(handler);
+    if (handlers?.size === 0) {
+      topics.delete(topic);
+      if (connection.value.state === "open") send({ op: "unsubscribe", topic });
+    }
+  };
+}
+
+export function connect() {
+  // A page that is not looked at costs homebot nothing.
+  document.addEventListener("visibilitychange", reconnect);
+  reconnect();
+}
+
+function reconnect() {
+  clearTimeout(retry);
+  const old = socket;
+  socket = null;
+  old?.close();
+  failAll();
+  delay = FIRST_DELAY;
+  if (!document.hidden) open();
+}
+
+function open() {
+  if (connection.value.state !== "connecting") connection.value = { state: "connecting", reason: "" };
+  const own = new WebSocket(location.origin.replace(/^http/, "ws"), "homebot.log_in");
+  socket = own;
+  own.onopen = () => {
+    own.send(JSON.stringify({ op: "auth", token: token.value }));
+    for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
+    // Only an answer proves that the token was accepted.
+    own.send(JSON.stringify({ op: "call_service", service: "/homebot/health", id: "page-open" }));
+  };
+  own.onmessage = (event) => receive(own, JSON.parse(event.data));
+  own.onclose = (event) => {
+    if (socket !== own) return;
+    socket = null;
+    failAll();
+    if (event.code === 1008) {
+      connection.value = { state: "refused", reason: event.reason };
+      return;
+    }
+    connection.value = { state: "connecting", reason: "homebot cannot be reached" };
+    retry = setTimeout(open, delay);
+    delay = Math.min(2 * delay, LONGEST_DELAY);
+  };
+}
+
+function receive(own, frame) {
+  if (socket !== own) return;
+  if (frame.op === "publish") {
+    for (const handler of topics.get(frame.topic) ?? []) handler(frame.msg);
+  } else if (frame.op === "service_response" && frame.id === "page-open") {
+    delay = FIRST_DELAY;
+    connection.value = { state: "open", reason: "", home: frame.values?.home ?? "" };
+    for (const opener of openers) opener();
+  } else if (frame.op === "service_response") {
+    finish(frame.id, frame.result ? null : new Error(String(frame.values)), frame.values);
+  }
+}
+
+function finish(id, error, values) {
+  const waiting = calls.get(id);
+  if (!waiting) return;
+  calls.delete(id);
+  clearTimeout(waiting.timer);
+  if (error) waiting.reject(error);
+  else waiting.resolve(values);
+}
+
+function failAll() {
+  for (const id of [...calls.keys()]) finish(id, new Error("homebot cannot be reached"));
+}
+
+function send(frame) {
+  socket?.send(JSON.stringify(frame));
+}
+
+function takeToken() {
+  // `homebot run` may print …/#token=…: a fragment is sent nowhere, and goes from the address at once.
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (given) {
+    sessionStorage.setItem(TOKEN, given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem(TOKEN) ?? localStorage.getItem(TOKEN) ?? "";
+}

@@ -1,0 +1,146 @@
+// The devices of the house, live: one signal a device, so that a change renders one row.
+import { batch, computed, signal } from "@preact/signals";
+import { call, onOpen, subscribe } from "./door.js";
+
+const SLICE = 200; // devices in one answer
+const GATHER = 200; // ms for which changed devices are gathered before they are asked for
+
+const devices = new Map(); // by id: a signal of the device
+const ids = signal([]); // sorted by room and name
+export const count = computed(() => ids.value.length);
+export const isLoaded = signal(false);
+/** Changes of values that the page received, for its plot of rates. */
+export const received = { changes: 0 };
+
+/** The rooms with the ids of their devices; those without a room last. */
+export const rooms = computed(() => {
+  const found = new Map();
+  for (const id of ids.value) {
+    const room = devices.get(id)?.peek().room ?? "";
+    if (!found.has(room)) found.set(room, []);
+    found.get(room).push(id);
+  }
+  const last = (name) => (name === "" ? 1 : 0);
+  return [...found].sort(([a], [b]) => last(a) - last(b) || a.localeCompare(b));
+});
+
+/** The signal of a device; undefined without one. */
+export const deviceOf = (id) => devices.get(id);
+
+export const nameOf = (id) => devices.get(id)?.value.name ?? id;
+
+export function follow() {
+  subscribe("/discovery/states", (change) => later(() => applyValues(change)));
+  subscribe("/discovery/changes", (change) => later(() => applyDevice(change)));
+  onOpen(load);
+}
+
+let pending = [];
+const wanted = new Set();
+let asking = 0;
+
+function later(work) {
+  received.changes += 1;
+  pending.push(work);
+  if (pending.length === 1) requestAnimationFrame(applyPending);
+}
+
+function applyPending() {
+  const work = pending;
+  pending = [];
+  batch(() => {
+    for (const one of work) one();
+  });
+}
+
+async function load() {
+  const seen = new Set();
+  let offset = 0;
+  let total = 1;
+  try {
+    while (offset < total) {
+      const answer = await call("/discovery/list", { offset, limit: SLICE });
+      batch(() => {
+        for (const device of answer.devices) put(device, answer.sequence);
+        sortIds();
+      });
+      for (const device of answer.devices) seen.add(device.id);
+      ({ total } = answer);
+      offset += SLICE;
+    }
+  } catch {
+    return; // the next connection loads them
+  }
+  batch(() => {
+    for (const id of devices.keys()) if (!seen.has(id)) devices.delete(id);
+    sortIds();
+    isLoaded.value = true;
+  });
+}
+
+function put(device, sequence) {
+  const states = new Map(device.states.map((one) => [key(one), one]));
+  const known = devices.get(device.id);
+  if (known && known.peek().sequence > sequence) return;
+  const now = { ...device, states, sequence, changedAt: known?.peek().changedAt ?? 0 };
+  if (known) known.value = now;
+  else devices.set(device.id, signal(now));
+}
+
+function applyValues(change) {
+  const known = devices.get(change.device);
+  if (!known) {
+    ask(change.device);
+    return;
+  }
+  const device = known.peek();
+  if (change.sequence <= device.sequence) return;
+  const states = new Map(device.states);
+  for (const reading of change.readings) {
+    if (states.has(key(reading))) states.set(key(reading), reading);
+    else ask(change.device);
+  }
+  known.value = { ...device, states, sequence: change.sequence, changedAt: Date.now() };
+}
+
+function applyDevice(change) {
+  const { id } = change.device;
+  if (change.kind === "removed") {
+    devices.delete(id);
+    sortIds();
+  } else {
+    ask(id);
+  }
+  if (change.other) ask(change.other);
+}
+
+function ask(id) {
+  wanted.add(id);
+  asking ||= setTimeout(askNow, GATHER);
+}
+
+async function askNow() {
+  asking = 0;
+  const asked = [...wanted].slice(0, SLICE);
+  for (const id of asked) wanted.delete(id);
+  if (wanted.size) asking = setTimeout(askNow, GATHER);
+  try {
+    const answer = await call("/discovery/list", { ids: asked });
+    batch(() => {
+      const found = new Set(answer.devices.map((device) => device.id));
+      for (const id of asked) if (!found.has(id)) devices.delete(id);
+      for (const device of answer.devices) put(device, answer.sequence);
+      sortIds();
+    });
+  } catch {
+    // the next connection loads them
+  }
+}
+
+function sortIds() {
+  const order = [...devices].map(([id, one]) => [one.peek().room, one.peek().name, id]);
+  order.sort((a, b) => a[0].localeCompare(b[0]) || a[1].localeCompare(b[1]) || a[2].localeCompare(b[2]));
+  ids.value = order.map((one) => one[2]);
+}
+
+const key = (reading) => `${reading.part} ${reading.capability}`;

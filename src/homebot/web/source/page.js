@@ -1,0 +1,81 @@
+// The page: its header, the view that the address names, the token, and the outcome of the last command.
+import { signal } from "@preact/signals";
+import { render } from "preact";
+import { outcome } from "./acting.js";
+import { connect, connection, logIn, logOut, token } from "./door.js";
+import { count, follow } from "./house.js";
+import { html } from "./html.js";
+import { Device } from "./views/device.js";
+import { Graph } from "./views/graph.js";
+import { House } from "./views/house.js";
+import { Journal } from "./views/journal.js";
+import { Plan } from "./views/plan.js";
+import { Rates } from "./views/rates.js";
+import { System } from "./views/system.js";
+import { loadUnits } from "./words.js";
+
+const VIEWS = {
+  house: ["House", House],
+  plan: ["Plan", Plan],
+  journal: ["Journal", Journal],
+  system: ["System", System],
+  graph: ["Graph", Graph],
+  rates: ["Rates", Rates],
+};
+
+const place = signal(placeNow());
+const isLoggingIn = signal(false);
+
+function placeNow() {
+  const [, view = "house", id = ""] = location.hash.split("/");
+  return { view: view || "house", id: decodeURIComponent(id) };
+}
+
+function Page() {
+  const { view, id } = place.value;
+  const { state, reason, home } = connection.value;
+  const mustLogIn = state === "refused";
+  const View = VIEWS[view]?.[1];
+  return html`
+    <header>
+      <h1>${home || "homebot"}</h1>
+      <nav aria-label="views">
+        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view ? "page" : undefined}>${title}</a>`)}
+      </nav>
+      <p role="status" class=${state === "open" ? "" : "bad"}>
+        ${state === "open" ? `${count.value} devices` : mustLogIn ? "not logged in" : reason || "connecting …"}
+      </p>
+      ${token.value && !mustLogIn
+        ? html`<button type="button" onClick=${logOut}>log out</button>`
+        : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>log in</button>`}
+    </header>
+    ${(mustLogIn || isLoggingIn.value) && html`<${LogIn} reason=${mustLogIn ? reason : ""} />`}
+    <main>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
+    <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>${outcome.value?.text}</p>`;
+}
+
+function LogIn({ reason }) {
+  const submit = (event) => {
+    event.preventDefault();
+    const given = new FormData(event.target);
+    isLoggingIn.value = false;
+    logIn(given.get("token").trim(), given.get("remember") === "on");
+  };
+  return html`<form class="box" onSubmit=${submit}>
+    ${reason && html`<p class="bad">${reason}</p>`}
+    <p>A token gives this page its rights. Make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
+    <label>Token <input type="password" name="token" autocomplete="off" required /></label>
+    <label><input type="checkbox" name="remember" /> keep it in this browser</label>
+    <button>log in</button>
+  </form>`;
+}
+
+addEventListener("hashchange", () => {
+  place.value = placeNow();
+  document.querySelector("main")?.scrollTo?.(0, 0);
+  scrollTo(0, 0);
+});
+loadUnits();
+follow();
+connect();
+render(html`<${Page} />`, document.getElementById("page"));

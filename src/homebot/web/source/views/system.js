@@ -1,0 +1,98 @@
+// Apps, gateways and what is wrong; devices that wait for approval.
+import { useEffect, useState } from "preact/hooks";
+import { call, connection, token } from "../door.js";
+import { nameOf } from "../house.js";
+import { html } from "../html.js";
+import { label, timeText } from "../words.js";
+
+const AGAIN = 5000; // ms
+
+export function System() {
+  const [found, setFound] = useState(null);
+  const isOpen = connection.value.state === "open";
+  useEffect(() => {
+    if (!isOpen) return undefined;
+    let timer = 0;
+    let isCurrent = true;
+    const look = async () => {
+      const now = await ask();
+      if (!isCurrent) return;
+      setFound(now);
+      timer = setTimeout(look, AGAIN);
+    };
+    look();
+    return () => {
+      isCurrent = false;
+      clearTimeout(timer);
+    };
+  }, [isOpen]);
+  if (!found) return html`<p class="empty">Asking homebot how it is …</p>`;
+  return html`
+    <${Waiting} devices=${found.waiting} />
+    <section>
+      <h2>Doctor</h2>
+      ${found.parts.every((part) => !part.troubles.length && !part.failures.length && !part.quarantined.length) && html`<p>Nothing is wrong.</p>`}
+      <ul class="entries">
+        ${found.parts.flatMap((part) => [
+          ...part.troubles.map((text) => html`<li key=${text} class="bad">${part.name}: ${text}</li>`),
+          ...part.quarantined.map((one) => html`<li key=${one.offender} class="bad">${part.name}: ${one.offender} is read slowly: ${one.why}</li>`),
+          ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}</li>`),
+          ...part.notes.map((text) => html`<li key=${text}>${part.name}: ${text}</li>`),
+        ])}
+      </ul>
+    </section>
+    ${found.apps && html`<section>
+      <h2>Apps</h2>
+      <table class="facts"><tbody>
+        ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td>${app.state}</td><td>${(app.jobs ?? []).map((job) => job.text ?? job.name).join("; ")}</td></tr>`)}
+      </tbody></table>
+    </section>`}
+    ${found.parts.filter((part) => part.name.startsWith("gateway")).map((part) => html`<section key=${part.name}>
+      <h2>${part.name}</h2>
+      <table class="facts"><tbody>
+        ${part.counts.map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count}</td></tr>`)}
+      </tbody></table>
+    </section>`)}`;
+}
+
+async function ask() {
+  const nodes = (await call("/rosapi/nodes").catch(() => ({ nodes: [] }))).nodes;
+  const gateways = nodes.filter((node) => node.startsWith("/gateway/")).map((node) => [`gateway ${node.slice(9)}`, `${node}/health`]);
+  const asked = [["homebot", "/homebot/health"], ["discovery", "/discovery/health"], ...gateways];
+  const parts = await Promise.all(asked.map(async ([name, service]) => ({ name, ...(await call(service).catch(noAnswer)) })));
+  const waiting = await call("/control/unapproved").catch(() => ({ devices: [], reasons: [] }));
+  const apps = nodes.includes("/homebot") ? (await call("/apps/list").catch(() => null))?.apps : null;
+  return { parts, waiting, apps };
+}
+
+const noAnswer = (error) => ({ counts: [], quarantined: [], troubles: [error.message], failures: [], notes: [] });
+
+function Waiting({ devices }) {
+  const [shown, setShown] = useState(null);
+  if (!devices.devices.length) return null;
+  const reasons = new Map(devices.reasons.map((one) => [one.key, one.value]));
+  const show = async (device) => {
+    const answer = await call("/discovery/approve", { device, is_preview: true }).catch((error) => ({ success: false, message: error.message }));
+    setShown({ device, ...answer });
+  };
+  const approve = async () => {
+    const answer = await call("/discovery/approve", { device: shown.device }).catch((error) => ({ success: false, message: error.message }));
+    setShown(answer.success ? null : { device: shown.device, ...answer });
+  };
+  return html`<section>
+    <h2>Waiting for your approval</h2>
+    ${!token.value && html`<p>To approve a device, log in with a token that has the right <code>manage</code>.</p>`}
+    <ul class="entries">
+      ${devices.devices.map((id) => html`<li key=${id}>
+        <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> ${reasons.get(id)}
+        <button type="button" aria-label=${`show what approving ${nameOf(id)} allows`} onClick=${() => show(id)}>show</button>
+        ${shown?.device === id && html`<div class="box">
+          ${shown.message && html`<p class="bad">${shown.message}</p>`}
+          ${shown.commands?.length > 0 && html`<p>These would be sent:</p><pre>${shown.commands.join("\n")}</pre>`}
+          ${shown.changes?.length > 0 && html`<p>Changed since the approval before:</p><pre>${shown.changes.join("\n")}</pre>`}
+          ${shown.success && html`<button type="button" onClick=${approve}>approve ${nameOf(id)}</button>`}
+        </div>`}
+      </li>`)}
+    </ul>
+  </section>`;
+}

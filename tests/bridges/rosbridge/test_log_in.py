@@ -1,0 +1,87 @@
+"""homebot's own page shows its token in its first frame; pages of other origins need one in any case."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import anyio
+import pytest
+from pydantic import SecretStr
+from tests.patience import PATIENCE
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.typing import Origin, Subprotocol
+
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.log_in import LOG_IN, token_in
+from homebot.bridges.rosbridge.settings import ClientToken
+
+NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
+
+
+def page(port: int, origin: str | None = None) -> connect:
+    own = Origin(origin or f"http://127.0.0.1:{port}")
+    return connect(f"ws://127.0.0.1:{port}/", origin=own, subprotocols=[Subprotocol(LOG_IN)], proxy=None)
+
+
+async def call(connection: ClientConnection, service: str) -> dict[str, Any]:
+    await connection.send(json.dumps({"op": "call_service", "service": service, "id": "1"}))
+    with anyio.fail_after(PATIENCE):
+        answer: dict[str, Any] = json.loads(await connection.recv())
+    return answer
+
+
+@pytest.mark.parametrize(("settings", "token"), [(NEEDS_A_TOKEN, "hunter2"), (DoorSettings(port=0), "")])
+async def test_the_page_reads_with_the_token_that_it_shows_or_without_where_none_is_needed(
+    open_house: Any, settings: DoorSettings, token: str
+) -> None:
+    async with open_house(settings) as house, page(house.door.port) as connection:
+        await connection.send(json.dumps({"op": "auth", "token": token}))
+        assert (await call(connection, "/rosapi/nodes"))["result"] is True
+
+
+async def test_a_token_raises_the_rights_of_the_page(open_house: Any) -> None:
+    """What anybody at this computer may do is less."""
+    owner = ClientToken(token=SecretStr("s3cret"), scope=("read", "manage"))
+    async with open_house(DoorSettings(port=0, tokens={"page": owner})) as house:
+        results = []
+        for token in ("", "s3cret"):
+            async with page(house.door.port) as connection:
+                await connection.send(json.dumps({"op": "auth", "token": token}))
+                results.append(await call(connection, "/rosapi/delete_param"))
+    assert "the right manage is missing" in results[0]["values"]
+    assert "right" not in results[1]["values"]
+
+
+@pytest.mark.parametrize(
+    ("frame", "reason"),
+    [
+        ('{"op": "auth", "token": "wrong"}', "a valid token is needed"),
+        ('{"op": "auth", "token": ""}', "a valid token is needed"),
+        ('{"op": "subscribe", "topic": "/rosout"}', "the first frame must be an auth"),
+        ("hello", "the first frame must be an auth"),
+    ],
+)
+async def test_a_page_without_a_valid_token_is_closed_with_the_reason(open_house: Any, frame: str, reason: str) -> None:
+    async with open_house(NEEDS_A_TOKEN) as house, page(house.door.port) as connection:
+        await connection.send(frame)
+        with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed) as caught:
+            await connection.recv()
+    assert caught.value.rcvd is not None
+    assert (caught.value.rcvd.code, caught.value.rcvd.reason) == (1008, reason)
+
+
+@pytest.mark.parametrize("origin", ["http://localhost:3000", "http://127.0.0.1", "https://evil.example"])
+async def test_a_page_of_another_origin_or_port_is_turned_away(open_house: Any, origin: str) -> None:
+    """Any program of this computer may serve a page: it neither reads nor commands."""
+    async with open_house() as house:
+        with pytest.raises(InvalidStatus) as caught:
+            async with page(house.door.port, origin):
+                pytest.fail("let in")
+    assert caught.value.response.status_code == 403
+
+
+def test_a_token_shows_in_no_error() -> None:
+    assert token_in('{"op": "auth", "token": "hunter2", "more": 1}') is None
+    assert token_in('{"op": "auth", "token": "hunter2"}') == "hunter2"

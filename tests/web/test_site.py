@@ -1,0 +1,77 @@
+"""The files of the page: complete, loaded from nowhere else, and asked for again only when they changed."""
+
+from __future__ import annotations
+
+import json
+import re
+from http import HTTPStatus
+
+import anyio
+import pytest
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.runtime import Runtime
+from homebot.web.site import answer
+
+EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/licences.txt", "/vocabulary.json"]
+
+
+def body(path: str) -> str:
+    found = answer(path, "")
+    assert found is not None
+    return found[2].decode()
+
+
+@pytest.mark.parametrize("path", EVERY_FILE)
+def test_a_file_has_its_type_and_length_and_a_policy_that_lets_no_foreign_script_in(path: str) -> None:
+    found = answer(f"{path}?x=1", "")
+    assert found is not None
+    status, headers, content = found
+    assert status == HTTPStatus.OK
+    assert headers["Content-Length"] == str(len(content))
+    assert headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'self'; ")
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+def test_a_file_that_the_browser_has_is_not_sent_again() -> None:
+    found = answer("/page.js", "")
+    assert found is not None
+    again = answer("/page.js", found[1]["ETag"])
+    assert again is not None
+    assert (again[0], again[2]) == (HTTPStatus.NOT_MODIFIED, b"")
+
+
+@pytest.mark.parametrize("path", ["/robots.txt", "/../secrets", "/source/page.js", "//etc/passwd"])
+def test_there_are_no_other_files(path: str) -> None:
+    assert answer(path, "") is None
+
+
+def test_the_page_names_no_other_server() -> None:
+    """A phone in a house without internet shows it."""
+    for path in ("/", "/page.css"):
+        assert not re.search(r"(?:https?:)?//[a-z]", body(path))
+    assert set(re.findall(r"https?://[\w./]+", body("/page.js"))) <= {
+        "http://www.w3.org/1998/Math/MathML",
+        "http://www.w3.org/1999/xhtml",
+        "http://www.w3.org/2000/svg",
+    }
+
+
+def test_the_vocabulary_has_the_units_of_the_capabilities() -> None:
+    units = json.loads(body("/vocabulary.json"))
+    assert units["level"] == "%"
+    assert units == {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
+
+
+async def test_a_running_homebot_serves_the_page_at_the_port_of_its_door() -> None:
+    tables = {"door": {"port": 0, "token": "hunter2"}}
+    async with Runtime(parse_config(tables, "test")) as runtime:
+        assert runtime.door is not None
+        async with await anyio.connect_tcp("127.0.0.1", runtime.door.port) as stream:
+            await stream.send(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            with anyio.fail_after(PATIENCE):
+                head = (await stream.receive()).decode()
+    assert head.startswith("HTTP/1.1 200 OK\r\n")
+    assert "hunter2" not in head
