@@ -83,7 +83,7 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
             )
             function.can_block_in("homebot/conventions/bluetooth/sensor_libraries.py", {"_libraries"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
-            function.can_block_in("homebot/config.py", {"read_secret"})
+            function.can_block_in("homebot/support/file_access.py", {"read_secret"})
             function.can_block_in("homebot/messages/interfaces/interfaces.py", {"read_folder"})
             # The text of a type is read when it is first named, as its module would be: some hundred bytes of ours.
             function.can_block_in("homebot/messages/interfaces/interfaces.py", {"_read"})

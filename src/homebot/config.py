@@ -24,11 +24,9 @@ the plug-in's model.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Self, TypeAlias, TypeVar, get_args, get_origin
 
@@ -37,7 +35,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    SecretStr,
     ValidationError,
     ValidationInfo,
     field_validator,
@@ -49,8 +46,7 @@ from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
-from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
-from homebot.support.logger import get_logger
+from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 
 __all__ = [
@@ -59,26 +55,19 @@ __all__ = [
     "FilePath",
     "HomeSettings",
     "Table",
-    "check_secret_file",
     "folder_of",
     "in_folder",
     "load_config",
     "load_tables",
     "parse_config",
     "parse_settings",
-    "read_password",
-    "read_secret",
     "value_errors",
 ]
 
 Table: TypeAlias = dict[str, object]
 
-READABLE = "config.secret_readable"
-
-_log = get_logger()
 _HERE = Path()
 _FOLDER = "folder"
-_LONGEST_SECRET = 65_536
 _LONGEST_SHOWN = 200
 _MOST_ERRORS = 100
 
@@ -263,48 +252,6 @@ def parse_settings(
         raise ConfigError(source, key, "is nested too deep") from None
 
 
-def read_secret(path: Path) -> str:
-    """Return the first line of the file *path*, without its line ending.
-
-    Where others can read it as well, a warning is logged.
-
-    Raises:
-        UsageError: The file cannot be read, others can write it, or its first line is empty; never holds the secret.
-    """
-    try:
-        with path.open(encoding="utf-8") as file:
-            check_secret_file(path, os.fstat(file.fileno()))
-            secret = file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
-    except (OSError, ValueError) as exc:
-        raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
-    if not secret:
-        raise UsageError(f"the first line of {path} is empty")
-    return secret
-
-
-def read_password(password_file: Path | None, password_env: str | None, name: str = "password") -> SecretStr | None:
-    """Return the password, or other secret, that a table names by one of these keys; None where it names none.
-
-    Args:
-        password_file: File with the password in its first line.
-        password_env: Environment variable that holds the password.
-        name: Prefix of the keys.
-
-    Raises:
-        UsageError: It cannot be read; names the key.
-    """
-    if password_env is not None:
-        if password_env not in os.environ:
-            raise UsageError(f"{name}_env: the environment variable {password_env} is not set")
-        return SecretStr(os.environ[password_env])
-    if password_file is not None:
-        try:
-            return SecretStr(read_secret(password_file))
-        except UsageError as exc:
-            raise UsageError(f"{name}_file: {exc}") from exc
-    return None
-
-
 @contextmanager
 def value_errors() -> Iterator[None]:
     """Raise each error of homebot inside the block as a ValueError, which pydantic tells as that of a field."""
@@ -314,37 +261,12 @@ def value_errors() -> Iterator[None]:
         raise ValueError(str(exc)) from exc
 
 
-def check_secret_file(path: Path, found: os.stat_result) -> None:
-    """Refuse the file *path*, which is *found* so, where others can write it; warn where others can read it.
-
-    A file that is read several times, as one is that is checked before it is used, is warned of once.
-
-    Raises:
-        UsageError: Others can write it.
-    """
-    if problem := why_not_private(path, found):
-        raise UsageError(problem)
-    if warning := readable_by_others(path, found):
-        _warn_of_readers(warning, str(path), (found.st_dev, found.st_ino, found.st_ctime_ns))
-
-
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
 _TYPE_ERRORS = {"bool_type": "must be true or false, without quotes", "string_type": "must be a text in quotes"}
 _TABLE_ERRORS = {"dict_type", "model_type"}
 _ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
-
-
-@lru_cache(maxsize=64)
-def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -> None:
-    _log.warning(READABLE, message=warning, file=file)
-
-
-def _unreadable(error: OSError | ValueError) -> str:
-    if isinstance(error, OSError):
-        return error.strerror or str(error)
-    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)
 
 
 def _shortened(value: object) -> str:

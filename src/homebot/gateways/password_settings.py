@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import Self
 
 from pydantic import BaseModel, ConfigDict, SecretStr, model_validator
 
-from homebot.config import FilePath, read_password
+from homebot.config import FilePath
+from homebot.errors import UsageError
+from homebot.support.file_access import read_secret
 
-__all__ = ["PasswordSettings"]
+__all__ = ["PasswordSettings", "read_password"]
 
 
 class PasswordSettings(BaseModel):
@@ -41,3 +45,26 @@ class PasswordSettings(BaseModel):
             UsageError: It cannot be read; names the key.
         """
         return read_password(self.password_file, self.password_env, f"{table}password")
+
+
+def read_password(password_file: Path | None, password_env: str | None, name: str = "password") -> SecretStr | None:
+    """Return the password, or other secret, that a table names by one of these keys; None where it names none.
+
+    Args:
+        password_file: File with the password in its first line.
+        password_env: Environment variable that holds the password.
+        name: Prefix of the keys.
+
+    Raises:
+        UsageError: It cannot be read; names the key.
+    """
+    if password_env is not None:
+        if password_env not in os.environ:
+            raise UsageError(f"{name}_env: the environment variable {password_env} is not set")
+        return SecretStr(os.environ[password_env])
+    if password_file is not None:
+        try:
+            return SecretStr(read_secret(password_file))
+        except UsageError as exc:
+            raise UsageError(f"{name}_file: {exc}") from exc
+    return None

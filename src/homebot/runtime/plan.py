@@ -15,7 +15,7 @@ import homebot.places
 from homebot.apps import App
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
-from homebot.config import Config, FilePath, HomeSettings, Table, parse_settings, read_secret
+from homebot.config import Config, FilePath, HomeSettings, Table, parse_settings
 from homebot.devices.client_rights import read_scope
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
@@ -24,6 +24,7 @@ from homebot.gateways import Gateway
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.support.addresses import is_loopback
+from homebot.support.file_access import read_secret
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:

@@ -9,14 +9,22 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from functools import lru_cache
 from pathlib import Path
+
+from homebot.errors import UsageError
+from homebot.support.logger import get_logger
 
 if sys.platform != "win32":
     import grp
     import pwd
 
-__all__ = ["readable_by_others", "why_not_private", "why_not_trusted"]
+__all__ = ["check_secret_file", "read_secret", "readable_by_others", "why_not_private", "why_not_trusted"]
 
+READABLE = "config.secret_readable"
+
+_log = get_logger()
+_LONGEST_SECRET = 65_536
 _GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
 _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
 
@@ -61,6 +69,39 @@ def readable_by_others(path: Path, found: os.stat_result) -> str:
     return f"{path} can be read by others; keep it to yourself: chmod 600 '{path}'" if is_seen else ""
 
 
+def read_secret(path: Path) -> str:
+    """Return the first line of the file *path*, without its line ending.
+
+    Where others can read it as well, a warning is logged.
+
+    Raises:
+        UsageError: The file cannot be read, others can write it, or its first line is empty; never holds the secret.
+    """
+    try:
+        with path.open(encoding="utf-8") as file:
+            check_secret_file(path, os.fstat(file.fileno()))
+            secret = file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
+    except (OSError, ValueError) as exc:
+        raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
+    if not secret:
+        raise UsageError(f"the first line of {path} is empty")
+    return secret
+
+
+def check_secret_file(path: Path, found: os.stat_result) -> None:
+    """Refuse the file *path*, which is *found* so, where others can write it; warn where others can read it.
+
+    A file that is read several times, as one is that is checked before it is used, is warned of once.
+
+    Raises:
+        UsageError: Others can write it.
+    """
+    if problem := why_not_private(path, found):
+        raise UsageError(problem)
+    if warning := readable_by_others(path, found):
+        _warn_of_readers(warning, str(path), (found.st_dev, found.st_ino, found.st_ctime_ns))
+
+
 def _is_writable_by_others(found: os.stat_result) -> bool:
     if found.st_mode & _OTHERS_WRITE:
         return True
@@ -82,3 +123,14 @@ def _user(uid: int) -> str:
         return f"the user {pwd.getpwuid(uid).pw_name}"
     except KeyError:
         return f"the user {uid}"
+
+
+@lru_cache(maxsize=64)
+def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -> None:
+    _log.warning(READABLE, message=warning, file=file)
+
+
+def _unreadable(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from homebot.cli.arguments import address, seconds, set_command, whole
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker
@@ -19,6 +18,7 @@ from homebot.mqtt.broker.stats import loss_text
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
 from homebot.support.addresses import is_loopback
+from homebot.support.file_access import read_secret
 from homebot.support.logger import get_logger
 from homebot.support.output import queued_output
 

@@ -7,11 +7,12 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from homebot.config import FilePath, read_password
+from homebot.config import FilePath
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.conventions.bluetooth.signal import RSSI_AT_1M
 from homebot.errors import UsageError
 from homebot.gateways.base import GatewaySettings
+from homebot.gateways.password_settings import read_password
 from homebot.plugins import plugin_names
 from homebot.units import Seconds
 

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from homebot.config import FilePath, check_secret_file, value_errors
+from homebot.config import FilePath, value_errors
 from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
 from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
@@ -16,6 +16,7 @@ from homebot.gateways.password_settings import PasswordSettings
 from homebot.mqtt.clients import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
+from homebot.support.file_access import check_secret_file
 from homebot.units import DURATION, Seconds
 
 __all__ = ["EMBEDDED", "MqttGatewaySettings"]

@@ -8,10 +8,10 @@ from ipaddress import ip_address
 
 from pydantic import Field, SecretStr, field_validator, model_validator
 
-from homebot.config import FilePath, read_password
+from homebot.config import FilePath
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.drivers.base import DriverSettings
-from homebot.gateways.password_settings import PasswordSettings
+from homebot.gateways.password_settings import PasswordSettings, read_password
 
 __all__ = ["KEY_ADVICE", "PASSWORD_ADVICE", "PLAINTEXT_ADVICE", "PLAIN_ADVICE", "EsphomeSecrets", "EsphomeSettings"]
 
