@@ -20,7 +20,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.robots.settings import RobotSettings
-from homebot.runtime.plan import DoorTable
+from homebot.runtime.door_table import DoorTable
 from homebot.units import DURATION, Seconds, parse_duration
 
 

@@ -8,14 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
+from pydantic import BaseModel
 
 import homebot.control
 import homebot.places
 from homebot.apps import App
-from homebot.bridges.admission import AccessSettings
-from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
-from homebot.config import Config, FilePath, HomeSettings, Table, parse_settings
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.config import Config, HomeSettings, Table, parse_settings
 from homebot.devices.client_rights import read_scope
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
@@ -23,8 +22,7 @@ from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
-from homebot.support.addresses import is_loopback
-from homebot.support.file_access import read_secret
+from homebot.runtime.door_table import read_access, read_door
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -36,7 +34,6 @@ if TYPE_CHECKING:
     from homebot.robots.settings import RobotSettings
 
 __all__ = [
-    "DoorTable",
     "Plan",
     "PlannedComponent",
     "index_place",
@@ -45,29 +42,6 @@ __all__ = [
     "planned_app",
     "scope_of",
 ]
-
-
-class DoorTable(DoorSettings):
-    """The keys of the table ``[door]``.
-
-    Attributes:
-        token_file: File with the token in its first line, readable by its owner only.
-    """
-
-    token_file: FilePath | None = None
-
-
-class TokenTable(BaseModel):
-    """The keys of a table ``[door.tokens.NAME]``.
-
-    Attributes:
-        token_file: File with the token in its first line, readable by its owner only.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
-
-    token_file: FilePath
-    scope: Scope
 
 
 GATEWAYS = "homebot.gateways"
@@ -290,40 +264,6 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
             raise ConfigError(source, f"{_DOORS}.{name}", problem)
 
 
-def _door(config: Config) -> DoorSettings:
-    """Return the door's settings, with the tokens read from where they are kept."""
-    source = config.source
-    table = {key: value for key, value in config.door.items() if key != "tokens"}
-    tokens = _tokens(config.door.get("tokens", {}), source, config.folder)
-    given = parse_settings(DoorTable, table, source, "door", config.folder)
-    values = _access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
-    try:
-        return DoorTable(**{**values, "tokens": tokens})
-    except ValidationError as exc:  # its text would show the secrets
-        raise ConfigError(source, "door.tokens", exc.errors()[0]["msg"].removeprefix("Value error, ")) from None
-
-
-def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]:
-    """Return the tokens in the tables ``[door.tokens.NAME]``, each read from its file."""
-    if not isinstance(tables, Mapping):
-        raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
-    found = {}
-    for name, table in tables.items():
-        key = f"door.tokens.{name}"
-        if not isinstance(table, Mapping):
-            raise ConfigError(source, key, f"must be a table, [{key}]")
-        given = parse_settings(TokenTable, table, source, key, folder)
-        found[str(name)] = ClientToken(token=_secret(given.token_file, source, key), scope=given.scope)
-    return found
-
-
-def _secret(token_file: Path, source: str, key: str) -> SecretStr:
-    try:
-        return SecretStr(read_secret(token_file))
-    except UsageError as exc:
-        raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
-
-
 def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     """Return the settings of the directory that is served over HTTP; None where none is."""
     key = "thing_directory"
@@ -339,7 +279,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     except UsageError as exc:
         raise ConfigError(config.source, key, str(exc)) from exc
     return settings.DirectoryBridgeSettings(
-        **_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
+        **read_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
     )
 
 
@@ -381,7 +321,7 @@ def _history(config: Config) -> HistorySettings | None:
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "discovery": lambda one: parse_settings(DirectorySettings, one.discovery, one.source, "discovery", one.folder),
     "control": _control,
-    "door": _door,
+    "door": read_door,
     "thing_directory": _thing_directory,
     "interfaces": _interfaces,
     "places": _places,
@@ -389,31 +329,6 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "history": _history,
 }
 """The values of a plan that are each read from a table of their own."""
-
-
-def _access(
-    table: AccessSettings,
-    token_file: Path | None,
-    source: str,
-    key: str,
-    variable: str,
-    *,
-    has_other_tokens: bool = False,
-) -> dict[str, Any]:
-    """Return the values of the *table* of a server, with the token read from where it is kept."""
-    values = {name: getattr(table, name) for name in table.model_fields_set if name != "token_file"}
-    if token_file is not None:
-        if table.token is not None:
-            raise ConfigError(source, key, "give token or token_file, not both")
-        values["token"] = _secret(token_file, source, key)
-    if values.get("token") is None and not has_other_tokens and not is_loopback(table.host):
-        raise ConfigError(
-            source,
-            f"{key}.host",
-            f"{table.host} can be reached by others, so it needs a token: give token_file, or {variable} in the "
-            "environment, or listen on 127.0.0.1",
-        )
-    return values
 
 
 def _component(

@@ -1,0 +1,108 @@
+"""The table ``[door]``, and the tokens of servers for other programs, read from where they are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
+
+from homebot.bridges.admission import AccessSettings
+from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
+from homebot.config import Config, FilePath, parse_settings
+from homebot.errors import ConfigError, UsageError
+from homebot.support.addresses import is_loopback
+from homebot.support.file_access import read_secret
+
+__all__ = ["DoorTable", "read_access", "read_door"]
+
+
+class DoorTable(DoorSettings):
+    """The keys of the table ``[door]``.
+
+    Attributes:
+        token_file: File with the token in its first line, readable by its owner only.
+    """
+
+    token_file: FilePath | None = None
+
+
+class TokenTable(BaseModel):
+    """The keys of a table ``[door.tokens.NAME]``.
+
+    Attributes:
+        token_file: File with the token in its first line, readable by its owner only.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    token_file: FilePath
+    scope: Scope
+
+
+def read_door(config: Config) -> DoorSettings:
+    """Return the door's settings, with the tokens read from where they are kept.
+
+    Raises:
+        ConfigError: The table is wrong, or a secret cannot be read.
+    """
+    source = config.source
+    table = {key: value for key, value in config.door.items() if key != "tokens"}
+    tokens = _tokens(config.door.get("tokens", {}), source, config.folder)
+    given = parse_settings(DoorTable, table, source, "door", config.folder)
+    values = read_access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
+    try:
+        return DoorTable(**{**values, "tokens": tokens})
+    except ValidationError as exc:  # its text would show the secrets
+        raise ConfigError(source, "door.tokens", exc.errors()[0]["msg"].removeprefix("Value error, ")) from None
+
+
+def read_access(
+    table: AccessSettings,
+    token_file: Path | None,
+    source: str,
+    key: str,
+    variable: str,
+    *,
+    has_other_tokens: bool = False,
+) -> dict[str, Any]:
+    """Return the values of the *table* of a server, with the token read from where it is kept.
+
+    Raises:
+        ConfigError: It cannot be read, is named twice, or is missing where others can reach the server.
+    """
+    values = {name: getattr(table, name) for name in table.model_fields_set if name != "token_file"}
+    if token_file is not None:
+        if table.token is not None:
+            raise ConfigError(source, key, "give token or token_file, not both")
+        values["token"] = _secret(token_file, source, key)
+    if values.get("token") is None and not has_other_tokens and not is_loopback(table.host):
+        raise ConfigError(
+            source,
+            f"{key}.host",
+            f"{table.host} can be reached by others, so it needs a token: give token_file, or {variable} in the "
+            "environment, or listen on 127.0.0.1",
+        )
+    return values
+
+
+def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]:
+    """Return the tokens in the tables ``[door.tokens.NAME]``, each read from its file."""
+    if not isinstance(tables, Mapping):
+        raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
+    found = {}
+    for name, table in tables.items():
+        key = f"door.tokens.{name}"
+        if not isinstance(table, Mapping):
+            raise ConfigError(source, key, f"must be a table, [{key}]")
+        given = parse_settings(TokenTable, table, source, key, folder)
+        found[str(name)] = ClientToken(token=_secret(given.token_file, source, key), scope=given.scope)
+    return found
+
+
+def _secret(token_file: Path, source: str, key: str) -> SecretStr:
+    try:
+        return SecretStr(read_secret(token_file))
+    except UsageError as exc:
+        raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
