@@ -13,7 +13,6 @@ from pydantic import create_model
 
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosapi import parameters
-from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints
 from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
 from homebot.bridges.rosbridge.types import (
     define_type,
@@ -202,7 +201,13 @@ class RosApi:
         for name in _SERVICES:
             _serve(node, name, error_log)
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
-        node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
+        node.offer_service("homebot/srv/FindEndpoints", "/rosapi/endpoints", partial(_serve_endpoints, node))
+
+
+def _serve_endpoints(node: Node) -> None:
+    from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints  # noqa: PLC0415 - few runs are asked
+
+    node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
 
 
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
