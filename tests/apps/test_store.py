@@ -26,7 +26,7 @@ from homebot.config import parse_config
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node
 from homebot.runtime import Runtime
-from homebot.runtime.runtime import STORE_FILE
+from homebot.runtime.app_host import STORE_FILE
 
 
 @asynccontextmanager

@@ -16,7 +16,8 @@ from homebot.apps import App
 from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node
-from homebot.runtime.plan import PlannedComponent
+from homebot.plugins import plugin_names
+from homebot.runtime.plan import APPS, PlannedComponent
 from homebot.runtime.supervisor import Supervisor, Work
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
@@ -166,6 +167,20 @@ class AppManager:
             if problem:
                 raise self._failure(name, problem)
             return self._report(RELOADED, f"reloaded the app {name}", name)
+
+    def running_text(self, planned: Iterable[PlannedApp]) -> str:
+        """Return which apps of *planned* run after the start, for people."""
+        names = [app.name for app in planned]
+        if not names:
+            installed = ", ".join(plugin_names(APPS)) or "none"
+            return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
+        down = {name for name, one in self._supervisor.crashes.items() if one.state != "running again"}
+        crashed = [name for name in names if name in down]
+        running = [name for name in names if name not in crashed]
+        if not running:
+            return f"no app is running yet: {', '.join(crashed)} crashed at the start"
+        names = running
+        return f"running the app {names[0]}" if len(names) == 1 else f"running the apps {', '.join(names)}"
 
     def offer_services(self, node: Node) -> None:
         """Offer the services for clients on *node*."""

@@ -20,6 +20,7 @@ from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
+from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_access, read_door
@@ -79,6 +80,10 @@ class PlannedComponent(Generic[ComponentT]):
     kind: type[ComponentT]
     settings: BaseModel
 
+    def offer_settings(self, node: Node) -> None:
+        """Have the settings declared as parameters of *node* when these are first asked for."""
+        node.parameters.declare_later(partial(_declare_settings, node, self.settings))
+
 
 ACT = "act"
 """The key that says which devices an app, or a client of the directory of things, may command, and whether a gateway
@@ -124,6 +129,12 @@ class Plan:
     def names_robots(self) -> bool:
         """True if a table or the right of a token names a robot."""
         return bool(self.robots or self.door.robots())
+
+    def keeps_history(self, *, by_default: bool) -> bool:
+        """Return whether a history is kept: in a file where there is an index, else in memory."""
+        if self.history is not None and self.history.enabled is not None:
+            return self.history.enabled
+        return by_default
 
 
 def make_plan(config: Config) -> Plan:
@@ -172,6 +183,12 @@ def index_place(config: Config) -> Path:
     for gateway in plan.gateways:
         return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
     return index_path(plan.home, "none")
+
+
+def _declare_settings(node: Node, settings: BaseModel) -> None:
+    from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
+
+    declare_settings(node, settings)
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
-from homebot.messages.std_srvs import SuccessResponse
+from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
@@ -33,6 +34,10 @@ class RecorderStarter:
         self._node = node
         self._recording = recording
         self._is_busy = False
+
+    def offer(self) -> None:
+        """Offer the service on the node."""
+        self._node.create_service(Trigger, START_RECORDER, lambda _: self.start())
 
     async def start(self) -> SuccessResponse:
         """Start a recorder; the answer says why there is none."""

@@ -18,27 +18,23 @@ from typing import TYPE_CHECKING, Self, TypeVar
 import anyio
 from anyio import to_thread
 from anyio.abc import TaskStatus
-from pydantic import BaseModel
 
-from homebot.apps import App, AppContext
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock, read_zone
 from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
-from homebot.devices.names import LIST_APPS, POSE_TOPICS, START_RECORDER
+from homebot.devices.names import LIST_APPS, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
-from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
-from homebot.graph import EntityKind, Graph, Node, RosoutFeed
-from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
-from homebot.plugins import plugin_names
+from homebot.graph import Graph, Node, RosoutFeed
+from homebot.runtime.app_host import STORE_FILE, AppHost
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
-from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import Plan, PlannedComponent, make_plan
+from homebot.runtime.robot_starter import track_robots
 from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
@@ -46,21 +42,17 @@ from homebot.support.logger import get_logger, observed_lines
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
-    from homebot.apps.stores import AppStores
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
-    from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.app_planner import AppPlanner
-    from homebot.runtime.recorder_starter import RecorderStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
 
-RELOADED = "runtime.reloaded"
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
@@ -70,9 +62,6 @@ JOURNAL_FILE = "journal.sqlite"
 
 _HISTORY_AFTER = 2.0
 """Seconds after which the history begins: the start goes on without it, and devices are known by then."""
-
-STORE_FILE = "apps.sqlite"
-"""The name of the file of what apps keep, likewise."""
 
 ServiceT = TypeVar("ServiceT")
 
@@ -151,26 +140,16 @@ class Runtime:
         self._context = GatewayContext.of(
             self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
         )
-        home = self._plan.home_settings
-        self._app_context = AppContext(
-            home.zone,
-            home.latitude,
-            home.longitude,
-            store_of=lambda app: self._app_stores().of(app),
-            keeps_values=lambda: self._stores is not None,
-        )
-        self._stores: AppStores | None = None
         self._owner: OwnerFacts
         self._controller: Control | None = None
-        self._recorder: RecorderStarter | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
+        self._app_host = AppHost(self.graph, self._plan.home_settings, self._beside_index(STORE_FILE), self._clock)
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
-        self._running_apps: dict[str, App] = {}
-        self._apps = AppManager(self.supervisor, lambda app: partial(self._app, app), self._planner)
+        self._apps = AppManager(self.supervisor, lambda app: partial(self._app_host.serve, app), self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
 
@@ -221,19 +200,9 @@ class Runtime:
         Args:
             read: Called in a worker thread.
         """
-        from homebot.runtime.reload import tables_for_restart  # noqa: PLC0415 - few runs are reloaded
+        from homebot.runtime.reload import reload_tokens  # noqa: PLC0415 - few runs are reloaded
 
-        try:
-            config = await to_thread.run_sync(read)
-            plan = await to_thread.run_sync(make_plan, config)
-        except UsageError as exc:
-            _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
-            return
-        if self.door is not None:
-            self.door.update_tokens(plan.door)
-        waiting = ", ".join(f"[{name}]" for name in tables_for_restart(self.config, config))
-        rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
-        _log.info(RELOADED, message=f"the tokens and rights of clients were reloaded{rest}")
+        await reload_tokens(self.config, read, lambda: self.door)
 
     def cut_start_short(self) -> None:
         """Abort a start that is under way: entering returns at once, and nothing more is started."""
@@ -253,25 +222,27 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         stack.callback(self._installation.close)
-        self._main = main = await stack.enter_async_context(Node(self.graph, "homebot"))
+        main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self._apps.offer_services(main)
         main.offer_service("homebot/srv/ListApps", LIST_APPS, partial(self._serve_app_list, main))
-        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self._app_troubles)
-        main.create_service(Trigger, START_RECORDER, partial(self._start_recorder, main))
+        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self._app_host.troubles)
+        main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
         await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
-        await self._read_stores()
-        stack.push_async_callback(self._close_stores)
+        await self._app_host.read_stores(main)
+        stack.push_async_callback(self._app_host.close_stores)
         for component in self._components(gateways):
             if self._start_is_cut:
                 return
             await stack.enter_async_context(component)
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
-            _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
+            _log.info(
+                APPS, message=self._apps.running_text(self._plan.apps), names=[app.name for app in self._plan.apps]
+            )
             # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
@@ -286,9 +257,9 @@ class Runtime:
         if self.record_into is not None:
             yield running("recorder", partial(self._record, self.record_into))
         yield self._apps.running(self._plan.apps, lambda: self._start_is_cut)
-        if self._keeps_history:
+        if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
-        yield running("robots", self._track_robots)
+        yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
         if self.with_door:
             yield running("door", self._open_door)
         if self._plan.thing_directory is not None:
@@ -304,19 +275,6 @@ class Runtime:
         where = f"{f'[{host}]' if ':' in host else host}:{self.door.port}"
         note = " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
         return f"{home} is running{note}; listening for rosbridge clients on ws://{where}; its page is http://{where}"
-
-    def _apps_text(self) -> str:
-        names = [app.name for app in self._plan.apps]
-        if not names:
-            installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"
-            return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
-        down = {name for name, one in self.supervisor.crashes.items() if one.state != "running again"}
-        crashed = [name for name in names if name in down]
-        running = [name for name in names if name not in crashed]
-        if not running:
-            return f"no app is running yet: {', '.join(crashed)} crashed at the start"
-        names = running
-        return f"running the app {names[0]}" if len(names) == 1 else f"running the apps {', '.join(names)}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need once, unless it was given."""
@@ -334,54 +292,18 @@ class Runtime:
 
     async def _gateway(self, component: PlannedComponent[Gateway], *, task_status: TaskStatus[None]) -> None:
         async with self._gateway_node(self.graph, component.name) as node:
-            _offer_settings(node, component.settings)
+            component.offer_settings(node)
             gateway = component.kind(node, component.settings, self._context)
             await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
-
-    def _app_stores(self) -> AppStores:
-        """Return what apps keep; it is written from the first time that an app asks for it."""
-        if self._stores is None:
-            from homebot.apps.stores import AppStores  # noqa: PLC0415 - few apps keep anything
-
-            self._stores = AppStores(self._beside_index(STORE_FILE), self._clock)
-            self._main.create_task(self._stores.run)
-        return self._stores
-
-    async def _read_stores(self) -> None:
-        path = self._beside_index(STORE_FILE)
-        if path is not None and await anyio.Path(path).exists():
-            await self._app_stores().read()
-
-    async def _close_stores(self) -> None:
-        if self._stores is not None:
-            await self._stores.close()
 
     def _beside_index(self, name: str) -> Path | None:
         """Return the file *name* beside the index; None where nothing is kept."""
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
 
-    async def _app(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
-        async with Node(self.graph, component.name) as node:
-            _offer_settings(node, component.settings)
-            app = component.kind(node, component.settings)
-            app.context = self._app_context
-            self._running_apps[component.name] = app
-            try:
-                await run_as(node.full_name, partial(app.serve, task_status=task_status))
-            finally:
-                self._running_apps.pop(component.name, None)
-                if self._stores is not None:
-                    await self._stores.flush()
-
     def _serve_app_list(self, main: Node) -> None:
         from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
 
-        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self._running_apps, self.supervisor)
-
-    def _app_troubles(self) -> Iterator[str]:
-        """Yield the jobs that apps have given up."""
-        for name, app in self._running_apps.items():
-            yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
+        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self._app_host.running, self.supervisor)
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
@@ -412,27 +334,18 @@ class Runtime:
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
-    @property
-    def _keeps_history(self) -> bool:
-        """True if a history is kept: in a file where there is an index, else in memory."""
-        settings = self._plan.history
-        if settings is not None and settings.enabled is not None:
-            return settings.enabled
-        return self.index_file is not None or self.house is not None
-
     async def _history(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await anyio.sleep(_HISTORY_AFTER)
         from homebot.runtime.history_starter import keep_history  # noqa: PLC0415 - the start does without
 
         index = self.index_file if self._plan.discovery.persist else None
-        await keep_history(self.graph, self._plan.history, index, self._app_context.zone)
+        await keep_history(self.graph, self._plan.history, index, self._app_host.context.zone)
 
-    async def _start_recorder(self, main: Node, _: TriggerRequest) -> SuccessResponse:
+    def _serve_recorder(self, main: Node) -> None:
         from homebot.runtime.recorder_starter import RecorderStarter  # noqa: PLC0415 - few runs are recorded
 
-        self._recorder = self._recorder or RecorderStarter(main, self._recording)
-        return await self._recorder.start()
+        RecorderStarter(main, self._recording).offer()
 
     async def _recording(self) -> RunRecording:
         from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
@@ -454,31 +367,6 @@ class Runtime:
             RosApi(node)
             task_status.started()
             await anyio.sleep_forever()
-
-    async def _track_robots(self, *, task_status: TaskStatus[None]) -> None:
-        """Track robots, where none is named from when the first publishes its pose."""
-        plan = self._plan
-        if not plan.names_robots:
-            task_status.started()
-            await self._first_pose_topic()
-        from homebot.robots.tracker import RobotTracker  # noqa: PLC0415 - few houses have a robot
-
-        async with Node(self.graph, "robots") as node:
-            tracker = RobotTracker(node, plan.robot_owners(), lambda: self._owner.plan, plan.robots)
-            await run_as(node.full_name, partial(tracker.serve, task_status=task_status))
-
-    async def _first_pose_topic(self) -> None:
-        def has_pose(entity: EndpointInfo) -> bool:
-            if entity.kind is not EntityKind.PUBLISHER or entity.name.rpartition("/")[2] not in POSE_TOPICS:
-                return False
-            return self._plan.robot_owners().of_topic(entity.name) is not None
-
-        with self.graph.watch() as changes:
-            if any(map(has_pose, self.graph.get_endpoints(kind=EntityKind.PUBLISHER))):
-                return
-            async for change in changes:
-                if has_pose(change.entity):
-                    return
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
@@ -507,13 +395,3 @@ def _read_page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], byt
     from homebot.web.site import answer  # noqa: PLC0415 - with the first browser
 
     return answer(path, etag)
-
-
-def _offer_settings(node: Node, settings: BaseModel) -> None:
-    node.parameters.declare_later(partial(_declare_settings, node, settings))
-
-
-def _declare_settings(node: Node, settings: BaseModel) -> None:
-    from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
-
-    declare_settings(node, settings)

@@ -1,0 +1,94 @@
+"""Apps as nodes of the graph, with their settings and with what they keep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.apps import App, AppContext
+from homebot.clock import Clock
+from homebot.config import HomeSettings
+from homebot.graph import Graph, Node
+from homebot.runtime.plan import PlannedComponent
+from homebot.support.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.apps.stores import AppStores
+
+__all__ = ["STORE_FILE", "AppHost"]
+
+STORE_FILE = "apps.sqlite"
+"""The name of the file of what apps keep, beside that of the index."""
+
+
+@final
+class AppHost:
+    """The surroundings of apps: nodes, context and stores.
+
+    Args:
+        home: The zone and the place of the home.
+        file: The file of what apps keep; None for nowhere.
+
+    Attributes:
+        context: The context that every app gets.
+        running: The apps that run, by name.
+    """
+
+    def __init__(self, graph: Graph, home: HomeSettings, file: Path | None, clock: Clock) -> None:
+        self._graph = graph
+        self._file = file
+        self._clock = clock
+        self._main: Node
+        self._stores: AppStores | None = None
+        self.running: dict[str, App] = {}
+        self.context = AppContext(
+            home.zone,
+            home.latitude,
+            home.longitude,
+            store_of=lambda app: self._app_stores().of(app),
+            keeps_values=lambda: self._stores is not None,
+        )
+
+    async def read_stores(self, main: Node) -> None:
+        """Read what apps kept in earlier runs; *main* runs the task that writes it."""
+        self._main = main
+        if self._file is not None and await anyio.Path(self._file).exists():
+            await self._app_stores().read()
+
+    async def close_stores(self) -> None:
+        """Write what is left to write."""
+        if self._stores is not None:
+            await self._stores.close()
+
+    async def serve(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
+        """Run an app in a node of its own until cancelled."""
+        async with Node(self._graph, component.name) as node:
+            component.offer_settings(node)
+            app = component.kind(node, component.settings)
+            app.context = self.context
+            self.running[component.name] = app
+            try:
+                await run_as(node.full_name, partial(app.serve, task_status=task_status))
+            finally:
+                self.running.pop(component.name, None)
+                if self._stores is not None:
+                    await self._stores.flush()
+
+    def troubles(self) -> Iterator[str]:
+        """Yield the jobs that apps have given up."""
+        for name, app in self.running.items():
+            yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
+
+    def _app_stores(self) -> AppStores:
+        """Return what apps keep; it is written from the first time that an app asks for it."""
+        if self._stores is None:
+            from homebot.apps.stores import AppStores  # noqa: PLC0415 - few apps keep anything
+
+            self._stores = AppStores(self._file, self._clock)
+            self._main.create_task(self._stores.run)
+        return self._stores
