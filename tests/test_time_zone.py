@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from homebot import clock
 from homebot.clock import read_zone, zone_name
 
 SUMMER = datetime(2026, 7, 1, tzinfo=UTC)
@@ -34,15 +33,12 @@ def test_the_zone_of_the_computer_is_that_of_its_settings(monkeypatch: pytest.Mo
     folder.mkdir(parents=True)
     (folder / "Berlin").write_bytes(Path("/usr/share/zoneinfo/Europe/Berlin").read_bytes())
     (link := tmp_path / "localtime").symlink_to(folder / "Berlin")
-    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", link)
-    assert zone_name("") == "Europe/Berlin"
-    read_zone.cache_clear()
-    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", folder.rename(tmp_path / "copies") / "Berlin")
-    assert zone_name("") == ""
-    assert SUMMER.astimezone(read_zone("")).utcoffset() == timedelta(hours=2)
+    assert zone_name("", link) == "Europe/Berlin"
+    copy = folder.rename(tmp_path / "copies") / "Berlin"
+    assert zone_name("", copy) == ""
+    assert SUMMER.astimezone(read_zone("", copy)).utcoffset() == timedelta(hours=2)
 
 
 def test_a_computer_without_settings_is_in_utc(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
-    monkeypatch.setattr(clock, "_ZONE_OF_COMPUTER", tmp_path / "missing")
-    assert read_zone("") is UTC
+    assert read_zone("", tmp_path / "missing") is UTC

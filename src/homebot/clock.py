@@ -133,8 +133,11 @@ _ZONES: Final = "/zoneinfo/"
 
 
 @lru_cache(maxsize=16)
-def read_zone(name: str) -> tzinfo:
+def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     """Read the time zone with the IANA name *name*, such as ``Europe/Berlin``; the computer's if it is empty.
+
+    Args:
+        computer: The file of the computer's zone, which is a link into a folder of zones or a copy.
 
     Raises:
         UsageError: There is none.
@@ -142,7 +145,7 @@ def read_zone(name: str) -> tzinfo:
     import zoneinfo  # noqa: PLC0415 - few runs ask for the local time
 
     given = os.environ.get("TZ", "").lstrip(":")
-    linked = str(_ZONE_OF_COMPUTER.resolve()).partition(_ZONES)[2]
+    linked = str(computer.resolve()).partition(_ZONES)[2]
     for one in (name,) if name else (given, given.partition(_ZONES)[2], linked):
         try:
             return zoneinfo.ZoneInfo(one)
@@ -151,12 +154,12 @@ def read_zone(name: str) -> tzinfo:
     if name:
         raise UsageError(f"there is no time zone {name!r}")
     try:
-        with _ZONE_OF_COMPUTER.open("rb") as file:
+        with computer.open("rb") as file:
             return zoneinfo.ZoneInfo.from_file(file)
     except (OSError, ValueError):
         return UTC
 
 
-def zone_name(name: str) -> str:
+def zone_name(name: str, computer: Path = _ZONE_OF_COMPUTER) -> str:
     """Return the IANA name of the zone *name*, also of the computer's; empty where that has none."""
-    return getattr(read_zone(name), "key", None) or ""
+    return getattr(read_zone(name, computer), "key", None) or ""

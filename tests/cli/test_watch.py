@@ -14,7 +14,7 @@ import pytest
 from tests.cli.test_guides import HOUSE
 from tests.ports import reserve_door
 
-from homebot.cli.commands.watch import MOST_LINES, _Printer
+from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
 from homebot.cli.json_message import JsonMessage
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
 
@@ -110,7 +110,7 @@ def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
 
 
 def test_a_flood_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    printer = _Printer({}, as_json=False)
+    printer = _LinePrinter({}, as_json=False)
     for number in range(MOST_LINES + 130):
         printer.print(WatchLine(0.0, "change", "lamp", "", {}, str(number)), 10.0)
     printer.end_second(10.9)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from datetime import date, timedelta
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, final
 
 import anyio
 
@@ -20,7 +20,14 @@ from homebot.graph.current_cause import TimerCause
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
-    from homebot.apps.base import App
+    from collections.abc import Callable, Coroutine
+    from datetime import tzinfo
+
+    from structlog.typing import FilteringBoundLogger
+
+    from homebot.apps.store import Store
+    from homebot.clock import Clock
+    from homebot.graph import Node
 
 __all__ = ["Length", "Schedule"]
 
@@ -35,11 +42,45 @@ Length: TypeAlias = str | float | timedelta
 """A length of time: text such as ``2m``, seconds, or a timedelta."""
 
 
+class Home(Protocol):
+    """The home of an app; as :class:`homebot.apps.AppContext`."""
+
+    @property
+    def zone(self) -> tzinfo: ...
+
+    @property
+    def latitude(self) -> float | None: ...
+
+    @property
+    def longitude(self) -> float | None: ...
+
+
+class JobOwner(Protocol):
+    """The app of some jobs; as :class:`homebot.App`."""
+
+    @property
+    def node(self) -> Node: ...
+
+    @property
+    def clock(self) -> Clock: ...
+
+    @property
+    def log(self) -> FilteringBoundLogger: ...
+
+    @property
+    def context(self) -> Home: ...
+
+    @property
+    def store(self) -> Store: ...
+
+    def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None: ...
+
+
 @final
 class Schedule:
     """The jobs of *app*; each method but the properties is one of :class:`homebot.App`'s."""
 
-    def __init__(self, app: App[Any]) -> None:
+    def __init__(self, app: JobOwner) -> None:
         self._app = app
         self._clock = app.clock
         self._jobs: dict[str, Job] = {}

@@ -65,7 +65,7 @@ class WatchLine:
 
 
 @dataclass(slots=True)
-class _Waiting:
+class _WaitingLine:
     line: WatchLine
     due: float
     keys: tuple[_Value, ...] = ()
@@ -91,7 +91,7 @@ class HouseLines:
         self._values: dict[_Place, str] = {}
         self._commands: dict[str, _Command] = {}
         self._explained: dict[_Value, tuple[str, str]] = {}
-        self._waiting: deque[_Waiting] = deque()
+        self._waiting: deque[_WaitingLine] = deque()
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
         """Record known values, which are no change."""
@@ -113,7 +113,7 @@ class HouseLines:
         values = {one.capability: plain_value(one.value) for one in changed}
         at, part = to_seconds(change.told_at), changed[0].part
         line = WatchLine(at, "change", change.device, part, values, settings_text(changed), why, issuer)
-        self._waiting.append(_Waiting(line, now if why else now + EXPLAINED_WITHIN, keys))
+        self._waiting.append(_WaitingLine(line, now if why else now + EXPLAINED_WITHIN, keys))
 
     def add_entry(self, entry: JournalEntry, now: float) -> None:
         """Add a line for a command, or the cause of a change."""
@@ -173,7 +173,7 @@ class HouseLines:
     ) -> None:
         issuer = issuer_text(entry.issuer) if entry.issuer else ""
         line = WatchLine(to_seconds(entry.at), kind, entry.device, entry.part, values, words, why, issuer)
-        self._waiting.append(_Waiting(line, now))
+        self._waiting.append(_WaitingLine(line, now))
 
 
 def line_cells(line: WatchLine, names: Mapping[str, str], time: str) -> tuple[str, ...]:

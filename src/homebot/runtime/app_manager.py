@@ -49,7 +49,7 @@ _log = get_logger(node="/homebot")
 
 
 @dataclass(slots=True)
-class _Running:
+class _RunningApp:
     planned: PlannedApp
     is_stopped: anyio.Event = field(default_factory=anyio.Event)
     has_ended: anyio.Event = field(default_factory=anyio.Event)
@@ -76,7 +76,7 @@ class AppManager:
         self._make_work = make_work
         self._make_planner = make_planner
         self._planner: AppPlanner | None = None
-        self._apps: dict[str, _Running] = {}
+        self._apps: dict[str, _RunningApp] = {}
         self._turn = anyio.Lock()
         self._tasks: TaskGroup | None = None
         self.trial = _TRIAL
@@ -198,7 +198,7 @@ class AppManager:
         self._planner = self._planner or self._make_planner()
         return await to_thread.run_sync(partial(self._planner.plan, name, is_new=is_new))
 
-    def _find(self, name: str) -> _Running:
+    def _find(self, name: str) -> _RunningApp:
         if (found := self._apps.get(name)) is not None:
             return found
         hint = did_you_mean(name, self._apps, f"running are {', '.join(self._apps) or 'none'}")
@@ -215,7 +215,7 @@ class AppManager:
             await app.has_crashed.wait()
         return app.crash
 
-    async def _start(self, planned: PlannedApp) -> _Running:
+    async def _start(self, planned: PlannedApp) -> _RunningApp:
         """Start *planned* and wait until it is ready.
 
         Raises:
@@ -223,12 +223,12 @@ class AppManager:
         """
         if self._tasks is None:
             raise UsageError("homebot stops")
-        app = _Running(planned)
+        app = _RunningApp(planned)
         await self._tasks.start(self._hold, app)
         self._apps[planned.name] = app
         return app
 
-    async def _hold(self, app: _Running, *, task_status: TaskStatus[None]) -> None:
+    async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         try:
             work = partial(self._watched, app, self._make_work(app.planned))
             async with self._supervisor.running(app.planned.name, work, "app"):
@@ -237,7 +237,7 @@ class AppManager:
         finally:
             app.has_ended.set()
 
-    async def _watched(self, app: _Running, work: Work, *, task_status: TaskStatus[None]) -> None:
+    async def _watched(self, app: _RunningApp, work: Work, *, task_status: TaskStatus[None]) -> None:
         try:
             await work(task_status=task_status)
         except Exception as exc:
@@ -245,7 +245,7 @@ class AppManager:
             app.has_crashed.set()
             raise
 
-    async def _stop(self, app: _Running) -> None:
+    async def _stop(self, app: _RunningApp) -> None:
         app.is_stopped.set()
         await app.has_ended.wait()
 
@@ -263,8 +263,8 @@ class AppManager:
         return UsageError(text)
 
 
-def _ended(planned: PlannedApp) -> _Running:
+def _ended(planned: PlannedApp) -> _RunningApp:
     """Return an app that could not be started."""
-    app = _Running(planned)
+    app = _RunningApp(planned)
     app.has_ended.set()
     return app

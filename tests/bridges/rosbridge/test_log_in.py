@@ -11,10 +11,11 @@ from pydantic import SecretStr
 from tests.patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.typing import Origin, Subprotocol
+from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.log_in import LOG_IN, token_in
+from homebot.bridges.rosbridge.log_in import token_in
+from homebot.bridges.rosbridge.server import LOG_IN
 from homebot.bridges.rosbridge.settings import ClientToken
 
 NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
@@ -22,7 +23,7 @@ NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
 
 def page(port: int, origin: str | None = None) -> connect:
     own = Origin(origin or f"http://127.0.0.1:{port}")
-    return connect(f"ws://127.0.0.1:{port}/", origin=own, subprotocols=[Subprotocol(LOG_IN)], proxy=None)
+    return connect(f"ws://127.0.0.1:{port}/", origin=own, subprotocols=[LOG_IN], proxy=None)
 
 
 async def call(connection: ClientConnection, service: str) -> dict[str, Any]:

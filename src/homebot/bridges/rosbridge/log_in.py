@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
-__all__ = ["LOG_IN", "token_in"]
-
-LOG_IN: Final = "homebot.log_in"
-"""The WebSocket subprotocol of a page whose first frame is ``{"op": "auth", "token": "…"}``; empty without one."""
+__all__ = ["token_in"]
 
 
 def token_in(frame: str) -> str | None:

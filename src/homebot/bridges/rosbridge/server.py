@@ -28,9 +28,7 @@ from websockets.typing import Subprotocol
 from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.client_frames import client_frames
-from homebot.bridges.rosbridge.connection import DoorConnection
-from homebot.bridges.rosbridge.log_in import LOG_IN, token_in
+from homebot.bridges.rosbridge.connection import DoorConnection, client_frames
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
@@ -59,6 +57,9 @@ _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
 
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
+LOG_IN: Final = Subprotocol("homebot.log_in")
+"""The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
+
 _PAGE: Final = ""  # the name of a page that has yet to show its token
 
 Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
@@ -230,7 +231,7 @@ class Door:
             port,
             process_request=self._admit,
             process_response=self._name_home,
-            select_subprotocol=lambda _, offered: Subprotocol(LOG_IN) if LOG_IN in offered else None,
+            select_subprotocol=lambda _, offered: LOG_IN if LOG_IN in offered else None,
             compression=None,  # costs more than a local link saves, and a small frame could grow without limit
             server_header=None,
             max_size=settings.max_frame_bytes,
@@ -301,6 +302,8 @@ class Door:
 
     async def _log_in(self, connection: ServerConnection, texts: AsyncIterator[str]) -> bool:
         """Return whether the first frame of homebot's own page shows a token, or needs none; else close it."""
+        from homebot.bridges.rosbridge.log_in import token_in  # noqa: PLC0415 - loaded with the first page
+
         token = None
         with anyio.move_on_after(self._open_timeout):
             token = token_in(await anext(texts, ""))

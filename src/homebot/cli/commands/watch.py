@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
     """Print what happens until Ctrl-C."""
     house = _WatchedHouse(door, " ".join(options.query))
-    printer = _Printer(house.names, as_json=options.json)
+    printer = _LinePrinter(house.names, as_json=options.json)
     while True:
         for message in door.until(_TICK):
             house.add(message)
@@ -64,7 +64,7 @@ def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
         _print_due(house, printer)
 
 
-def _print_due(house: _WatchedHouse, printer: _Printer) -> None:
+def _print_due(house: _WatchedHouse, printer: _LinePrinter) -> None:
     now = time.monotonic()
     for line in house.lines.pop(now):
         if house.shows(line):
@@ -122,7 +122,7 @@ class _WatchedHouse:
         self.lines.learn(device.id, device.states)
 
 
-class _Printer:
+class _LinePrinter:
     """Prints lines, at most so many in a second; the number of others at its end."""
 
     def __init__(self, names: Mapping[str, str], *, as_json: bool) -> None:
