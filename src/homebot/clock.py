@@ -144,9 +144,7 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     """
     import zoneinfo  # noqa: PLC0415 - few runs ask for the local time
 
-    given = os.environ.get("TZ", "").lstrip(":")
-    linked = str(computer.resolve()).partition(_ZONES)[2]
-    for one in (name,) if name else (given, given.partition(_ZONES)[2], linked):
+    for one in (name,) if name else _names_of_computer(computer):
         try:
             return zoneinfo.ZoneInfo(one)
         except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):  # of a folder of zones, an OSError
@@ -158,6 +156,11 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
             return zoneinfo.ZoneInfo.from_file(file)
     except (OSError, ValueError):
         return UTC
+
+
+def _names_of_computer(file: Path) -> tuple[str, ...]:
+    given = os.environ.get("TZ", "").lstrip(":")
+    return given, given.partition(_ZONES)[2], str(file.resolve()).partition(_ZONES)[2]
 
 
 def zone_name(name: str, computer: Path = _ZONE_OF_COMPUTER) -> str:
