@@ -7,6 +7,7 @@ import threading
 from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
+from contextvars import Context, copy_context
 from typing import Generic, Never, TypeVar, TypeVarTuple, Unpack, final
 
 import anyio
@@ -40,13 +41,14 @@ class BrokerThread:
         self._tasks: TaskGroup | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ident = 0
+        self._context = Context()  # tells anyio the kind of loop, also where trio is installed
 
     async def serve(self, *, task_status: TaskStatus[None]) -> None:
         """Run the work of :meth:`call` and :meth:`run` until :meth:`close`; once, on the thread's loop."""
         self._ident = threading.get_ident()
         try:
             async with anyio.create_task_group() as self._tasks:
-                self._loop = asyncio.get_running_loop()
+                self._loop, self._context = asyncio.get_running_loop(), copy_context()
                 task_status.started()
                 await anyio.sleep_forever()
         finally:
@@ -100,7 +102,7 @@ class BrokerThread:
         loop = self._loop
         if loop is None:
             raise RuntimeError("the broker thread is not running")
-        loop.call_soon_threadsafe(self._spawn, job)
+        loop.call_soon_threadsafe(self._spawn, job, context=self._context)
         return loop
 
     def _spawn(self, job: _Job[_T]) -> None:
