@@ -85,14 +85,13 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
-    if not unique:
+    if not unique and _recorded.get() is None:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
         except ValueError:
             pass  # invalid JSON is refused below, with the reason
         else:
-            is_finite = _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH)
-            if is_finite and (_recorded.get() is None or _has_all_keys(payload, value)):
+            if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
     return _parse_slowly(payload, unique=unique)
 
@@ -246,25 +245,21 @@ def decode_json(text: str, at: int) -> tuple[object, int]:
         ValueError: There is none.
     """
     value, end = _DECODER.raw_decode(text, at)
-    if _recorded.get() is None or _has_all_keys(text[at:end], value):
+    if _recorded.get() is None:
         return value, end
+    # A hook for each object would take as long as all the rest: no key was lost if there are as many as were written.
+    for doubtful in _DOUBTFUL:
+        if text.find(doubtful, at, end) >= 0:
+            return _RECORDING_DECODER.raw_decode(text, at)
+    try:
+        if text.count('":', at, end) == to_json_bytes(value).count(b'":'):
+            return value, end
+    except ValueError:
+        pass  # nested too deeply, which is found later
     return _RECORDING_DECODER.raw_decode(text, at)
 
 
-def _has_all_keys(payload: bytes | str, value: object) -> bool:
-    """Return whether *value* has as many keys as were written, for sure.
-
-    To look at each object by a hook would take as long as all the rest.
-    """
-    try:
-        written = payload if isinstance(payload, bytes) else payload.encode()
-        is_clear = not any(doubtful in written for doubtful in _DOUBTFUL)
-        return is_clear and written.count(b'":') == to_json_bytes(value).count(b'":')
-    except ValueError:  # nested too deeply, or half of a surrogate pair, which is found later
-        return False
-
-
-_DOUBTFUL = (b'\\":', b" :", b"\t:", b"\n:", b"\r:", b"\\u")
+_DOUBTFUL = ('\\":', " :", "\t:", "\n:", "\r:", "\\u")
 """A colon in a text, or perhaps not right behind the quote of a key; and what may be half of a surrogate pair."""
 
 
