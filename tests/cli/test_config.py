@@ -294,7 +294,7 @@ def test_all_mistakes_are_told_at_once(capsys: Text) -> None:
         "gateways.mqtt.act",
         "apps.light_servce",
     ]
-    assert lines[0].endswith("unknown key; did you mean name?")
+    assert lines[0].endswith("unknown key; did you mean name or zone?")
     assert lines[1].endswith("unknown key; did you mean home?")
     assert "must not contain '#' or '+'" in lines[4]
     assert lines[6].endswith("did you mean light_service?")

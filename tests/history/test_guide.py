@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from tests.ports import reserve_door
+from tests.system.attack_probe import until
 from tests.test_readme import environment, run
 
 from homebot.cli.history_plot import plot_lines
@@ -38,6 +39,7 @@ def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     for line in process.stderr:
         if "is running" in line:
             break
+    until(lambda: run(COMMANDS[0], door=door).stderr == "" or None, 30.0)  # it begins after the start
     yield door
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=120)

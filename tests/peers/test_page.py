@@ -13,16 +13,17 @@ from typing import Any
 
 import pytest
 from anyio import to_thread
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import WebDriverWait
 from tests.peers.network import missing_programs
 from tests.peers.node_package import node_folder
 
 from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World, thesis_world
 from homebot.runtime import Runtime
+
+webdriver: Any = pytest.importorskip("selenium.webdriver")  # brings trio: installed by hand, `pip install selenium`
+Service: Any = pytest.importorskip("selenium.webdriver.chrome.service").Service
+By: Any = pytest.importorskip("selenium.webdriver.common.by").By
+WebDriverWait: Any = pytest.importorskip("selenium.webdriver.support.ui").WebDriverWait
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 BUILT = SOURCE.parent / "page"
@@ -41,7 +42,7 @@ MARKUP = "<img src=x onerror=alert(1)><b>lamp"
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
+def chromium() -> Iterator[Any]:
     """Return Debian's Chromium, without a window."""
     if missing := missing_programs("chromium", "chromedriver"):
         pytest.skip(f"not installed: {missing} (apt-get install chromium chromium-driver)")
@@ -64,7 +65,7 @@ def axe() -> str:
 class Page:
     """The page of one running homebot, in a browser that is asked from a thread."""
 
-    def __init__(self, browser: webdriver.Chrome, port: int) -> None:
+    def __init__(self, browser: Any, port: int) -> None:
         self.browser = browser
         self.url = f"http://127.0.0.1:{port}/"
 
@@ -74,14 +75,14 @@ class Page:
         return await self.shows(shows)
 
     async def shows(self, text: str, place: str = "#page") -> str:
-        def seen(browser: webdriver.Chrome) -> str:
+        def seen(browser: Any) -> str:
             found: str = browser.find_element(By.CSS_SELECTOR, place).text
             return found if text in found else ""
 
         return await to_thread.run_sync(WebDriverWait(self.browser, WITHIN, 0.05).until, seen)
 
     async def click(self, selector: str) -> None:
-        def press(browser: webdriver.Chrome) -> bool:
+        def press(browser: Any) -> bool:
             for found in browser.find_elements(By.CSS_SELECTOR, selector):
                 found.click()
                 return True
@@ -97,14 +98,14 @@ class Page:
         return [one["message"] for one in _log(self.browser) if one["level"] == "SEVERE"]
 
 
-def _log(browser: webdriver.Chrome) -> list[dict[str, str]]:
+def _log(browser: Any) -> list[dict[str, str]]:
     """Return the lines of the browser's log since the last call."""
-    lines: list[dict[str, str]] = browser.get_log("browser")  # type: ignore[no-untyped-call]  # selenium's
+    lines: list[dict[str, str]] = browser.get_log("browser")
     return lines
 
 
 @pytest.fixture
-def page(chromium: webdriver.Chrome) -> Callable[..., Any]:
+def page(chromium: Any) -> Callable[..., Any]:
     """Give what opens the page of a simulated house."""
 
     @asynccontextmanager
@@ -187,7 +188,7 @@ async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: Any
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1200, 390])
 async def test_axe_finds_nothing_serious(page: Any, axe: str, scheme: str, width: int) -> None:
-    def judge(browser: webdriver.Chrome, view: str) -> list[str]:
+    def judge(browser: Any, view: str) -> list[str]:
         browser.execute_script(axe)
         found = browser.execute_async_script("axe.run().then(r => arguments[0](r.violations))")
         serious = [one for one in found if one["impact"] in {"serious", "critical"}]

@@ -112,7 +112,8 @@ def recorded_with(*doings: tuple[str, str, Message]) -> Recording:
     )
 
     async def live() -> None:
-        tables = {"apps": {"lights_out": LIGHTS_OUT}}
+        rooms: dict[str, object] = {"hall": {}, "kitchen": {}, "study": {}}  # where the lamps are is not stated
+        tables = {"apps": {"lights_out": LIGHTS_OUT}, "places": {"rooms": rooms}}
         async with (
             virtual_house_of(world=world, config=tables, start=START, record_into=sink) as home,
             Node(home.runtime.graph, "person") as node,

@@ -34,6 +34,7 @@ ROOT = Path(__file__).parent.parent.parent
 T = TypeVar("T")
 
 _PULSE = 0.005
+_ENDS_OF_HISTORY = 9  # node, services, subscriptions and clients
 _LATE = 0.05
 _SERVICE = "/loop_probe/read"
 
@@ -193,6 +194,17 @@ def attacked(folder: Path, *arguments: str, token: str = "") -> Iterator[Attacke
         finally:
             process.kill()
     assert "Traceback" not in log.read_text(encoding="utf-8")
+
+
+def begun(homebot: Attacked) -> Attacked:
+    """Return *homebot* once all has joined that begins after the start: the robot of its house, and the history."""
+
+    def has_begun() -> bool | None:
+        entities = homebot.toll().entities
+        return ("/robots" in entities and entities.get("/history", 0) >= _ENDS_OF_HISTORY) or None
+
+    until(has_begun, PATIENCE)
+    return homebot
 
 
 def until(look: Callable[[], T | None], within: float) -> T:

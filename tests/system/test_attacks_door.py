@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 from tests.patience import PATIENCE
 from tests.sizes import size
-from tests.system.attack_probe import Attacked, Toll, attacked, until
+from tests.system.attack_probe import Attacked, Toll, attacked, begun, until
 from tests.system.broker_probe import Client as Mqtt
 from tests.system.own_time import own_time
 from tests.turns import slowness
@@ -41,13 +41,8 @@ MOST_MEMORY = 150
 @pytest.fixture(scope="module")
 def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     with attacked(tmp_path_factory.mktemp("door")) as running:
-        until_the_robot_joined(running)
+        begun(running)
         yield running
-
-
-def until_the_robot_joined(homebot: Attacked) -> None:
-    """Wait until all of the simulated house is loaded: its robot joins last."""
-    until(lambda: "/robots" in homebot.toll().entities or None, PATIENCE)
 
 
 def client(homebot: Attacked) -> ClientConnection:
@@ -329,7 +324,7 @@ def test_twelve_guessers_do_not_lock_out_the_program_that_came_in_before(tmp_pat
                     connect(f"{locked.url}?token=wrong{tried}", proxy=None, open_timeout=PATIENCE).close()
             return tried
 
-        until_the_robot_joined(locked)  # comes in with the token
+        begun(locked)  # comes in with the token
         guessers = [threads.submit(guess) for _ in range(12)]
         try:
             until(lambda: True if "too many wrong tokens" in locked.text() else None, PATIENCE)

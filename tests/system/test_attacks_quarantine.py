@@ -12,7 +12,7 @@ import anyio
 import pytest
 from tests.patience import PATIENCE
 from tests.sizes import nightly
-from tests.system.attack_probe import Attacked, attacked, open_files, until
+from tests.system.attack_probe import Attacked, attacked, begun, open_files, until
 from tests.system.own_time import own_time
 from tests.turns import slowness
 from websockets.sync.client import connect
@@ -114,8 +114,7 @@ async def deferred_more(homebot: Attacked, count: int) -> None:
 @pytest.fixture(scope="module")
 def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     with attacked(tmp_path_factory.mktemp("flooded")) as running:
-        until(lambda: "/robots" in running.toll().entities or None, PATIENCE)  # the robot of the house joins last
-        yield running
+        yield begun(running)
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ async def test_an_app_commands_devices_of_any_convention_and_gets_their_outcomes
         await anyio.sleep(10)
         new, old = await devices.find(Light)
         assert (new.device.id, new.area, new.on) == ("lamp", "kitchen", False)
-        assert (old.device.id, old.area, old.on) == ("lights/old_lamp", "", False)
+        assert (old.device.id, old.area, old.on) == ("lights/old_lamp", "hall", False)
 
         for lamp in (new, old):
             await lamp.turn_on(level=40, kelvin=2500)
