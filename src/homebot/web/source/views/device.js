@@ -16,7 +16,7 @@ const WORDS = {
   valve: ["open", "close"],
   push: ["press"],
 };
-const PERIODS = [["1 h", "1h"], ["24 h", "24h"], ["7 d", "7d"], ["30 d", "30d"], ["1 y", "365d"]];
+const PERIODS = [["1 h", 3600], ["24 h", 86_400], ["7 d", 604_800], ["30 d", 2_592_000], ["1 y", 31_536_000]]; // seconds
 
 const wanted = signal(0); // grows when the device is to be asked for again
 
@@ -144,17 +144,18 @@ function Why({ why }) {
 function History({ short }) {
   const numbers = [...short.states.values()].filter((one) => typeof one.value === "number");
   const [chosen, setChosen] = useState(null);
-  const [since, setSince] = useState("24h");
+  const [period, setPeriod] = useState(86_400);
   const [series, setSeries] = useState(null);
   const reading = chosen ?? numbers[0];
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (!reading || !isOpen) return;
-    const asked = { device: short.id, part: reading.part, capability: reading.capability, since, points: 300 };
+    const asked = { device: short.id, part: reading.part, capability: reading.capability, points: 300 };
+    asked.since = { sec: Math.max(0, Math.floor(Date.now() / 1000 - period)), nanosec: 0 };
     call("/history/read", asked).then(setSeries, (error) => setSeries({ success: false, message: error.message, series: [] }));
-  }, [short.id, reading?.part, reading?.capability, since, isOpen]);
+  }, [short.id, reading?.part, reading?.capability, period, isOpen]);
   if (!reading) return null;
-  const found = series?.series?.[0];
+  const found = series?.series?.find((one) => one.times.length && one.values.length);
   return html`<section>
     <h3>History</h3>
     <p class="choices">
@@ -164,10 +165,10 @@ function History({ short }) {
           ${numbers.map((one) => html`<option key=${`${one.part} ${one.capability}`}>${label(one.capability)}</option>`)}
         </select></label
       >
-      ${PERIODS.map(([text, value]) => html`<button key=${value} type="button" aria-pressed=${value === since} onClick=${() => setSince(value)}>${text}</button>`)}
+      ${PERIODS.map(([text, value]) => html`<button key=${value} type="button" aria-pressed=${value === period} onClick=${() => setPeriod(value)}>${text}</button>`)}
     </p>
     ${found
-      ? html`<${Plot} label=${label(reading.capability)} times=${found.times.map(seconds)} values=${[found.values]} names=${[label(reading.capability)]} />`
+      ? html`<${Plot} label=${label(reading.capability)} times=${found.times} values=${[found.values]} names=${[label(reading.capability)]} />`
       : html`<p>${series ? series.message || "Nothing is kept of that time." : "…"}</p>`}
   </section>`;
 }
