@@ -32,14 +32,14 @@ var ae,Js,fi,Qt,ci,Xl,Zs,Zl,Qs,pi,ui,mu,bl=Symbol.for("pv"),eo={},to=[],_u=/^m(i
     <${Zp} why=${o} />
     <${Qp} key=${e} short=${t} />
     ${n&&S`<${Xp} device=${n} />`}
-  `:S`<p class="empty">There is no device ${e} (any more).</p>`}function qp({short:e,full:t}){let n=new Map((t?.states??[]).map(o=>[`${o.part} ${o.capability}`,o])),l=[...e.states].map(([o,s])=>{let r=n.get(o),c=r?sn(r.since):"",p=eh(t,s)?.unit;return S`<tr key=${o}>
-      <th scope="row">${s.part&&`${th(t,s.part)} `}${We(s.capability)}</th>
-      <td>${fs(s.capability,s.value,p)}</td>
-      <td>${c&&`since ${c}`}</td>
+  `:S`<p class="empty">There is no device ${e} (any more).</p>`}function qp({short:e,full:t}){let n=new Map((t?.states??[]).map(s=>[`${s.part} ${s.capability}`,s])),l=new Set([...e.states.values()].map(s=>s.part)).size>1,o=[...e.states].map(([s,r])=>{let c=n.get(s),p=c?sn(c.since):"",h=eh(t,r)?.unit;return S`<tr key=${s}>
+      <th scope="row">${l&&r.part&&`${th(t,r.part)} `}${We(r.capability)}</th>
+      <td>${fs(r.capability,r.value,h)}</td>
+      <td>${p&&`since ${p}`}</td>
     </tr>`});return S`<section aria-label="values">
     <table class="facts">
       <tbody>
-        ${l}
+        ${o}
       </tbody>
     </table>
   </section>`}function Yp({device:e}){let t=[];for(let{id:n,part:l}of e.parts){if(l.category)continue;let o=n?`${e.id}#${n}`:e.id;for(let s of l.capabilities){if(!s.settable)continue;let r=`${n&&e.parts.length>1?`${l.name||n} `:""}${We(s.name)}`;t.push(S`<${Kp} key=${`${n} ${s.name}`} target=${o} name=${r} of=${e} capability=${s} />`)}}return t.length?S`<section>

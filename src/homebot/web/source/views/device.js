@@ -58,12 +58,13 @@ export function Device({ id }) {
 
 function Values({ short, full }) {
   const since = new Map((full?.states ?? []).map((one) => [`${one.part} ${one.capability}`, one]));
+  const hasSeveral = new Set([...short.states.values()].map((one) => one.part)).size > 1;
   const rows = [...short.states].map(([key, reading]) => {
     const state = since.get(key);
     const at = state ? timeText(state.since) : "";
     const unit = capabilityOf(full, reading)?.unit;
     return html`<tr key=${key}>
-      <th scope="row">${reading.part && `${partName(full, reading.part)} `}${label(reading.capability)}</th>
+      <th scope="row">${hasSeveral && reading.part && `${partName(full, reading.part)} `}${label(reading.capability)}</th>
       <td>${valueText(reading.capability, reading.value, unit)}</td>
       <td>${at && `since ${at}`}</td>
     </tr>`;
