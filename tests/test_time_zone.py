@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -13,17 +12,12 @@ from homebot.clock import read_zone, zone_name
 SUMMER = datetime(2026, 7, 1, tzinfo=UTC)
 
 
-@pytest.fixture(autouse=True)
-def _forget() -> Iterator[None]:
-    read_zone.cache_clear()
-    yield
-    read_zone.cache_clear()
-
-
 @pytest.mark.parametrize("value", ["Asia/Tokyo", ":Asia/Tokyo", ":/usr/share/zoneinfo/Asia/Tokyo"])
-def test_the_environment_names_the_zone_of_the_computer(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
+def test_the_environment_names_the_zone_of_the_computer(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, value: str
+) -> None:
     monkeypatch.setenv("TZ", value)
-    assert zone_name("") == "Asia/Tokyo"
+    assert zone_name("", tmp_path) == "Asia/Tokyo"
 
 
 def test_the_zone_of_the_computer_is_that_of_its_settings(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -132,7 +132,6 @@ _ZONE_OF_COMPUTER: Final = Path("/etc/localtime")
 _ZONES: Final = "/zoneinfo/"
 
 
-@lru_cache(maxsize=16)
 def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     """Read the time zone with the IANA name *name*, such as ``Europe/Berlin``; the computer's if it is empty.
 
@@ -142,6 +141,11 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     Raises:
         UsageError: There is none.
     """
+    return _read_zone(name, computer)
+
+
+@lru_cache(maxsize=16)
+def _read_zone(name: str, computer: Path) -> tzinfo:
     import zoneinfo  # noqa: PLC0415 - few runs ask for the local time
 
     for one in (name,) if name else _names_of_computer(computer):

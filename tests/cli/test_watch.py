@@ -57,6 +57,13 @@ def _do(door: str, *arguments: str) -> None:
     subprocess.run([*HOMEBOT, "do", *arguments], env=_environment(door), check=False, capture_output=True, timeout=60)
 
 
+def _waiting(pipe: int) -> str:
+    try:
+        return os.read(pipe, 1_000_000).decode()
+    except BlockingIOError:
+        return ""
+
+
 def _first_lines(door: str, watch: subprocess.Popen[str], device: str) -> list[str]:
     """Return the lines after commands to *device*, as when the subscription begins is not visible from outside."""
     assert watch.stdout is not None
@@ -64,7 +71,7 @@ def _first_lines(door: str, watch: subprocess.Popen[str], device: str) -> list[s
     text, words = "", iter(("on", "off") * 10)
     while text.count("as commanded") < 2 or "→" not in text:
         _do(door, device, next(words))
-        text += watch.stdout.read() or ""
+        text += _waiting(watch.stdout.fileno())
     watch.send_signal(signal.SIGINT)
     return (text + watch.communicate(timeout=60)[0]).splitlines()
 

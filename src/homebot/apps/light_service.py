@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from homebot.apps.base import App
-from homebot.apps.rooms import per_handle
 from homebot.devices.handles import HandleChange, Light
 
 __all__ = ["LightService"]
+
+
+def _report(change: HandleChange[Light]) -> tuple[Light, float]:
+    """Return lamp and time of a report, which comes as a change and as a message."""
+    at = change.handle.told_at if change.message is None else change.message.received_at.to_seconds()
+    return change.handle, at
 
 
 class LightService(App):
@@ -15,7 +20,7 @@ class LightService(App):
     async def run(self) -> None:
         """Answer each lamp that reports that it is on."""
         reports = self.devices.follow(Light), self.devices.messages(Light)
-        self.on(reports, self._answer, mode="parallel", most=100, key=per_handle)
+        self.on(reports, self._answer, most=100, key=_report)
         self.node.create_timer(300.0, self._look_again)  # as it did not obey, or a policy kept it on
 
     async def _look_again(self) -> None:

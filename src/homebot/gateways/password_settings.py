@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, SecretStr, model_validator
 
 from homebot.config import FilePath
 from homebot.errors import UsageError
-from homebot.support.file_access import read_secret
+from homebot.support.file_access import check_secret_file, read_secret
 
-__all__ = ["PasswordSettings", "read_password"]
+__all__ = ["PasswordSettings", "check_secret_file", "read_password"]
 
 
 class PasswordSettings(BaseModel):

@@ -13,7 +13,6 @@ from functools import lru_cache
 from pathlib import Path
 
 from homebot.errors import UsageError
-from homebot.support.logger import get_logger
 
 if sys.platform != "win32":
     import grp
@@ -23,7 +22,6 @@ __all__ = ["check_secret_file", "read_secret", "readable_by_others", "why_not_pr
 
 READABLE = "config.secret_readable"
 
-_log = get_logger()
 _LONGEST_SECRET = 65_536
 _GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
 _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
@@ -127,7 +125,9 @@ def _user(uid: int) -> str:
 
 @lru_cache(maxsize=64)
 def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -> None:
-    _log.warning(READABLE, message=warning, file=file)
+    from homebot.support.logger import get_logger  # noqa: PLC0415 - tools read a token without it
+
+    get_logger().warning(READABLE, message=warning, file=file)
 
 
 def _unreadable(error: OSError | ValueError) -> str:

@@ -12,11 +12,10 @@ from homebot.conventions.installed_conventions import any_announcing, check_tabl
 from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
-from homebot.gateways.password_settings import PasswordSettings
+from homebot.gateways.password_settings import PasswordSettings, check_secret_file
 from homebot.mqtt.clients import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
-from homebot.support.file_access import check_secret_file
 from homebot.units import DURATION, Seconds
 
 __all__ = ["EMBEDDED", "MqttGatewaySettings"]
