@@ -16,18 +16,18 @@ class LightService(App):
         """Answer each lamp that reports that it is on."""
         reports = self.devices.follow(Light), self.devices.messages(Light)
         self.on(reports, self._answer, mode="parallel", most=100, key=per_handle)
-        self.node.create_timer(300.0, self._look_again)  # as it did not obey, or a policy kept it on
+        self.every("5m", self._look_again)  # as it did not obey, or a policy kept it on
 
     async def _look_again(self) -> None:
         await self.each(Light.turn_off, await self.devices.find(Light, on=True))
 
     async def _answer(self, change: HandleChange[Light]) -> None:
         lamp, message = change.handle, change.message
-        is_repeated = message is not None
-        if message is not None and lamp.since("on_off") >= message.received_at.to_seconds():
-            return  # it is a change too
-        if lamp.on and not lamp.is_gone and (not is_repeated or change.text == "on"):
-            if (await lamp.turn_off()).succeeded:
-                self.log_limited("light_service.turned_off", f"{lamp.id} is on: turned it off", device=lamp.device.id)
-        elif lamp.on is False and not (is_repeated or lamp.is_gone or lamp.is_commanded):
+        if lamp.is_gone or (
+            message and (change.text != "on" or lamp.since("on_off") >= message.received_at.to_seconds())
+        ):
+            return  # what changes the lamp comes as a change too
+        if lamp.on and (await lamp.turn_off()).succeeded:
+            self.log_limited("light_service.turned_off", f"{lamp.id} is on: turned it off", device=lamp.device.id)
+        elif lamp.on is False and not lamp.is_commanded:
             self.log_limited("light_service.is_off", f"{lamp.id} is off", device=lamp.device.id)

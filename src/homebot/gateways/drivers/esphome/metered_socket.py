@@ -40,7 +40,7 @@ class MeteredSocket(socket.socket):
     def recv(self, bufsize: int, flags: int = 0, /) -> bytes:
         """Return received data."""
         data = super().recv(bufsize, flags)
-        if self._limit.charge(anyio.current_time(), len(data)) > 0:
+        if self._limit.charge(asyncio.get_running_loop().time(), len(data)) > 0:
             self.is_flooded = True
             raise ConnectionAbortedError("the device sends too much data")
         return data
