@@ -74,16 +74,11 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
     if options.plot and options.energy:
         raise UsageError("--plot is for values; --energy has a table, --csv and --json")
-    now = house_time(door)
-    until = now - options.until
-    since = now - (options.since or (6 * _DAY if options.energy else _DAY))
-    if since >= until:
-        raise UsageError("--until leaves nothing of --since; give a shorter one")
+    since, until = _time_asked(door, options)
     request = _devices(door, " ".join(options.query)) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
-    points = options.points or (_WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS)
-    request |= {"capability": options.capability, "points": min(points, _MOST)}
+    request |= {"capability": options.capability, "points": min(options.points or _points(options), _MOST)}
     found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
     if options.json:
         print(json.dumps([fields_of(one) for one in found.series]))
@@ -92,6 +87,21 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     else:
         _print_series(found, since, until, is_plot=options.plot)
     return 0 if found.series else 1
+
+
+def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, float]:
+    """Return begin and end, in seconds since the Unix epoch by the clock of the house."""
+    now = house_time(door)
+    since, until = now - (options.since or (6 * _DAY if options.energy else _DAY)), now - options.until
+    if since >= until:
+        raise UsageError("--until leaves nothing of --since; give a shorter one")
+    return since, until
+
+
+def _points(options: argparse.Namespace) -> int:
+    if options.plot:
+        return _WIDEST
+    return _MOST if options.csv or options.json else _ROWS
 
 
 def _devices(door: DoorClient, text: str) -> dict[str, object]:
