@@ -47,7 +47,9 @@ class Client:
         self._is_there = True
         self._is_cut = anyio.Event()
         link = DoorLink(self._send, self._is_cut.set, self._ping, bool)
-        self._session = ClientSession(self.shared, "rosie", read_scope(SCOPE), "", "rosie", link, is_roslibpy=False)
+        self._session = ClientSession(
+            self.shared, "rosie", read_scope(SCOPE), "rosie", link, is_page=False, is_roslibpy=False
+        )
 
     async def serve(self) -> None:
         """Serve it until its connection ends."""

@@ -16,7 +16,7 @@ class LightService(App):
         """Answer each lamp that reports that it is on."""
         reports = self.devices.follow(Light), self.devices.messages(Light)
         self.on(reports, self._answer, mode="parallel", most=100, key=per_handle)
-        self.every("5m", self._look_again)  # as it did not obey, or a policy kept it on
+        self.every("5m", self._look_again, name="look again")  # as it did not obey, or a policy kept it on
 
     async def _look_again(self) -> None:
         await self.each(Light.turn_off, await self.devices.find(Light, on=True))

@@ -154,10 +154,9 @@ async def test_of_pages_without_a_token_only_those_that_the_configuration_names_
         assert (await peer.call("/app/go"))["result"] is True
     assert [one["result"] for one in managed] == [is_allowed] * 2
     if not is_allowed:
-        page = headers["Origin"]
         assert managed[0]["values"] == (
-            f"the right manage is missing; a web page from {page} has: read, act. To give it, "
-            f'add "{page}" to allowed_origins, in the table [door] of homebot.toml'
+            "the right manage is missing; a web page without a token has: read, act. To give it, "
+            'make a token: homebot token new NAME --scope "read" --scope "manage"'
         )
 
 

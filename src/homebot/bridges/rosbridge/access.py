@@ -121,7 +121,6 @@ _ACTING: Final = frozenset(
     }
 )
 _SEVERAL: Final = "?"
-_LONGEST_ORIGIN: Final = 100
 _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it holds no code."""
@@ -157,19 +156,19 @@ class ClientAccess:
         name: The name of its token, or ``local`` without one.
         rights: Its rights.
         owners: The robots of the house, with their topics and frames.
-        page: The origin of the web page, if it is one that ``allowed_origins`` does not name and has no token: it may
-            neither manage homebot nor pass for its parts, nor be a robot.
+        is_page: Whether it is homebot's own page and has no token: it may neither manage homebot nor pass for its
+            parts, nor be a robot.
     """
 
     name: str
     rights: ClientRights
     owners: RobotOwners
-    page: str = ""
+    is_page: bool = False
 
     @classmethod
-    def of_page(cls, origin: str, name: str, rights: ClientRights, owners: RobotOwners) -> ClientAccess:
-        """Return the access of a page that no token and no configuration vouches for."""
-        return cls(name, rights._replace(manages=False, is_raw=False, robots=()), owners, origin)
+    def of_page(cls, name: str, rights: ClientRights, owners: RobotOwners) -> ClientAccess:
+        """Return the access of homebot's own page without a token."""
+        return cls(name, rights._replace(manages=False, is_raw=False, robots=()), owners, is_page=True)
 
     @property
     def issuer(self) -> str:
@@ -253,11 +252,8 @@ class ClientAccess:
         wanted = {Right.ACT: "act: harmless", Right.ROBOT: f"robot: {robot or self.owners.names[0]}"}.get(
             right, right.value
         )
-        if self.page:
-            client = f"a web page from {self.page[:_LONGEST_ORIGIN]}"
-            advice = f'add "{self.page[:_LONGEST_ORIGIN]}" to allowed_origins, in the table [door] of homebot.toml'
-        elif self.name == LOCAL_CLIENT:
-            client = "a client without a token"
+        if self.name == LOCAL_CLIENT:
+            client = f"a {'web page' if self.is_page else 'client'} without a token"
             scopes = "".join(f" --scope {json.dumps(one)}" for one in dict.fromkeys(("read", wanted)))
             advice = f"make a token: homebot token new NAME{scopes}"
         else:

@@ -357,11 +357,13 @@ class Door:
         if isinstance(connection, DoorConnection):
             connection.has_arrived()
         name = self._names[connection]
-        rights, page = self._rights[name], self._unnamed_page(connection.request, connection)
+        rights, is_page = self._rights[name], bool(self._unnamed_page(connection.request, connection))
         address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
         is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
         link = sessions.DoorLink(send, cut, ping, is_excused)
-        session = sessions.ClientSession(self._shared, name, rights, page, address, link, is_roslibpy=is_roslibpy)
+        session = sessions.ClientSession(
+            self._shared, name, rights, address, link, is_page=is_page, is_roslibpy=is_roslibpy
+        )
         self._sessions[connection] = session
         try:
             await session.run(texts)

@@ -76,7 +76,7 @@ class ClientSession:
         shared: State shared with other clients.
         name: The name of its token, see :class:`ClientAccess`.
         rights: The rights of that token.
-        page: The origin of a web page that no token and no configuration vouches for; empty for other clients.
+        is_page: Whether the client is homebot's own page without a token.
         client: Name of the client in the log.
         link: The connection.
         is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
@@ -91,17 +91,17 @@ class ClientSession:
         shared: SharedState,
         name: str,
         rights: ClientRights,
-        page: str,
         client: str,
         link: DoorLink,
         *,
+        is_page: bool,
         is_roslibpy: bool,
     ) -> None:
         self.refused = 0
         self._reads_png = not is_roslibpy
         self._shared = shared
         owners = shared.owners()
-        self._access = ClientAccess.of_page(page, name, rights, owners) if page else ClientAccess(name, rights, owners)
+        self._access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
         self._node = shared.node
         self._settings = shared.settings
         self._turns = shared.turns
