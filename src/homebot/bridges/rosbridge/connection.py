@@ -18,7 +18,7 @@ from websockets.frames import CloseCode
 
 from homebot.bridges.turns import ServerTurns
 
-__all__ = ["DoorConnection", "client_frames"]
+__all__ = ["DoorConnection", "client_frames", "is_roslibpy"]
 
 _READ = 2048
 """Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
@@ -127,6 +127,12 @@ async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
             yield text
     except ConnectionClosed:
         return
+
+
+def is_roslibpy(connection: ServerConnection) -> bool:
+    """Return whether the client is roslibpy, which (to 2.1 at least) reads neither PNG nor ``status`` frames."""
+    agent = connection.request.headers.get("User-Agent", "") if connection.request is not None else ""
+    return agent.startswith("AutobahnPython/")
 
 
 def _json_object(frame: bytes) -> str | None:

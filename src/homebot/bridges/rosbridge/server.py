@@ -28,7 +28,7 @@ from websockets.typing import Subprotocol
 from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.connection import DoorConnection, client_frames
+from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, is_roslibpy
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
@@ -358,11 +358,11 @@ class Door:
             connection.has_arrived()
         name = self._names[connection]
         rights, is_page = self._rights[name], bool(self._unnamed_page(connection.request, connection))
-        address, is_roslibpy = _address_of(connection), _is_roslibpy(connection)
+        address = _address_of(connection)
         is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
         link = sessions.DoorLink(send, cut, ping, is_excused)
         session = sessions.ClientSession(
-            self._shared, name, rights, address, link, is_page=is_page, is_roslibpy=is_roslibpy
+            self._shared, name, rights, address, link, is_page=is_page, is_roslibpy=is_roslibpy(connection)
         )
         self._sessions[connection] = session
         try:
@@ -388,12 +388,6 @@ class _LibraryLog(logging.Handler):
             problem = str(error or record.msg)
             message = f"a client of the rosbridge server sent invalid WebSocket: {problem}"
             self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
-
-
-def _is_roslibpy(connection: ServerConnection) -> bool:
-    """Return whether the client is roslibpy, which (to 2.1 at least) reads neither PNG nor ``status`` frames."""
-    agent = connection.request.headers.get("User-Agent", "") if connection.request is not None else ""
-    return agent.startswith("AutobahnPython/")
 
 
 def _address_of(connection: ServerConnection) -> str:
