@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import logging
 import os
 import shutil
 import signal
@@ -111,6 +112,7 @@ def _the_users_data_is_not_touched(tmp_path_factory: pytest.TempPathFactory) -> 
 def _logs_are_plain() -> None:
     """As in production: structlog's default draws tracebacks with rich, which reads files while the loop waits."""
     structlog.reset_defaults()  # a command that ran in the process may have chosen a level
+    logging.captureWarnings(capture=False)  # and have taken warnings, which pytest takes back
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
