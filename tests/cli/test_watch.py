@@ -15,8 +15,8 @@ from tests.cli.test_guides import HOUSE
 from tests.ports import reserve_door
 
 from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
+from homebot.devices.wording.json_message import JsonMessage
 
 pytestmark = pytest.mark.slow
 HOMEBOT = (sys.executable, "-m", "homebot")

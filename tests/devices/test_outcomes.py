@@ -9,15 +9,15 @@ from typing import Any, cast
 import pytest
 from pydantic import ValidationError
 
-from homebot.cli.history_words import result_text
 from homebot.cli.journal_client import chain_json
-from homebot.cli.json_message import JsonMessage
 from homebot.control.journal.journal_file import JournalFile
 from homebot.control.journal.store import JournalNote
 from homebot.devices.command_messages import CommandDevicesResponse, CommandResult
 from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
+from homebot.devices.wording.history_words import result_text
+from homebot.devices.wording.json_message import JsonMessage
 
 _VALUES = {"float": 6.5, "str": "a-9", "Evidence": Evidence.REPORTED}
 EXAMPLES = tuple(

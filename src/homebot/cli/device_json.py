@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.json_message import fields_of
-from homebot.cli.time_format import iso
-from homebot.cli.values import plain_value
 from homebot.devices.names import OWNER
+from homebot.devices.wording.json_message import fields_of
+from homebot.devices.wording.time_format import iso
+from homebot.devices.wording.values import plain_value
 from homebot.support.strict_json import in_ascii
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.devices.names import RUNTIME_HEALTH
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:

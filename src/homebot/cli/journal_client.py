@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, cast, final
 
 from homebot.cli.door_client import DoorClient
-from homebot.cli.json_message import JsonMessage, fields_of
-from homebot.cli.time_format import from_seconds, iso
-from homebot.cli.values import plain_value
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JOURNAL
+from homebot.devices.wording.json_message import JsonMessage, fields_of
+from homebot.devices.wording.time_format import from_seconds, iso
+from homebot.devices.wording.values import plain_value
 from homebot.errors import PeerError
 
 if TYPE_CHECKING:

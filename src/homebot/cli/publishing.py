@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, cast
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
-from homebot.cli.json_message import JsonMessage
 from homebot.devices.names import ONLY_OBSERVES, GatewayNames
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, RefusedError
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from rich.progress import Progress
 from rich.table import Table
 from rich.text import Text
 
-from homebot.cli.table import printable
 from homebot.support.output import CleanText
+from homebot.support.printable import printable
 
 __all__ = ["RichTerminal"]
 

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-__all__ = ["printable", "to_lines", "to_table", "without_empty"]
+from homebot.support.printable import printable
+
+__all__ = ["to_lines", "to_table", "without_empty"]
 
 _WIDEST = 48
 _WIDEST_ALONE = 200
-
-
-def printable(text: str, widest: int = _WIDEST_ALONE) -> str:
-    """Return *text* with control characters as escapes, cut to *widest* characters."""
-    signs = text[: widest + 1]
-    shown = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in signs)
-    return shown if len(shown) <= widest else f"{shown[: widest - 1]}…"
 
 
 def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

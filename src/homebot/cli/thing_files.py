@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from homebot.cli.json_message import fields_of
 from homebot.devices import Device
+from homebot.devices.wording.json_message import fields_of
 from homebot.errors import ConfigError
 from homebot.messages.json import message_from_json
 from homebot.names import escape_token

@@ -7,10 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias, TypeVar, final
 
-from homebot.cli.journal_words import entry_text, issuer_text, name_text, outcome_text, settings_text, trigger_text
-from homebot.cli.table import printable
-from homebot.cli.time_format import to_seconds
-from homebot.cli.values import plain_value
+from homebot.devices.wording.journal_words import (
+    entry_text,
+    issuer_text,
+    name_text,
+    outcome_text,
+    settings_text,
+    trigger_text,
+)
+from homebot.devices.wording.time_format import to_seconds
+from homebot.devices.wording.values import plain_value
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import State, StateChange

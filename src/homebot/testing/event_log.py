@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Literal, cast
 
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.clock import Clock
 from homebot.devices.device import DeviceChange, StateChange, part_names
 from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import ClosedError
 from homebot.graph import EntityKind, GraphChange, Node
 from homebot.messages import Message

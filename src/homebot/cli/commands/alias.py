@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.devices.names import ALIAS_DEVICE
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.places_messages import AliasDeviceResponse

@@ -12,12 +12,12 @@ from homebot.cli.arguments import Commands, add_verb, add_verbs, set_client_comm
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, door_command, with_client
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
-from homebot.cli.time_format import age, iso, to_seconds
 from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import age, iso, to_seconds
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import AppInfo, AppJob, AppsResponse

@@ -13,9 +13,9 @@ from homebot.cli.device_queries import all_devices, find_devices, house_time, un
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
 from homebot.cli.terminal import print_table
-from homebot.cli.time_format import ago
-from homebot.cli.values import is_topic, life, main_parts, state_text, types
 from homebot.devices.query.tokens import quoted
+from homebot.devices.wording.time_format import ago
+from homebot.devices.wording.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import PeerError, UsageError
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
-from homebot.cli.json_message import JsonMessage, fields_of
-from homebot.cli.table import printable
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import has_succeeded
+from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandDevicesResponse

@@ -10,12 +10,12 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.time_format import age, ago
 from homebot.devices.names import SENDS_NOTHING
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import age, ago
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device, GatewayState

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.table import printable
 from homebot.devices.names import FORGET_DEVICE
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.services import ForgetDeviceResponse

@@ -17,13 +17,13 @@ from homebot.cli.device_queries import device_or_similar, house_time
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
-from homebot.cli.json_message import JsonMessage, fields_of
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
-from homebot.cli.time_format import from_seconds
-from homebot.cli.values import value_text
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.devices.wording.json_message import JsonMessage, fields_of
+from homebot.devices.wording.time_format import from_seconds
+from homebot.devices.wording.values import value_text
 from homebot.errors import PeerError, UsageError
+from homebot.support.printable import printable
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:

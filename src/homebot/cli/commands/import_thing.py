@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.arguments import seconds, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.table import printable
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.names import DEVICE_CHANGES
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import ConfigError, UsageError, WireError
+from homebot.support.printable import printable
 from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing
 

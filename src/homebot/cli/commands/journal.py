@@ -10,10 +10,10 @@ from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, entry_json
-from homebot.cli.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.time_format import ago
 from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.wording.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import ago
 from homebot.errors import UsageError
 from homebot.units import parse_duration
 

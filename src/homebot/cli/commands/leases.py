@@ -10,13 +10,13 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.journal_words import issuer_text, settings_text
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_table
-from homebot.cli.time_format import age, from_seconds, iso, to_seconds
-from homebot.cli.values import plain_value
 from homebot.devices.names import FIND_DEVICES, GET_LEASES
+from homebot.devices.wording.journal_words import issuer_text, settings_text
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import age, from_seconds, iso, to_seconds
+from homebot.devices.wording.values import plain_value
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device

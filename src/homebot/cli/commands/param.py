@@ -11,10 +11,10 @@ from typing import Any, Final, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.flow import parse_flow
-from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError, UsageError, WireError
 from homebot.plugins import check_extra
+from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 __all__ = ["add_arguments"]

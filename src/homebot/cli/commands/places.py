@@ -12,15 +12,15 @@ from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, door_command, with_client
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, UsageError
 from homebot.places import HousePlan, places_text, read_position
 from homebot.places.polygon import Polygon
 from homebot.plugins import check_extra
 from homebot.support.folding import fold
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.cli.robot_map import RobotMap

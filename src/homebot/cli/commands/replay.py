@@ -13,17 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import set_command
-from homebot.cli.journal_words import issuer_text, name_text, settings_text, trigger_text
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.config import load_config
 from homebot.devices.device import part_names
+from homebot.devices.wording.journal_words import issuer_text, name_text, settings_text, trigger_text
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import HomebotError
 from homebot.log import configure_logging
 from homebot.messages.json import message_to_json
 from homebot.recording.recording import Recording, TimedCommand, load_recording
 from homebot.replay.command_diff import CommandDiff, DifferentCommand, command_diff
 from homebot.replay.replay import Replayed, replay, replay_config
+from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
 from homebot.cli.graph_queries import MessageTypeRecord, response_schema
 from homebot.cli.service_unit import add_install_arguments
-from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import UsageError
+from homebot.support.printable import printable
 
 __all__ = ["add_arguments"]
 

@@ -10,12 +10,12 @@ from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved, why_it_asks
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.time_format import ago
-from homebot.cli.values import is_topic, life, plain_value, span, value_text
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.names import OWNER, TAG
+from homebot.devices.wording.time_format import ago
+from homebot.devices.wording.values import is_topic, life, plain_value, span, value_text
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart, Endpoint, Fact, Route, State

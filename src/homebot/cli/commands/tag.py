@@ -13,10 +13,10 @@ from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command, with_client
 from homebot.cli.graph_queries import entities
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.places_messages import TagDeviceResponse, TeachPlaceResponse

@@ -26,9 +26,9 @@ from homebot.cli.graph_queries import (
     topic_type,
 )
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.table import printable
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
+from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.table import printable
 from homebot.devices.names import TRUST_DEVICE
+from homebot.support.printable import printable
 
 __all__ = ["add_arguments"]
 

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Final, Never, cast
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, matching_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, door_command
-from homebot.cli.journal_words import clock_text
-from homebot.cli.json_message import JsonMessage
 from homebot.cli.terminal import is_terminal
-from homebot.cli.time_format import from_seconds, iso
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, JOURNAL_ENTRIES
 from homebot.devices.query.tokens import quoted
+from homebot.devices.wording.journal_words import clock_text
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.support.output import CleanText, wants_colour
 
 if TYPE_CHECKING:

@@ -9,13 +9,13 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
-from homebot.cli.history_words import UNEXPLAINED, chain_lines, chains_of, reason_text
 from homebot.cli.journal_client import JournalClient, chain_json
-from homebot.cli.journal_words import ago_text
-from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.time_format import iso, to_seconds
-from homebot.cli.values import state_text
+from homebot.devices.wording.history_words import UNEXPLAINED, chain_lines, chains_of, reason_text
+from homebot.devices.wording.journal_words import ago_text
+from homebot.devices.wording.time_format import iso, to_seconds
+from homebot.devices.wording.values import state_text
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device

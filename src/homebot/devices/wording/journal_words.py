@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.json_message import JsonMessage
-from homebot.cli.table import printable
-from homebot.cli.time_format import ago, from_seconds, to_seconds
-from homebot.cli.values import plain_value, value_text
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import ago, from_seconds, to_seconds
+from homebot.devices.wording.values import plain_value, value_text
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandResult, Setting

@@ -6,9 +6,9 @@ from typing import cast
 
 import pytest
 
-from homebot.cli.json_message import JsonMessage, fields_of
 from homebot.devices import Device
 from homebot.devices.health import Count, HealthResponse
+from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.errors import WireError
 from homebot.messages.json import message_to_json
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
-from homebot.cli.journal_words import (
+from homebot.devices.wording.journal_words import (
     clock_text,
     denial_text,
     entry_text,
@@ -14,8 +14,8 @@ from homebot.cli.journal_words import (
     settings_text,
     trigger_text,
 )
-from homebot.cli.table import printable
-from homebot.cli.time_format import to_seconds
+from homebot.devices.wording.time_format import to_seconds
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.journal_messages import JournalEntry
