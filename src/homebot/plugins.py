@@ -21,6 +21,7 @@ from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean
 
 __all__ = [
+    "INSTALL_EXTRA",
     "check_extra",
     "check_file",
     "class_in",
@@ -41,6 +42,9 @@ _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
 _LOADERS: Final = {Path(__file__), Path(importlib.__file__), Path(importlib.metadata.__file__)}
 """The files of Python and of homebot that import a plug-in."""
+
+INSTALL_EXTRA: Final = 'pip install "homebot['
+"""The beginning of the command that installs an extra."""
 
 _FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 
@@ -141,7 +145,7 @@ def check_extra(what: str, extra: str, *modules: str) -> None:
     """
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     if missing:
-        raise UsageError(f'{what} needs {", ".join(missing)}; install it with: pip install "homebot[{extra}]"')
+        raise UsageError(f'{what} needs {", ".join(missing)}; install it with: {INSTALL_EXTRA}{extra}]"')
 
 
 def _load_entry_point(group: str, name: str) -> object:

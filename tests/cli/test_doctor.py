@@ -1,44 +1,178 @@
-"""What the doctor says of a gateway and of a node."""
+"""Findings of the doctor: of a gateway, of a node, and before the start."""
 
 from __future__ import annotations
 
-import pytest
+import json
+import re
+import socket
+import sqlite3
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
-from homebot.cli.commands.doctor import print_gateway, print_health
+import pytest
+from tests.cli.golden.conftest import StillHouse, attic, told
+
+from homebot.cli import main
+from homebot.cli.commands.doctor import gateway_finding, health_findings
+from homebot.cli.findings import FindingKind, print_finding
 from homebot.devices import GatewayState
 from homebot.devices.health import Count, HealthResponse
+from homebot.discovery.store import index_path
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tests.cli.conftest import Homebot
+
+Text = pytest.CaptureFixture[str]
+
+
+def findings(output: str) -> dict[str, dict[str, object]]:
+    return {one["code"]: one for one in json.loads(output)["findings"]}
 
 
 @pytest.mark.parametrize(
     ("state", "line"),
     [
-        (None, "gateway ble does not report its state"),
-        (GatewayState(state="active", reason="", acts=True), "gateway ble is active and sends commands"),
-        (
-            GatewayState(state="active", reason="another acts", acts=False),
-            "gateway ble is active and only observes: another acts",
-        ),
+        (None, "HB301 gateway ble does not report its state"),
+        (GatewayState(state="active", reason="another acts", acts=False), ""),
         (
             GatewayState(state="unavailable", reason="there is no D-Bus", acts=True),
-            "gateway ble is unavailable: there is no D-Bus",
+            "HB302 gateway ble is unavailable: there is no D-Bus",
         ),
     ],
 )
 def test_a_gateway_that_is_unavailable_is_not_said_to_send_commands(
-    capsys: pytest.CaptureFixture[str], state: GatewayState | None, line: str
+    capsys: Text, state: GatewayState | None, line: str
 ) -> None:
-    assert print_gateway("ble", state) is line.startswith("gateway ble is active")
-    assert capsys.readouterr().out == f"{line}\n"
+    found = list(gateway_finding("ble", state))
+    assert len(found) == bool(line)
+    assert all(one.kind.is_problem for one in found)
+    for one in found:
+        print_finding(one)
+    assert capsys.readouterr().out.partition("\n")[0] == line
 
 
-def test_a_count_that_alone_makes_all_not_well_is_called_a_problem(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Text) -> None:
     """Who reads "problems found" at the end is to see which line is meant."""
     counts = {"announcements_rejected": 2, "commands_failed": 1, "inbox_dropped": 7, "reports_lost": 0}
     health = HealthResponse(counts=tuple(Count(name=name, count=count) for name, count in counts.items()))
-    assert not print_health("gateway/mqtt", health, 0.0, everything=False)
+    found = list(health_findings("gateway/mqtt", health, 0.0, everything=False))
+    assert [one.kind.is_problem for one in found] == [False, True]
+    for one in found:
+        print_finding(one)
     assert [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()] == [
-        "counted by gateway/mqtt since it started:",
+        "HB207 counted by gateway/mqtt since it started:",
         "announcements rejected 2",
-        "commands failed 1 a problem; homebot journal tells more",
-        "inbox dropped 7 a problem",
+        "HB204 counted by gateway/mqtt since it started:",
+        "commands failed 1",
+        "inbox dropped 7",
+        "→ homebot journal tells more of commands",
     ]
+
+
+def test_every_code_is_once_in_the_guide() -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "operate.md").read_text()
+    assert re.findall(r"^\| (HB\d+) \|", guide, re.MULTILINE) == [one.code for one in FindingKind]
+    assert len({one.code for one in FindingKind}) == len(list(FindingKind))
+
+
+def test_weak_batteries_and_devices_without_room_are_no_problems(
+    homebot_with: Callable[..., Homebot], capsys: Text
+) -> None:
+    class Weak(StillHouse):
+        def _devices(self) -> tuple:  # type: ignore[type-arg]
+            states = (told("", "battery", 7.4, 5), told("", "battery_low", True, 5))
+            one = attic().model_copy(update={"states": states, "reachable": super()._devices()[0].reachable})
+            return (one.model_copy(update={"area": ""}),)
+
+    still = Weak()
+    still.is_well = True
+    homebot = homebot_with(still.node, None)
+    assert main(["--door", homebot.door, "doctor", "--json"]) == 0
+    found = findings(capsys.readouterr().out)
+    assert found["HB404"]["rows"] == [{"what": "attic", "why": "7 %"}]
+    assert found["HB405"]["rows"] == [{"what": "attic", "why": "Attic"}]
+
+
+def offline(capsys: Text, *words: str) -> tuple[int, dict[str, dict[str, object]]]:
+    code = main(["doctor", "--offline", "--json", *words])
+    return code, findings(capsys.readouterr().out)
+
+
+def why(finding: dict[str, object]) -> str:
+    (row,) = cast("list[dict[str, str]]", finding["rows"])
+    return f"{row['what']} {row['why']}".strip()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
+    (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nurl = "mqtt://127.0.0.1:1"\n[door]\nport = 0\n')
+    return tmp_path
+
+
+def test_before_the_start_all_is_well_where_nothing_is_missing(folder: Path, capsys: Text) -> None:
+    assert main(["doctor", "--offline"]) == 0
+    assert capsys.readouterr().out == "checked homebot.toml and what it needs\n\nall is well\n"
+    assert not (folder / "data").exists()  # it looks, and makes nothing
+
+
+def test_before_the_start_the_configuration_and_its_secrets_are_checked(folder: Path, capsys: Text) -> None:
+    (folder / "token").write_text("abc")
+    (folder / "token").chmod(0o644)
+    (folder / "homebot.toml").write_text('[gateways.mqtt]\nurll = "x"\n[door]\ntoken_file = "token"\n')
+    code, found = offline(capsys)
+    assert code == 1
+    assert why(found["HB101"]) == "homebot.toml: gateways.mqtt.urll: unknown key; did you mean url or user?"
+    assert why(found["HB106"]).startswith("token can be read by others")
+
+
+def test_before_the_start_a_missing_extra_is_named_with_its_command(
+    folder: Path, capsys: Text, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "homebot.toml").write_text("[thing_directory]\n")
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    code, found = offline(capsys)
+    assert code == 1
+    assert 'pip install "homebot[mdns]"' in why(found["HB102"])
+    assert "HB101" not in found
+
+
+def test_before_the_start_a_taken_port_and_a_silent_broker_are_found(folder: Path, capsys: Text) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        (folder / "homebot.toml").write_text(f'[gateways.mqtt]\nurl = "mqtt://127.0.0.1:1"\n[door]\nport = {port}\n')
+        code, found = offline(capsys)
+        assert (code, set(found)) == (1, {"HB105"})
+        assert f"127.0.0.1:{port} is in use" in why(found["HB105"])
+        _, found = offline(capsys, "--reach")
+        assert "nothing is listening there" in why(found["HB107"])
+
+
+@pytest.mark.usefixtures("folder")
+def test_before_the_start_a_file_of_a_newer_homebot_is_found(capsys: Text) -> None:
+    kept = index_path("home", "127.0.0.1:1").parent
+    kept.mkdir(parents=True, mode=0o700)
+    connection = sqlite3.connect(kept / "index.sqlite")
+    connection.execute("PRAGMA user_version = 99")
+    connection.close()
+    (kept / "journal.sqlite").write_bytes(b"no database at all")
+    code, found = offline(capsys)
+    assert code == 1
+    rows = {Path(one["what"]).name: one["why"] for one in found["HB104"]["rows"]}  # type: ignore[attr-defined]
+    assert rows["index.sqlite"].startswith("was written by a newer homebot (version 99")
+    assert rows["journal.sqlite"] == "it is no file of SQLite"
+
+
+def test_before_the_start_a_folder_that_is_none_is_found(folder: Path, capsys: Text) -> None:
+    (folder / "data").write_text("")
+    code, found = offline(capsys)
+    assert code == 1
+    assert f"{folder / 'data'} cannot be written" in why(found["HB103"])
+
+
+def test_options_of_the_check_before_the_start_need_it(capsys: Text) -> None:
+    assert main(["doctor", "--reach"]) == 1
+    assert "--config and --reach are for --offline" in capsys.readouterr().err

@@ -10,12 +10,12 @@ from typing import TypeAlias, final
 
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["Changes", "StoreFile"]
+__all__ = ["STORE_SCHEMA", "Changes", "StoreFile"]
 
 Changes: TypeAlias = "Mapping[tuple[str, str], str | None]"
 """The JSON text of each app and key; None for a removed one."""
 
-_STORE = SqliteSchema(
+STORE_SCHEMA = SqliteSchema(
     "file of the apps",
     1,
     (
@@ -36,7 +36,7 @@ class StoreFile(SqliteFile):
     """
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, _STORE)
+        super().__init__(path, STORE_SCHEMA)
 
     def read(self) -> dict[str, dict[str, str]]:
         """Return the JSON text of each key by app; rows with other values are left out.

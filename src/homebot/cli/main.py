@@ -33,7 +33,7 @@ COMMANDS: Final = {
     "find": "find devices by type, capability, state, room or name",
     "do": "command devices, and print the outcomes",
     "show": "show everything known about a device",
-    "doctor": "diagnose problems: gateways, quarantined topics, conflicts, silent devices, crashes, the index file",
+    "doctor": "diagnose problems, also before the start: gateways, silent devices, weak batteries, crashes, files",
     "forget": "remove a device from the index",
     "merge": "join entries that are the same device",
     "split": "separate devices that were joined by mistake",

@@ -15,7 +15,9 @@ from homebot.errors import LinkError
 from homebot.names import escape_token
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["VERSION", "IndexFile", "index_path"]
+__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "index_path"]
+
+INDEX_FILE = "index.sqlite"
 
 VERSION = 3
 """Of the schema, kept as SQLite's ``user_version``."""
@@ -41,7 +43,7 @@ def index_path(home: str, network: str) -> Path:
         network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
             those of the first would be ghosts there.
     """
-    return _data_directory() / escape_token(home) / escape_token(network) / "index.sqlite"
+    return _data_directory() / escape_token(home) / escape_token(network) / INDEX_FILE
 
 
 def _data_directory() -> Path:
@@ -51,7 +53,7 @@ def _data_directory() -> Path:
     return user_data_path("homebot", appauthor=False)
 
 
-_INDEX = SqliteSchema(
+INDEX_SCHEMA = SqliteSchema(
     "index file",
     VERSION,
     _SCHEMA,
@@ -70,7 +72,7 @@ class IndexFile(SqliteFile):
     """
 
     def __init__(self, path: Path, busy_timeout: float = 5.0) -> None:
-        super().__init__(path, _INDEX, busy_timeout)
+        super().__init__(path, INDEX_SCHEMA, busy_timeout)
 
     def read(self) -> Records:
         """Return all rows, devices in the order of their ids.

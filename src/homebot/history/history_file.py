@@ -19,9 +19,9 @@ from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_r
 from homebot.history.settings import KeepSettings
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema
 
-__all__ = ["HistoryFile", "StoredSeries"]
+__all__ = ["HISTORY_SCHEMA", "HistoryFile", "StoredSeries"]
 
-_SCHEMA: Final = SqliteSchema(
+HISTORY_SCHEMA: Final = SqliteSchema(
     "history",
     1,
     (
@@ -71,7 +71,7 @@ class HistoryFile(SqliteFile):
     """
 
     def __init__(self, path: Path | None, keep: KeepSettings) -> None:
-        super().__init__(path or IN_MEMORY, _SCHEMA)
+        super().__init__(path or IN_MEMORY, HISTORY_SCHEMA)
         self._keep = keep
         self._counters: set[int] = set()
         self._recent_hour: int | None = None

@@ -15,7 +15,7 @@ from pathlib import Path
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.file_access import why_not_trusted
 
-__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema"]
+__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema", "why_not_readable"]
 
 _FILES = ("", "-wal", "-shm", "-journal")
 """The endings of the files that SQLite may have for one."""
@@ -46,6 +46,27 @@ class SqliteSchema:
 
 IN_MEMORY = Path(":memory:")
 """The path of a database without a file."""
+
+_MAGIC = b"SQLite format 3\0"
+_VERSION_AT = 60
+
+
+def why_not_readable(path: Path, schema: SqliteSchema) -> str:
+    """Return why a file that nobody has open cannot be used by this homebot; empty if it can.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    with path.open("rb") as file:
+        head = file.read(100)
+    if head and not head.startswith(_MAGIC):
+        return "it is no file of SQLite"
+    return _why_not_ours(int.from_bytes(head[_VERSION_AT : _VERSION_AT + 4]), schema)
+
+
+def _why_not_ours(version: int, schema: SqliteSchema) -> str:
+    is_newer = version > schema.version
+    return f"was written by a newer homebot (version {version}, not {schema.version})" if is_newer else ""
 
 
 class SqliteFile:
@@ -181,10 +202,8 @@ class SqliteFile:
 
     def _version(self, connection: sqlite3.Connection) -> int:
         version = int(connection.execute("PRAGMA user_version").fetchone()[0])
-        if version > self._schema.version:
-            raise UsageError(
-                f"{self._title} was written by a newer homebot (version {version}, not {self._schema.version})"
-            )
+        if problem := _why_not_ours(version, self._schema):
+            raise UsageError(f"{self._title} {problem}")
         return version
 
     def _migrate(self, connection: sqlite3.Connection, version: int) -> None:

@@ -15,7 +15,7 @@ from homebot.gateways import Gateway
 from homebot.log import configure_logging
 from homebot.runtime.plan import PlannedComponent, make_plan, plan_errors
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "config_errors"]
 
 _EXAMPLES = """\
   homebot config check                            check homebot.toml
@@ -35,7 +35,7 @@ def _check(options: argparse.Namespace) -> int:
     """Read the file, find its plug-ins, check every table and credential, and print the parts that would run."""
     configure_logging()
     path = Path(options.config)
-    if errors := _errors(load_tables(path), path):
+    if errors := config_errors(load_tables(path), path):
         for error in errors:
             print(f"homebot: {error}", file=sys.stderr)
         return 1
@@ -51,7 +51,7 @@ def _check(options: argparse.Namespace) -> int:
     return 0
 
 
-def _errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
+def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
     """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
     try:
         return plan_errors(with_tokens(parse_config(tables, str(path), path.parent)))
@@ -59,7 +59,7 @@ def _errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]
         found = (exc, *exc.others)
         wrong = {error.key.partition(".")[0] for error in found}
     rest = {name: table for name, table in tables.items() if name not in wrong}
-    return (*found, *_errors(rest, path)) if len(rest) < len(tables) else found
+    return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
 
 
 def _gateway_text(gateway: PlannedComponent[Gateway]) -> str:

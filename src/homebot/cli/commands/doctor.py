@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, cast
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, cast
 
-from homebot.cli.arguments import set_client_command
+from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
 from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.findings import Finding, FindingKind, FindingRow, finding_json, print_finding
 from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
-from homebot.cli.terminal import print_line, print_rows
+from homebot.cli.terminal import print_line
 from homebot.devices.names import SENDS_NOTHING
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, ago
+from homebot.devices.wording.values import plain_value
+from homebot.errors import LinkError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device, GatewayState
     from homebot.devices.health import Count, HealthResponse, PartFailure, Quarantine
 
-__all__ = ["add_arguments", "print_gateway", "print_health"]
+__all__ = ["add_arguments", "gateway_finding", "health_findings"]
 
 _GET_HEALTH = "homebot/srv/GetHealth"
 
@@ -45,14 +50,17 @@ _FAULTS = (
 _ILLS = ("commands_refused", "commands_failed", "failures", "dropped", "lost")
 """Those of them that are no matter of outsiders: one is enough for not all to be well."""
 
-_MOST = 20
+_MOST, _FEW = 20, 5
+_WEAK_BATTERY = 20
 
 
 _EXAMPLES = """\
   homebot doctor
-  homebot doctor --counts
+  homebot doctor --json
+  homebot doctor --offline --reach     before the start: configuration, files, ports, and whether the broker answers
 
-The exit status is 1 if there are problems. Some of the counts: `strays` are reports that came before the announcement
+The exit status is 1 if there are problems, or no homebot. Each line begins with a code; docs/operate.md lists them.
+Some of the counts: `strays` are reports that came before the announcement
 of their device; `holds`, how often a publisher waited for a slow client of the embedded broker; `unread given up`,
 connections that it closed because a packet stayed incomplete; `answers late`, answers of services whose callers had
 given up; `asks dropped`, requests for a device's state and
@@ -64,19 +72,61 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot doctor``."""
     set_client_command(parser, _doctor, _EXAMPLES)
     parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--offline", action="store_true", help="check what homebot needs to start; it need not run")
+    parser.add_argument("--config", metavar="FILE", help="with --offline: the configuration (default: homebot.toml)")
+    parser.add_argument("--reach", action="store_true", help="with --offline: connect to the brokers as well")
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    """Print how everything is; return 1 where something is not as it should be."""
+    if options.offline:
+        return _check_offline(options)
+    if options.config or options.reach:
+        raise UsageError("--config and --reach are for --offline; a running homebot knows its configuration")
+    try:
+        return _ask(options)
+    except LinkError as exc:
+        raise LinkError(f"{exc}; `homebot doctor --offline` checks what it needs") from exc
+
+
+def _check_offline(options: argparse.Namespace) -> int:
+    from homebot.cli.offline_checks import offline_findings  # noqa: PLC0415 - loads the plug-ins
+    from homebot.log import configure_logging  # noqa: PLC0415 - as above
+
+    configure_logging()
+    file = Path(options.config or DEFAULT_CONFIG)
+    findings = tuple(offline_findings(file, reaches=options.reach))
+    return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
 
 
 @door_command
-def _doctor(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print how everything is; return 1 where something is not as it should be."""
+def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     now = house_time(door)
-    print(f"home {printable(door.home)} on {door.where}")
-    is_well = True
-    for name, state in sorted(_gateways(door).items()):
-        is_well = print_gateway(name, state) and is_well
+    total, unconfirmed = (find_devices(door, query, 1).total for query in ("", "unconfirmed"))
+    gateways, findings = _gateways(door), list[Finding]()
+    texts = [f"home {printable(door.home)} on {door.where}"]
+    for name, state in sorted(gateways.items()):
+        texts += [_gateway_line(name, state)] if state is not None and state.state == "active" else []
+        findings += gateway_finding(name, state)
     for name, health in sorted(_health(door).items()):
-        is_well = print_health(name, health, now, everything=options.counts) and is_well
-    is_well = _print_devices(door, now) and is_well
+        findings += health_findings(name, health, now, everything=options.counts)
+    findings += _device_findings(door, now)
+    texts.append(f"devices: {total}, unconfirmed: {unconfirmed}")
+    states = {name: "silent" if state is None else state.state for name, state in gateways.items()}
+    facts = {"home": door.home, "door": door.where, "gateways": states, "devices": total, "unconfirmed": unconfirmed}
+    return _show("\n".join(texts), facts, findings, options)
+
+
+def _show(title: str, facts: Mapping[str, object], findings: Sequence[Finding], options: argparse.Namespace) -> int:
+    """Print *findings*; return the exit code."""
+    is_well = not any(one.kind.is_problem for one in findings)
+    if options.json:
+        print(json.dumps({**facts, "is_well": is_well, "findings": finding_json(findings)}, indent=2))
+        return 0 if is_well else 1
+    print(title)
+    for one in findings:
+        print_finding(one)
     print()
     print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
     return 0 if is_well else 1
@@ -94,90 +144,102 @@ def _health(door: DoorClient) -> dict[str, HealthResponse]:
     return {name.removesuffix("/health").strip("/"): cast("HealthResponse", one) for name, one in answers.items()}
 
 
-def print_gateway(name: str, state: GatewayState | None) -> bool:
-    """Print how a gateway is; return whether it works."""
+def gateway_finding(name: str, state: GatewayState | None) -> Iterator[Finding]:
+    """Yield the finding about a gateway that does not work."""
     if state is None:
-        print(f"gateway {name} does not report its state")
-        return False
-    is_active = state.state == "active"
+        row = FindingRow("", f"gateway {name} does not report its state")
+        yield Finding(FindingKind.SILENT_GATEWAY, f"gateway/{name}", (row,))
+    elif state.state != "active":
+        yield Finding(FindingKind.GATEWAY, f"gateway/{name}", (FindingRow("", _gateway_line(name, state)),))
+
+
+def _gateway_line(name: str, state: GatewayState) -> str:
     acts = " and sends commands" if state.acts and state.reason != SENDS_NOTHING else " and only observes"
     reason = f": {printable(state.reason)}" if state.reason else ""
-    print(f"gateway {name} is {state.state}{acts if is_active else ''}{reason}")
-    return is_active
+    return f"gateway {name} is {state.state}{acts if state.state == 'active' else ''}{reason}"
 
 
-def print_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
-    """Print the problems of a node; return whether all is well there."""
-    for problem in health.troubles:
-        print(f"problem of {name}: {printable(problem)}")
-    for note in health.notes:
-        print(f"note on {name}: {printable(note)}")
-    counts = health.counts if everything else _faults(health.counts)
-    _print_section(f"counted by {name} since it started", [_count(one) for one in counts])
-    failures = [_failure(one, now) for one in health.failures[:_MOST]]
-    _print_section(f"failures in {name} since it started", failures, len(health.failures))
-    offenders = [_quarantine(one, now) for one in health.quarantined[:_MOST]]
-    _print_section(
-        f"quarantined by {name}, which reads only some of their messages", offenders, len(health.quarantined)
-    )
-    is_ill = any(map(_is_ill, health.counts))
-    return not (health.quarantined or health.troubles or health.failures or is_ill)
+def health_findings(name: str, health: HealthResponse, now: float, *, everything: bool) -> Iterator[Finding]:
+    """Yield the findings about a node.
+
+    Args:
+        everything: Whether counts are told that are no fault.
+    """
+    given_up = [one for one in health.failures if one.outcome == "given up"]
+    failures = [one for one in health.failures if one.outcome != "given up"]
+    ills = [one for one in health.counts if one.count and _is_one_of(_ILLS, one.name)]
+    others = [one for one in health.counts if one not in ills and (everything or _is_fault(one))]
+    for kind, rows in (
+        (FindingKind.TROUBLE, [FindingRow("", one) for one in health.troubles]),
+        (FindingKind.NOTE, [FindingRow("", one) for one in health.notes]),
+        (FindingKind.COUNT, [_count(one) for one in others]),
+        (FindingKind.LOSS, [_count(one) for one in ills]),
+        (FindingKind.GIVEN_UP, [_failure(one, now) for one in given_up]),
+        (FindingKind.FAILURE, [_failure(one, now) for one in failures]),
+        (FindingKind.QUARANTINE, [_quarantine(one, now) for one in health.quarantined]),
+    ):
+        if rows:
+            is_cut = kind in {FindingKind.FAILURE, FindingKind.QUARANTINE}
+            yield Finding(kind, name, tuple(rows[:_MOST] if is_cut else rows), len(rows))
 
 
-def _faults(counts: Iterable[Count]) -> list[Count]:
-    return [one for one in counts if one.count and _is_one_of(_FAULTS, one.name)]
+def _is_fault(one: Count) -> bool:
+    return bool(one.count) and _is_one_of(_FAULTS, one.name)
 
 
-def _is_ill(one: Count) -> bool:
-    return bool(one.count) and _is_one_of(_ILLS, one.name)
+def _count(one: Count) -> FindingRow:
+    return FindingRow(one.name.replace("_", " "), str(one.count))
 
 
-def _count(one: Count) -> tuple[str, ...]:
-    """Return a row of the table of counts, with a word beside a count that is a problem by itself."""
-    more = "; homebot journal tells more" if one.name.startswith("commands_") else ""
-    hint = (f"a problem{more}",) if _is_ill(one) else ()
-    return one.name.replace("_", " "), str(one.count), *hint
-
-
-def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
+def _failure(one: PartFailure, now: float) -> FindingRow:
     times = "once" if one.count == 1 else f"{one.count} times"
     outcome = f"; now {one.outcome}" if one.outcome else ""
-    return one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}"
+    return FindingRow(one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}")
 
 
-def _quarantine(one: Quarantine, now: float) -> tuple[str, ...]:
-    return one.offender, f"for {age(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
+def _quarantine(one: Quarantine, now: float) -> FindingRow:
+    return FindingRow(one.offender, f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}")
 
 
-def _print_devices(door: DoorClient, now: float) -> bool:
-    """Ask for numbers, and for the devices that are shown: a whole house takes long to carry."""
-    total = find_devices(door, "", 1).total
-    print(f"devices: {total}, unconfirmed: {find_devices(door, 'unconfirmed', 1).total}")
-    is_well = True
-    for title, query, detail in (
-        ("stale", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
-        ("unreachable", "offline not stale", lambda one: one.reachable.why),
-        ("disputed", "disputed", _dispute),
-    ):
-        found = find_devices(door, query, _MOST)
-        total = found.total
-        devices = sorted((one.device for one in found.results), key=lambda one: one.id)
-        hint = f"; all: homebot find --limit {total} '{query}'"
-        _print_section(title, [(one.id, detail(one)) for one in devices], total, hint)
-        is_well = is_well and not total
-    return is_well
+class _DeviceCheck(NamedTuple):
+    """A question about all devices, and what is said of each that it finds.
+
+    Attributes:
+        most: How many are shown: a whole house takes long to carry.
+    """
+
+    kind: FindingKind
+    query: str
+    detail: Callable[[Device, float], str]
+    most: int
 
 
-def _dispute(device: Device) -> str:
+def _device_findings(door: DoorClient, now: float) -> Iterator[Finding]:
+    for kind, query, detail, most in _DEVICE_CHECKS:
+        found = find_devices(door, query, most)
+        if found.total:
+            devices = sorted((one.device for one in found.results), key=lambda one: one.id)
+            rows = tuple(FindingRow(one.id, detail(one, now)) for one in devices)
+            yield Finding(kind, "", rows, found.total, f"; all: homebot find --limit {found.total} '{query}'")
+
+
+def _dispute(device: Device, _now: float) -> str:
     more = len(device.conflicts) - 1
     return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
-def _print_section(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:
-    """Print *rows*, and how many of the *total* they are where there are more."""
-    print_rows(rows, f"{title}:")
-    if total > len(rows):
-        print(f"  … the first {len(rows)} of {total} are shown{hint}")
+def _charge(device: Device, _now: float) -> str:
+    values = {one.capability: plain_value(one.value) for one in device.states}
+    return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
+
+
+_DEVICE_CHECKS = (
+    _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
+    _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
+    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
+    _DeviceCheck(FindingKind.BATTERY, f"battery < {_WEAK_BATTERY} or battery_low=yes", _charge, _FEW),
+    _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
+)
 
 
 def _is_one_of(faults: tuple[str, ...], name: str) -> bool:

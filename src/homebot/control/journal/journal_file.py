@@ -16,14 +16,14 @@ from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJou
 from homebot.messages import Time
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["JournalFile"]
+__all__ = ["JOURNAL_SCHEMA", "JournalFile"]
 
 _LEARNT: Final = (
     "CREATE TABLE learnt (kind TEXT NOT NULL, name TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL, "
     "command TEXT NOT NULL, PRIMARY KEY (kind, name))"
 )
 
-_JOURNAL: Final = SqliteSchema(
+JOURNAL_SCHEMA: Final = SqliteSchema(
     "journal",
     3,
     (
@@ -74,7 +74,7 @@ class JournalFile(SqliteFile):
     """
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, _JOURNAL)
+        super().__init__(path, JOURNAL_SCHEMA)
 
     def write(self, notes: Sequence[JournalNote], learnt: Sequence[LearntRow], oldest: float, most_bytes: float) -> int:
         """Write *notes* as entries in one transaction, and drop the oldest; return how many entries were dropped.

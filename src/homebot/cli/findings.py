@@ -1,0 +1,108 @@
+"""Findings of ``homebot doctor``: each of a kind that has a stable code and a next step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+from typing import NamedTuple
+
+from homebot.cli.terminal import print_rows
+from homebot.support.printable import printable
+
+__all__ = ["Finding", "FindingKind", "FindingRow", "finding_json", "print_finding"]
+
+
+class FindingRow(NamedTuple):
+    """One thing of a finding.
+
+    Attributes:
+        what: Its name, such as that of a device; empty where the finding has but the reason.
+        why: The reason.
+    """
+
+    what: str
+    why: str
+
+
+class FindingKind(Enum):
+    """The table of all kinds; a code is never given to another kind.
+
+    Attributes:
+        title: With ``{}`` for the part of homebot; empty where the reason says all.
+        next_step: The next step; empty where the reason names it.
+        is_problem: Whether not all is well with it.
+    """
+
+    CONFIGURATION = "HB101", "wrong configuration", "correct it, then: homebot config check"
+    EXTRA = "HB102", "missing library", ""
+    FOLDER = "HB103", "folder for data", "make it yours, or name another one in HOMEBOT_DATA"
+    FILE = "HB104", "kept file", "install the newer homebot again, or: homebot restore BACKUP"
+    PORT = "HB105", "port", "if homebot runs already, ask it: homebot doctor"
+    SECRET = "HB106", "secret", "", False
+    NETWORK = "HB107", "not reachable", ""
+    TROUBLE = "HB201", "problem of {}", ""
+    GIVEN_UP = "HB202", "given up by {}", "mend the cause in the log; then: homebot app reload APP, or restart homebot"
+    FAILURE = "HB203", "failures in {} since it started", "the log has each with its traceback: report or mend it"
+    LOSS = "HB204", "counted by {} since it started", "homebot journal tells more of commands"
+    QUARANTINE = "HB205", "quarantined by {}, which reads only some of their messages", "mend or remove the sender"
+    NOTE = "HB206", "note on {}", "", False
+    COUNT = "HB207", "counted by {} since it started", "", False
+    SILENT_GATEWAY = "HB301", "", "wait a minute; then see the log of homebot"
+    GATEWAY = "HB302", "", ""
+    STALE = "HB401", "stale", "battery, power, range? one that is gone for good: homebot forget DEVICE"
+    UNREACHABLE = "HB402", "unreachable", "battery, power, range?"
+    DISPUTED = "HB403", "disputed", "homebot show DEVICE tells both sides; homebot forget DEVICE ends it"
+    BATTERY = "HB404", "weak battery", "change or charge it", False
+    NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
+
+    def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row
+        self.code = code
+        self.title = title
+        self.next_step = next_step
+        self.is_problem = is_problem
+
+
+class Finding(NamedTuple):
+    """Things of one kind.
+
+    Attributes:
+        where: The part of homebot, such as ``gateway/mqtt``.
+        total: How many there are, if more than the rows.
+        hint: How to see the others.
+    """
+
+    kind: FindingKind
+    where: str
+    rows: tuple[FindingRow, ...]
+    total: int = 0
+    hint: str = ""
+
+
+def print_finding(finding: Finding) -> None:
+    """Print *finding* and its next step."""
+    kind, rows = finding.kind, finding.rows
+    title = kind.title.format(finding.where)
+    for row in rows:
+        if not row.what:
+            print(f"{kind.code} {title}: {printable(row.why)}" if title else f"{kind.code} {printable(row.why)}")
+    print_rows([row for row in rows if row.what], f"{kind.code} {title}:")
+    if finding.total > len(rows):
+        print(f"  … the first {len(rows)} of {finding.total} are shown{finding.hint}")
+    if kind.next_step:
+        print(f"  → {kind.next_step}")
+
+
+def finding_json(findings: Iterable[Finding]) -> list[dict[str, object]]:
+    """Return *findings* as JSON values."""
+    return [
+        {
+            "code": one.kind.code,
+            "is_problem": one.kind.is_problem,
+            "title": one.kind.title.format(one.where),
+            "where": one.where,
+            "total": max(one.total, len(one.rows)),
+            "rows": [row._asdict() for row in one.rows],
+            "next": one.kind.next_step,
+        }
+        for one in findings
+    ]

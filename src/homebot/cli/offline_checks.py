@@ -1,0 +1,122 @@
+"""Checks of ``homebot doctor --offline``: what a homebot needs before it starts."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+
+from homebot.bridges.admission import AccessSettings
+from homebot.cli.commands.config import config_errors
+from homebot.cli.commands.run import with_tokens
+from homebot.cli.findings import Finding, FindingKind, FindingRow
+from homebot.config import load_config, load_tables
+from homebot.errors import ConfigError
+from homebot.plugins import INSTALL_EXTRA
+from homebot.runtime.kept_files import KEPT_FILES
+from homebot.runtime.plan import Plan, index_place, make_plan
+from homebot.support.connect_errors import connect_problem
+from homebot.support.file_access import readable_by_others, why_not_trusted
+from homebot.support.sqlite_file import why_not_readable
+
+__all__ = ["offline_findings"]
+
+_REACH_WITHIN = 3.0
+_SECRET_FILES = ("token_file", "password_file")
+
+
+def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
+    """Yield all that would keep homebot from starting with the configuration *path*.
+
+    Args:
+        reaches: Whether to connect to the networks of gateways.
+    """
+    try:
+        tables = load_tables(path)
+        errors = config_errors(tables, path)
+    except ConfigError as exc:
+        yield _of_errors(FindingKind.CONFIGURATION, (exc,))
+        return
+    missing = tuple(one for one in errors if INSTALL_EXTRA in one.reason)
+    if wrong := tuple(one for one in errors if one not in missing):
+        yield _of_errors(FindingKind.CONFIGURATION, wrong)
+    if missing:
+        yield _of_errors(FindingKind.EXTRA, missing)
+    if secrets := tuple(_readable_secrets(tables, path.parent)):
+        yield Finding(FindingKind.SECRET, "", secrets)
+    if errors:
+        return
+    settings = with_tokens(load_config(path))
+    plan = make_plan(settings)
+    checks = [(FindingKind.PORT, _taken_ports(plan))]
+    if plan.discovery.persist:
+        folder = index_place(settings).parent
+        checks += [(FindingKind.FOLDER, _folder_problem(folder)), (FindingKind.FILE, _unreadable_files(folder))]
+    if reaches:
+        checks.append((FindingKind.NETWORK, _unreachable(plan)))
+    for kind, found in checks:
+        if rows := tuple(found):
+            yield Finding(kind, "", rows)
+
+
+def _of_errors(kind: FindingKind, errors: tuple[ConfigError, ...]) -> Finding:
+    return Finding(kind, "", tuple(FindingRow("", str(one)) for one in errors))
+
+
+def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[FindingRow]:
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _readable_secrets(value, folder)
+        elif key in _SECRET_FILES and isinstance(value, str):
+            with suppress(OSError):
+                if problem := readable_by_others(folder / value, (folder / value).stat()):
+                    yield FindingRow("", problem)
+
+
+def _taken_ports(plan: Plan) -> Iterator[FindingRow]:
+    servers: dict[str, AccessSettings | None] = {"door": plan.door, "thing_directory": plan.thing_directory}
+    for name, settings in servers.items():
+        if settings is None or not settings.port:
+            continue
+        family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+        with socket.socket(family, socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((settings.host, settings.port))
+            except OSError as exc:
+                yield FindingRow("", f"{name}: {settings.listening_problem(exc, f'[{name}] port')}")
+
+
+def _folder_problem(folder: Path) -> Iterator[FindingRow]:
+    """Yield why files cannot be kept in *folder*, which is made at the first start."""
+    there = next(one for one in (folder, *folder.parents) if one.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        yield FindingRow("", f"{there} cannot be written by this user, and files are to be kept in {folder}")
+    elif problem := why_not_trusted(there):
+        yield FindingRow("", problem)
+
+
+def _unreadable_files(folder: Path) -> Iterator[FindingRow]:
+    for name, schema in KEPT_FILES.items():
+        path = folder / name
+        try:
+            problem = why_not_readable(path, schema) or why_not_trusted(path)
+        except FileNotFoundError:
+            continue
+        except OSError as exc:
+            problem = f"cannot be read: {exc.strerror}"
+        if problem:
+            yield FindingRow(str(path), problem)
+
+
+def _unreachable(plan: Plan) -> Iterator[FindingRow]:
+    for gateway in plan.gateways:
+        host, _, port = gateway.kind.network(gateway.settings).rpartition(":")
+        if not port.isdigit():
+            continue
+        try:
+            socket.create_connection((host.strip("[]"), int(port)), _REACH_WITHIN).close()
+        except OSError as exc:
+            yield FindingRow(f"{gateway.name} ({host}:{port})", connect_problem(exc))
