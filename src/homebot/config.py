@@ -12,6 +12,7 @@
     [discovery]
     [control]                        # how long commands wait for the answers of devices
     [history]                        # how long measurements are kept
+    [notify]                         # where apps send notifications for people
     [places.rooms.Hall]              # rooms, and devices in them
     floor = "Downstairs"
     [robots.rosie]                   # one table a robot: where its pose comes from
@@ -144,6 +145,7 @@ class Config(BaseModel):
         discovery: The table ``[discovery]``: how long devices are kept.
         control: The table ``[control]``: how commands are carried out.
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
+        notify: The table ``[notify]``: where notifications of apps go; None for the log alone.
         places: The table ``[places]``: rooms and the owner's statements about devices.
         robots: The tables ``[robots.NAME]``, by name.
         ros: The table ``[ros]``: further interfaces of ROS, and its distribution.
@@ -161,6 +163,7 @@ class Config(BaseModel):
     discovery: Table = Field(default_factory=dict)
     control: Table = Field(default_factory=dict)
     history: Table | None = None
+    notify: Table | None = None
     places: Table = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
@@ -196,8 +199,8 @@ def load_tables(path: Path) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, history, places, robots, "
-                "ros, thing_directory",
+                "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, places, "
+                "robots, ros, thing_directory",
             )
     return tables
 

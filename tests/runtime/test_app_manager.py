@@ -60,7 +60,7 @@ async def home(folder: Path, *, with_door: bool = False) -> AsyncIterator[Runtim
 
 
 def runs(runtime: Runtime) -> list[str]:
-    found: list[str] = runtime._app_host.context.store_of("hall").get("runs", [])
+    found: list[str] = runtime.app_host.context.store_of("hall").get("runs", [])
     return found
 
 
@@ -230,11 +230,11 @@ async def test_a_thousand_reloads_leave_nothing_behind(tmp_path: Path) -> None:
         runtime._apps.trial = 0.0
         for _ in range(1000):
             await runtime._apps.reload("hall")
-            runtime._app_host.context.store_of("hall").clear()
+            runtime.app_host.context.store_of("hall").clear()
         first, before = seen(runtime), resident()
         for _ in range(1000):
             await runtime._apps.reload("hall")
-            runtime._app_host.context.store_of("hall").clear()
+            runtime.app_host.context.store_of("hall").clear()
         second, grown = seen(runtime), resident() - before
         assert second[:3] == first[:3]
         assert abs(second[3] - first[3]) < 500  # objects; an app alone has more

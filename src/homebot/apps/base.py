@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterable, Sequence
+from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from functools import partial
@@ -41,6 +41,10 @@ def _store_in_memory(app: str) -> Store:
     return Store(app)
 
 
+async def _send_nowhere(_message: str, _title: str, _app: str) -> bool:
+    return False
+
+
 @dataclass(frozen=True, slots=True)
 class AppContext:
     """Facts about the home of an app.
@@ -51,6 +55,7 @@ class AppContext:
         longitude: Degrees east of Greenwich.
         store_of: Returns the store of an app by its name; by default one in memory.
         keeps_values: Returns whether an app may have values of an earlier run.
+        notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
     """
 
     zone_name: str = "UTC"
@@ -58,6 +63,7 @@ class AppContext:
     longitude: float | None = None
     store_of: Callable[[str], Store] = _store_in_memory
     keeps_values: Callable[[], bool] = lambda: False
+    notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
 
     @property
     def zone(self) -> tzinfo:
@@ -221,6 +227,14 @@ class App(ABC, Generic[SettingsT]):
 
             self._schedule = Schedule(self)
         return self._schedule
+
+    async def notify(self, message: str, *, title: str = "") -> bool:
+        """Send people *message*, as the table ``[notify]`` says; without that it is logged.
+
+        Returns:
+            Whether it was sent; a failure is logged.
+        """
+        return await self.context.notify(message, title, self.node.name)
 
     async def history(
         self, handle: Handle, capability: str, since: str | float = "24h", points: int = 0

@@ -13,7 +13,7 @@ from homebot.errors import InvalidNameError, LinkError, RefusedError
 from homebot.graph import Node, Publisher, qos_profile_latched
 from homebot.names import validate_node_name
 
-__all__ = ["TextSender", "TextTarget", "check_gateway"]
+__all__ = ["GatewayOutput", "TextSender", "TextTarget", "check_gateway"]
 
 _DEPTH = 1000
 
@@ -41,7 +41,7 @@ class TextSender:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._gateways: dict[str, _GatewayClient] = {}
+        self._gateways: dict[str, GatewayOutput] = {}
 
     def target(self, device: Device, payload: str) -> TextTarget:
         """Return where *payload* for *device* goes.
@@ -63,7 +63,7 @@ class TextSender:
                 except RefusedError as exc:
                     problem = exc
                     continue
-                peer = self._gateways[endpoint.gateway] = _GatewayClient(self._node, endpoint.gateway)
+                peer = self._gateways[endpoint.gateway] = GatewayOutput(self._node, endpoint.gateway)
             if why_not := peer.refusal():
                 raise RefusedError(f"a command to {device.id}", why_not)
             if not peer.unavailable and peer.out.reaches(peer.node):
@@ -97,7 +97,7 @@ class TextSender:
         return command
 
 
-class _GatewayClient:
+class GatewayOutput:
     """Publisher of texts to one gateway, with the last state that it reported.
 
     Args:

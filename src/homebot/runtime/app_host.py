@@ -18,6 +18,7 @@ from homebot.runtime.plan import PlannedComponent
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
+    from homebot.apps.notifier import Notifier, NotifySettings
     from homebot.apps.stores import AppStores
 
 __all__ = ["STORE_FILE", "AppHost"]
@@ -33,16 +34,21 @@ class AppHost:
     Args:
         home: The zone and the place of the home.
         file: The file of what apps keep; None for nowhere.
+        notify: Where notifications go; None for the log alone.
 
     Attributes:
         context: The context that every app gets.
         running: The apps that run, by name.
     """
 
-    def __init__(self, graph: Graph, home: HomeSettings, file: Path | None, clock: Clock) -> None:
+    def __init__(
+        self, graph: Graph, home: HomeSettings, file: Path | None, clock: Clock, notify: NotifySettings | None
+    ) -> None:
         self._graph = graph
         self._file = file
         self._clock = clock
+        self._notify_settings = notify
+        self._notifier: Notifier | None = None
         self._main: Node
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
@@ -52,7 +58,17 @@ class AppHost:
             home.longitude,
             store_of=lambda app: self._app_stores().of(app),
             keeps_values=lambda: self._stores is not None,
+            notify=self._notify,
         )
+
+    @property
+    def notifier(self) -> Notifier:
+        """The sender of notifications."""
+        if self._notifier is None:
+            from homebot.apps.notifier import Notifier  # noqa: PLC0415 - few apps notify
+
+            self._notifier = Notifier(self._main, self._notify_settings)
+        return self._notifier
 
     async def read_stores(self, main: Node) -> None:
         """Read what apps kept in earlier runs; *main* runs the task that writes it."""
@@ -79,10 +95,27 @@ class AppHost:
                 if self._stores is not None:
                     await self._stores.flush()
 
+    def counts(self) -> dict[str, int]:
+        """Return counters for health reports."""
+        notifier = self._notifier
+        return (
+            {}
+            if notifier is None
+            else {
+                "notifications_dropped": notifier.dropped,
+                "notifications_failed": notifier.failed,
+            }
+        )
+
     def troubles(self) -> Iterator[str]:
-        """Yield the jobs that apps have given up."""
+        """Yield the jobs that apps have given up, and the failure of the last notification."""
+        if self._notifier is not None and self._notifier.trouble:
+            yield f"the last notification was not sent: {self._notifier.trouble}"
         for name, app in self.running.items():
             yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
+
+    async def _notify(self, message: str, title: str, app: str) -> bool:
+        return await self.notifier.send(message, title, app, self.context.zone)
 
     def _app_stores(self) -> AppStores:
         """Return what apps keep; it is written from the first time that an app asks for it."""

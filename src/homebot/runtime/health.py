@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.graph import Graph, Node
 from homebot.messages.builtin_interfaces import Time
+from homebot.runtime.app_host import AppHost
 from homebot.runtime.supervisor import Supervisor
 from homebot.support.production_loop import LoopWatch
 
@@ -22,7 +23,7 @@ class RuntimeHealth:
 
     Args:
         watch: Detector of a blocked event loop, or None.
-        app_troubles: Returns the problems of apps, in words.
+        apps: The surroundings of the apps.
     """
 
     def __init__(
@@ -32,14 +33,14 @@ class RuntimeHealth:
         supervisor: Supervisor,
         watch: LoopWatch | None,
         lost_lines: Callable[[], int],
-        app_troubles: Callable[[], Iterable[str]],
+        apps: AppHost,
     ) -> None:
         self._graph: Graph = node.graph
         self._home = home
         self._supervisor = supervisor
         self._watch = watch
         self._lost_lines = lost_lines
-        self._app_troubles = app_troubles
+        self._apps = apps
         node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
     def _answer(self, _request: HealthRequest) -> HealthResponse:
@@ -55,6 +56,7 @@ class RuntimeHealth:
             "messages_lost": sum(count for _, _, count in self._losses()),
             "answers_late": self._graph.service_counts.late_answers,
             "calls_refused": self._graph.service_counts.refused_calls,
+            **self._apps.counts(),
         }
         return HealthResponse(
             counts=Count.each(counts),
@@ -69,7 +71,7 @@ class RuntimeHealth:
                 yield f"{name} kept crashing and will not be restarted; fix it and restart homebot ({crash.last})"
             elif crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
-        yield from self._app_troubles()
+        yield from self._apps.troubles()
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:
                 why = "its caller gave up, and later calls may wait for it"

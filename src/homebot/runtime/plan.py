@@ -27,6 +27,7 @@ from homebot.runtime.door_table import read_access, read_door
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from homebot.apps.notifier import NotifySettings
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
@@ -105,6 +106,7 @@ class Plan:
         places: The rooms and the owner's statements about devices.
         robots: The settings of the robots that have a table.
         history: The settings of the history; None for the usual ones.
+        notify: Where notifications of apps go; None for the log alone.
     """
 
     home: str
@@ -120,6 +122,7 @@ class Plan:
     grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
+    notify: NotifySettings | None = None
 
     def robot_owners(self) -> RobotOwners:
         """Return the robots that a table or the right of a token names, with their topics and frames."""
@@ -335,6 +338,24 @@ def _history(config: Config) -> HistorySettings | None:
     return parse_settings(HistorySettings, config.history, config.source, "history", config.folder)
 
 
+def _notify(config: Config) -> NotifySettings | None:
+    if config.notify is None:
+        return None
+    from homebot.apps.notifier import NotifySettings  # noqa: PLC0415 - only with the table
+
+    settings = parse_settings(NotifySettings, config.notify, config.source, "notify", config.folder)
+    if settings.address and settings.gateway not in config.gateways:
+        problem = f"there is no gateway {settings.gateway!r} that could publish notifications"
+        hint = did_you_mean(settings.gateway, config.gateways, "name one, or give urls of apprise")
+        raise ConfigError(config.source, "notify.gateway", f"{problem}; {hint}")
+    if settings.urls:
+        try:
+            check_extra("[notify] with urls", "apprise", "apprise")
+        except UsageError as exc:
+            raise ConfigError(config.source, "notify.urls", str(exc)) from exc
+    return settings
+
+
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "discovery": lambda one: parse_settings(DirectorySettings, one.discovery, one.source, "discovery", one.folder),
     "control": _control,
@@ -344,6 +365,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "places": _places,
     "robots": _robots,
     "history": _history,
+    "notify": _notify,
 }
 """The values of a plan that are each read from a table of their own."""
 

@@ -28,7 +28,7 @@ def tables_for_restart(before: Config, after: Config) -> tuple[str, ...]:
 
 
 def _changed(before: Config, after: Config) -> Iterator[str]:
-    for name in ("home", "discovery", "control", "places", "ros", "thing_directory"):
+    for name in ("home", "discovery", "control", "history", "notify", "places", "ros", "thing_directory"):
         if getattr(before, name) != getattr(after, name):
             yield name
     if any(before.door.get(key) != after.door.get(key) for key in (before.door.keys() | after.door.keys()) - _TOKENS):

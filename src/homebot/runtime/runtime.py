@@ -97,6 +97,7 @@ class Runtime:
 
     Attributes:
         door: The server for rosbridge clients; None before it listens.
+        app_host: The surroundings of the apps.
 
     Raises:
         ConfigError: A class cannot be found, a table is wrong, or there is no gateway that a *house* could use.
@@ -145,11 +146,13 @@ class Runtime:
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
-        self._app_host = AppHost(self.graph, self._plan.home_settings, self._beside_index(STORE_FILE), self._clock)
+        self.app_host = AppHost(
+            self.graph, self._plan.home_settings, self._beside_index(STORE_FILE), self._clock, self._plan.notify
+        )
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
-        self._apps = AppManager(self.supervisor, lambda app: partial(self._app_host.serve, app), self._planner)
+        self._apps = AppManager(self.supervisor, lambda app: partial(self.app_host.serve, app), self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
 
@@ -226,14 +229,14 @@ class Runtime:
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self._apps.offer_services(main)
         main.offer_service("homebot/srv/ListApps", LIST_APPS, partial(self._serve_app_list, main))
-        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self._app_host.troubles)
+        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
         await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
-        await self._app_host.read_stores(main)
-        stack.push_async_callback(self._app_host.close_stores)
+        await self.app_host.read_stores(main)
+        stack.push_async_callback(self.app_host.close_stores)
         for component in self._components(gateways):
             if self._start_is_cut:
                 return
@@ -303,7 +306,7 @@ class Runtime:
     def _serve_app_list(self, main: Node) -> None:
         from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
 
-        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self._app_host.running, self.supervisor)
+        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host.running, self.supervisor)
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
@@ -340,7 +343,7 @@ class Runtime:
         from homebot.runtime.history_starter import keep_history  # noqa: PLC0415 - the start does without
 
         index = self.index_file if self._plan.discovery.persist else None
-        await keep_history(self.graph, self._plan.history, index, self._app_host.context.zone)
+        await keep_history(self.graph, self._plan.history, index, self.app_host.context.zone)
 
     def _serve_recorder(self, main: Node) -> None:
         from homebot.runtime.recorder_starter import RecorderStarter  # noqa: PLC0415 - few runs are recorded

@@ -29,6 +29,7 @@ from homebot.support.addresses import is_loopback
 from homebot.testing.contexts import in_background, plain_logs
 
 if TYPE_CHECKING:
+    from homebot.apps.notifier import Notification
     from homebot.testing.event_log import EventLog
 
 __all__ = ["TestHouse", "house_config", "house_of", "mqtt_gateway_of"]
@@ -45,8 +46,8 @@ def house_config(
     """Return *given* with *apps* and made for a test.
 
     A gateway for MQTT without a broker on this computer gets the one at *url* and acts: a test never touches a real
-    house. Its root is *root* unless it has one; where there is no gateway, it is the only one. The door's port is any
-    free one, and its zone UTC, unless it has one.
+    house, nor do notifications reach people. Its root is *root* unless it has one; where there is no gateway, it is the
+    only one. The door's port is any free one, and its zone UTC, unless it has one.
 
     Args:
         apps: Each a plug-in's name or ``module:Class``; they come last, unless *given* has a table for them.
@@ -64,6 +65,7 @@ def house_config(
             "gateways": {name: _on_test_broker(name, table, root, url) for name, table in gateways.items()},
             "apps": given.apps | more,
             "door": {"port": 0} | given.door,
+            "notify": given.notify and {key: value for key, value in given.notify.items() if key != "urls"},
             "home": given.home if given.home.zone else given.home.model_copy(update={"zone": "UTC"}),
         }
     )
@@ -153,6 +155,11 @@ class TestHouse:
         """The parts of the runtime that crashed or let a callback fail, each once, sorted."""
         failed = {failure.node.lstrip("/") for failure in self.runtime.graph.failures}
         return tuple(sorted({*self.runtime.supervisor.crashes, *failed}))
+
+    @property
+    def notifications(self) -> tuple[Notification, ...]:
+        """The last hundred notifications of apps: each has a ``message``, a ``title``, an ``app`` and a ``time``."""
+        return tuple(self.runtime.app_host.notifier.recent)
 
     @property
     def log(self) -> EventLog:

@@ -1,0 +1,173 @@
+"""Notifications of apps to people: the table ``[notify]``."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections import deque
+from dataclasses import asdict, dataclass
+from datetime import datetime, tzinfo
+from functools import partial
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+from anyio import to_thread
+from pydantic import BaseModel, ConfigDict, Field, SecretStr
+
+from homebot.devices.gateway_messages import RawCommand
+from homebot.devices.text_sender import GatewayOutput
+from homebot.log import LogLimit, more_like_this
+from homebot.support.bounded_map import BoundedMap
+from homebot.support.rate_limit import RateLimit
+
+if TYPE_CHECKING:
+    from homebot.graph import Node
+
+__all__ = ["Notification", "Notifier", "NotifySettings"]
+
+SENT: Final = "app.notified"
+NOT_SENT: Final = "app.not_notified"
+DROPPED: Final = "app.notification_dropped"
+
+_TOPIC: Final = "homebot/notifications"
+_AT_ONCE: Final = 10
+_PER_SECOND: Final = 0.1
+_MOST_APPS: Final = 1000
+_LOG_ALONE: Final = "in the log alone; the table [notify] of the configuration sends notifications to people"
+_LONGEST: Final = 4000
+_LONGEST_TITLE: Final = 200
+_APPRISE_LIMIT: Final = 30.0
+_MOST_THREADS: Final = 4
+
+
+class NotifySettings(BaseModel):
+    """The keys of ``[notify]``.
+
+    Attributes:
+        gateway: The gateway for MQTT that publishes notifications.
+        topic: Its topic; by default ``homebot/notifications``, and none if there are *urls*.
+        urls: Addresses of services for `apprise`, which hold passwords.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    gateway: str = "mqtt"
+    topic: str | None = Field(default=None, max_length=1000, pattern=r"^[^+#\x00]*$")
+    urls: tuple[SecretStr, ...] = Field(default=(), max_length=50)
+
+    @property
+    def address(self) -> str:
+        """The topic; empty for none."""
+        return ("" if self.urls else _TOPIC) if self.topic is None else self.topic
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Notification:
+    """A message of an app to people.
+
+    Attributes:
+        time: The date and time in the home's zone.
+    """
+
+    message: str
+    title: str
+    app: str
+    time: datetime
+
+    @property
+    def text(self) -> str:
+        """The title and the message in a line."""
+        return f"{self.title}: {self.message}" if self.title else self.message
+
+
+@final
+class Notifier:
+    """Sends notifications: ten at once for each app, then one in 10 s; the others are dropped and counted.
+
+    Args:
+        node: The node that publishes them.
+        settings: The table; without it they are logged alone.
+
+    Attributes:
+        recent: The last hundred notifications.
+        dropped: Number of dropped ones.
+        failed: Number of those that a service did not take.
+        trouble: The reason why the last one was not sent; empty if it was.
+    """
+
+    def __init__(self, node: Node, settings: NotifySettings | None) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._settings = settings
+        self._limits: BoundedMap[str, RateLimit] = BoundedMap(_MOST_APPS)
+        self._lines = LogLimit(self._clock)
+        self._output = GatewayOutput(node, settings.gateway) if settings and settings.address else None
+        self._threads = anyio.CapacityLimiter(_MOST_THREADS)
+        self.recent: deque[Notification] = deque(maxlen=100)
+        self.dropped = self.failed = 0
+        self.trouble = ""
+
+    async def send(self, message: str, title: str, app: str, zone: tzinfo) -> bool:
+        """Send a message of *app*, cut at 4,000 characters; return whether each service took it."""
+        time = datetime.fromtimestamp(self._clock.now(), zone)
+        one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time)
+        limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
+        if not limit.admits(self._clock.monotonic()):
+            self.dropped += 1
+            if (held_back := self._lines.allows(app)) is not None:
+                text = f"{app} notifies too often, at most once in 10 s: dropped{more_like_this(held_back)}"
+                self._node.log.warning(DROPPED, message=f"{text}: {one.text[:_LONGEST_TITLE]}", app=app)
+            return False
+        hint = "" if self._settings or self.recent else f" ({_LOG_ALONE})"
+        self.recent.append(one)
+        self._node.log.info(SENT, message=f"{app} notifies: {one.text}{hint}", app=app)
+        problems = [problem for problem in (await self._publish(one), await self._push(one)) if problem]
+        self.trouble = "; ".join(problems)
+        if problems:
+            self.failed += 1
+            self._node.log.error(NOT_SENT, message=f"a notification of {app} was not sent: {self.trouble}", app=app)
+        return self._settings is not None and not problems
+
+    async def _publish(self, notification: Notification) -> str:
+        """Publish *notification* on the topic, if there is one; return the problem."""
+        if self._output is None or self._settings is None:
+            return ""
+        if problem := self._output.refusal() or self._output.unavailable:
+            return f"{self._settings.gateway}: {problem}"
+        payload = asdict(notification) | {"time": notification.time.isoformat(timespec="seconds")}
+        text = json.dumps(payload, ensure_ascii=False)
+        await self._output.out.send(RawCommand(address=self._settings.address, payload=text, issuer=notification.app))
+        return "" if self._output.out.reaches(self._output.node) else f"no gateway {self._settings.gateway} runs"
+
+    async def _push(self, notification: Notification) -> str:
+        """Send *notification* to the services of apprise, if there are any; return the problems."""
+        if self._settings is None or not self._settings.urls:
+            return ""
+        send = partial(_push, self._settings.urls, notification.message, notification.title)
+        with anyio.move_on_after(_APPRISE_LIMIT):
+            return await to_thread.run_sync(send, limiter=self._threads, abandon_on_cancel=True)
+        return f"apprise did not answer within {_APPRISE_LIMIT:g} s"
+
+
+def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> str:
+    """Send a message to each of *urls* with apprise, blocking; return the problems.
+
+    The addresses hold passwords: no problem and no line of the log has them.
+    """
+    import apprise  # noqa: PLC0415 - an extra, and it takes a second
+
+    logger = logging.getLogger("apprise")
+    logger.propagate, logger.handlers = False, [logging.NullHandler()]  # its lines have addresses
+    problems = []
+    for number, url in enumerate(urls):
+        name = f"notify.urls[{number}]"
+        try:
+            service = apprise.Apprise.instantiate(url.get_secret_value())
+            if service is None:
+                problems.append(f"{name} is no address that apprise knows")
+            elif not service.notify(body=message, title=title):
+                problems.append(f"{service.service_name} ({name}) did not answer, or refused it")
+        except Exception as exc:  # noqa: BLE001 - a plug-in of apprise; its text may have the address
+            problems.append(f"{name} failed ({type(exc).__name__})")
+    return "; ".join(problems)
