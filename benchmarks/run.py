@@ -39,6 +39,7 @@ BENCHMARKS = (
     "outcomes_networks",
     "discovery",
     "left_on",
+    "page",
 )
 FILES = {
     "discovery": "discovery_criteria",

@@ -12,6 +12,8 @@ from typing import Any
 
 __all__ = ["Worker", "worker"]
 
+END_WITHIN = 5.0
+
 
 class Worker:
     """Speaks with a process that :func:`worker` started.
@@ -40,11 +42,16 @@ class Worker:
 
 
 @contextmanager
-def worker(script: str, python: Path | str = sys.executable) -> Iterator[Worker]:
-    """Run *script*, a file beside this one, with *python* inside the block."""
-    command = [str(python), str(Path(__file__).with_name(script))]
+def worker(script: str, python: Path | str = sys.executable, *arguments: str) -> Iterator[Worker]:
+    """Run *script*, a file beside this one, with *python* inside the block; the end of its input asks it to end."""
+    command = [str(python), str(Path(__file__).with_name(script)), *arguments]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         try:
             yield Worker(process)
         finally:
-            process.kill()
+            assert process.stdin is not None
+            process.stdin.close()
+            try:
+                process.wait(END_WITHIN)
+            except subprocess.TimeoutExpired:
+                process.kill()

@@ -81,6 +81,12 @@ class Page:
 
         return await to_thread.run_sync(WebDriverWait(self.browser, WITHIN, 0.05).until, seen)
 
+    async def hides(self, text: str) -> None:
+        def gone(browser: Any) -> bool:
+            return text not in browser.find_element(By.CSS_SELECTOR, "#page").text
+
+        await to_thread.run_sync(WebDriverWait(self.browser, WITHIN, 0.05).until, gone)
+
     async def click(self, selector: str) -> None:
         def press(browser: Any) -> bool:
             for found in browser.find_elements(By.CSS_SELECTOR, selector):
@@ -109,10 +115,14 @@ def page(chromium: Any) -> Callable[..., Any]:
     """Give what opens the page of a simulated house."""
 
     @asynccontextmanager
-    async def opened(world: World | None = None, **door: object) -> AsyncIterator[Page]:
+    async def opened(
+        world: World | None = None, tables: dict[str, object] | None = None, **door: object
+    ) -> AsyncIterator[Page]:
         _log(chromium)
-        tables = {"home": {"name": "villa"}, "door": {"port": 0, **door}, "gateways": {"mqtt": {"root": "home425"}}}
-        config = parse_config(tables, "test")
+        gateways = {"gateways": {"mqtt": {"root": "home425"}}}
+        config = parse_config(
+            {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}, "test"
+        )
         async with Runtime(config, house=world or thesis_world(), robot="robot") as runtime:
             assert runtime.door is not None
             own = Page(chromium, runtime.door.port)
@@ -183,6 +193,23 @@ async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: Any
             await own.click("form button")
             await own.shows(shown)
         assert "hunter2" not in own.browser.current_url
+
+
+async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(page: Any) -> None:
+    tables = {
+        "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
+        "places": {"devices": {"lights/roomlights405": {"tags": ["always_ask"]}}},
+    }
+    async with page(tables=tables, token="hunter2") as own:
+        await own.open("#/system", shows="a valid token is needed")
+        await own.write("input[type=password]", "hunter2")
+        await own.click("form button")
+        await own.shows("Waiting for your approval")
+        await own.click("button[aria-label='show what approving roomlights405 allows']")
+        await own.shows("home425/lights/roomlights405", ".box")
+        await own.click(".box button")
+        await own.hides("roomlights405")
+        assert own.problems() == []
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

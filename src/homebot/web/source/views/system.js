@@ -9,6 +9,7 @@ const AGAIN = 5000; // ms
 
 export function System() {
   const [found, setFound] = useState(null);
+  const [approved, setApproved] = useState(0);
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (!isOpen) return undefined;
@@ -25,10 +26,10 @@ export function System() {
       isCurrent = false;
       clearTimeout(timer);
     };
-  }, [isOpen]);
+  }, [isOpen, approved]);
   if (!found) return html`<p class="empty">Asking homebot how it is …</p>`;
   return html`
-    <${Waiting} devices=${found.waiting} />
+    <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>Doctor</h2>
       ${found.parts.every((part) => !part.troubles.length && !part.failures.length && !part.quarantined.length) && html`<p>Nothing is wrong.</p>`}
@@ -67,7 +68,7 @@ async function ask() {
 
 const noAnswer = (error) => ({ counts: [], quarantined: [], troubles: [error.message], failures: [], notes: [] });
 
-function Waiting({ devices }) {
+function Waiting({ devices, onApproved }) {
   const [shown, setShown] = useState(null);
   if (!devices.devices.length) return null;
   const reasons = new Map(devices.reasons.map((one) => [one.key, one.value]));
@@ -78,6 +79,7 @@ function Waiting({ devices }) {
   const approve = async () => {
     const answer = await call("/discovery/approve", { device: shown.device }).catch((error) => ({ success: false, message: error.message }));
     setShown(answer.success ? null : { device: shown.device, ...answer });
+    if (answer.success) onApproved();
   };
   return html`<section>
     <h2>Waiting for your approval</h2>
