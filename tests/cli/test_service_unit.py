@@ -65,7 +65,7 @@ def test_a_wrong_configuration_is_not_installed(config: Path, tmp_path: Path, ca
 def test_the_commands_of_the_guide_work(config: Path, capsys: Text) -> None:
     guide = (Path(__file__).parents[2] / "docs" / "operate.md").read_text()
     commands = re.findall(r"^\$ homebot (.*)$", guide, re.MULTILINE)
-    assert len(commands) == 3
+    assert len(commands) == 4
     for command in commands:
         assert main(shlex.split(command)) == 0
     assert "[door.tokens.panel]" in config.read_text()

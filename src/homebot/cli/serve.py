@@ -47,6 +47,7 @@ async def serve(
     seconds: float | None,
     cut_start_short: Callable[[], None] | None = None,
     reload: Callable[[], Awaitable[None]] | None = None,
+    until: Callable[[], Awaitable[None]] | None = None,
 ) -> None:
     """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
 
@@ -57,6 +58,7 @@ async def serve(
         service: Entering means ready, leaving means gone.
         seconds: How long it goes on; None for ever.
         cut_start_short: Called at a signal, so that *service* does not have to finish its start first.
+        until: Runs beside; the service is left when it returns.
         reload: Called at SIGHUP; without it, and when the terminal of the process is closed, SIGHUP stops as well.
     """
     requests = _Requests(cut_start_short)
@@ -66,11 +68,20 @@ async def serve(
             loop = asyncio.get_running_loop()
             if isinstance(loop, ProductionLoop):
                 loop.watch.has_started()
-            with anyio.move_on_after(seconds):
-                while await requests.wait() and reload is not None:
-                    with reloading():
-                        await reload()
-            watchdog.start()
+            async with anyio.create_task_group() as tasks:
+                if until is not None:
+                    tasks.start_soon(_stop_after, until, requests)
+                with anyio.move_on_after(seconds):
+                    while await requests.wait() and reload is not None:
+                        with reloading():
+                            await reload()
+                watchdog.start()
+                tasks.cancel_scope.cancel()
+
+
+async def _stop_after(until: Callable[[], Awaitable[None]], requests: _Requests) -> None:
+    await until()
+    requests.stop()
 
 
 @asynccontextmanager

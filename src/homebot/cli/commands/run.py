@@ -31,6 +31,7 @@ from homebot.support.production_loop import ProductionLoop
 if TYPE_CHECKING:
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.first_connection import FirstConnection
 
 __all__ = ["add_arguments", "configuration", "run", "with_tokens"]
 
@@ -65,6 +66,8 @@ _EXAMPLES = """\
   homebot run --config homebot.toml               all settings in a file
 
 Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
+A service (NOTIFY_SOCKET or HOMEBOT_SERVICE is set) needs a configuration, ends with 2 if that is wrong, and with 1 if
+no gateway was connected within five minutes.
 Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but not those of a simulated house.
 """
 
@@ -125,8 +128,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def is_service() -> bool:
-    """Return whether a service manager started the process."""
-    return "NOTIFY_SOCKET" in os.environ
+    """Return whether a service manager or a container started the process."""
+    return not os.environ.keys().isdisjoint({"NOTIFY_SOCKET", "HOMEBOT_SERVICE"})
 
 
 def _app(text: str) -> str:
@@ -143,7 +146,7 @@ def _app(text: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run until told to stop; return 0, or 1 when a part was given up on the way."""
+    """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
     gc.set_threshold(*COLLECT_AFTER)
     try:
         with gc_paused():
@@ -285,8 +288,17 @@ async def _run(make_runtime: Callable[..., Runtime], seconds: float | None, read
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # the plug-ins of the plan are loaded
         runtime = make_runtime(loop_watch=watch)
-    await serve(_settled(runtime), seconds, runtime.cut_start_short, partial(runtime.reload, read))
-    return 1 if runtime.supervisor.given_up else 0
+    reload, first = partial(runtime.reload, read), _first_connection(runtime)
+    await serve(_settled(runtime), seconds, runtime.cut_start_short, reload, first and first.wait_in_vain)
+    return 1 if runtime.supervisor.given_up or (first and first.is_missing) else 0
+
+
+def _first_connection(runtime: Runtime) -> FirstConnection | None:
+    if not is_service():
+        return None
+    from homebot.runtime.first_connection import FirstConnection  # noqa: PLC0415 - for a service alone
+
+    return FirstConnection(runtime.graph, runtime.config.gateways)
 
 
 @asynccontextmanager
