@@ -144,7 +144,7 @@ def test_a_hangup_reloads_the_tokens_and_says_what_waits_for_a_restart(start: St
     with file.open("a") as text:
         text.write("[control]\ntimeout = '7s'\n")
     run.process.send_signal(signal.SIGHUP)
-    assert "restart homebot for the changes of [control]" in run.until("were reloaded")
+    assert "restart homebot for the changes of control.timeout" in run.until("were reloaded")
     assert _cli(tmp_path, *nodes).returncode == 0
 
     good = file.read_text()

@@ -24,11 +24,14 @@ class Approvals:
     Args:
         lookup: Looks the devices up.
         is_needed: Whether devices need an approval at all.
+
+    Attributes:
+        is_needed: Likewise; may be changed.
     """
 
     def __init__(self, lookup: DeviceLookup, *, is_needed: bool) -> None:
         self._lookup = lookup
-        self._is_needed = is_needed
+        self.is_needed = is_needed
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
         """Return the devices that wait, and the reasons why devices always ask."""
@@ -37,7 +40,7 @@ class Approvals:
         else:
             found = await self._waiting()
         return UnapprovedResponse(
-            devices=tuple(one.id for one in found if self._is_needed and waits_for_approval(one)),
+            devices=tuple(one.id for one in found if self.is_needed and waits_for_approval(one)),
             reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
         )
 
@@ -50,7 +53,7 @@ class Approvals:
         return (_waiting_note(waiting),) if waiting else ()
 
     async def _waiting(self) -> tuple[Device, ...]:
-        return await self._find() if self._is_needed else ()
+        return await self._find() if self.is_needed else ()
 
     async def _find(self, device: str = "") -> tuple[Device, ...]:
         query = FactIs("id", device.casefold()) if device else IsUnapproved()

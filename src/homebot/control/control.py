@@ -156,6 +156,19 @@ class Control:
         """Carry out a command in words, to one device or to all that fit a query."""
         return await self._layer.words.serve(request)
 
+    def update_policies(self, settings: ControlSettings | None) -> bool:
+        """Use the policies of *settings*; its other keys wait for a restart.
+
+        Returns:
+            Whether devices that can hurt wait for an approval.
+        """
+        self._given_settings = settings
+        if self._begun.is_set() or (settings is not None and settings.needs_house):
+            from homebot.control.settings import ControlSettings  # noqa: PLC0415 - few runs are reloaded
+
+            self._layer.update_policies(settings or ControlSettings(), approves_all=self._approves_all)
+        return not self._approves_all and (settings is None or settings.approvals)
+
     async def detected(self) -> tuple[str, ...]:
         """Return the motion sensors that have ever detected a person: the presence guard trusts only them."""
         settings = self._given_settings

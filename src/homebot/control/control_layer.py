@@ -108,6 +108,11 @@ class ControlLayer:
         self.approvals = Approvals(lookup, is_needed=settings.approvals)
         self.explanations = Explanations(self.journal.read, lookup.device)
 
+    def update_policies(self, settings: ControlSettings, *, approves_all: bool) -> None:
+        """Use the policies of *settings*; its other keys change nothing."""
+        self.approvals.is_needed = settings.approvals and not approves_all
+        self.policies.update(settings.model_copy(update={"approvals": self.approvals.is_needed}))
+
     async def run(self) -> None:
         """Write the journal and serve the leases until cancelled."""
         async with anyio.create_task_group() as tasks:

@@ -69,24 +69,33 @@ class PolicyEngine:
         self._clock = node.graph.clock
         self._settings = settings
         self._grants = grants
+        self._watcher: _NeededDevices | None = None
+        self._guards_presence = False
         self._journal = journal
         self._trusts_apps = trusts_apps
         self.rights = lru_cache(maxsize=256)(self._rights)
-        self._policies = Policies(settings)
         self._learnt = learnt
         self._house = House(Detections(learnt.saver(DETECTION)))
         self._house.detections.add(detected)
         self._turns = TurnCounter()
         self._timelines = timelines
-        self._zone = _zone(settings.time_zone)
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
-        if settings.needs_house:
-            node.create_task(self._follow)
-        if settings.presence_guard is not None:
-            learnt.add(DETECTION, self._house.detections)
-            node.create_task(learnt.load)
-            journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
+        self.update(settings)
+
+    def update(self, settings: PolicySettings) -> None:
+        """Use the policies of *settings*, and the scopes in the mapping of grants as they are now."""
+        self._settings, self._policies, self._zone = settings, Policies(settings), _zone(settings.time_zone)
+        self.rights.cache_clear()
+        if self._watcher is not None:
+            self._watch()
+        elif settings.needs_house:
+            self._node.create_task(self._follow)
+        if settings.presence_guard is not None and not self._guards_presence:
+            self._guards_presence = True
+            self._learnt.add(DETECTION, self._house.detections)
+            self._node.create_task(self._learnt.load)
+            self._journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
 
     def check(self, command: IssuedCommand, *, is_recorded: bool = True) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now.
@@ -139,10 +148,17 @@ class PolicyEngine:
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
     async def _follow(self) -> None:
-        view = HouseView.of(self._node)
-        view.add(_NeededDevices(self._house, view, self._policies.needs))
-        await view.wait_until_complete()
+        self._watch()
+        await HouseView.of(self._node).wait_until_complete()
         self._house.is_known = True
+
+    def _watch(self) -> None:
+        """Put the devices that the policies need now into the house."""
+        view, before = HouseView.of(self._node), self._watcher
+        self._watcher = _NeededDevices(self._house, view, self._policies.needs)
+        view.add(self._watcher)
+        if before is not None:
+            view.remove(before)
 
 
 @final

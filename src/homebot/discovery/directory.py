@@ -13,10 +13,11 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.clock import SLICE
+from homebot.clock import SLICE, TimeSlice
 from homebot.devices import GatewayNames, Sighting, gateway_of
 from homebot.devices.gateway_messages import Report
 from homebot.devices.services import IndexRow
+from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
@@ -25,6 +26,7 @@ from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
+from homebot.places import Places
 from homebot.support.isolation import run_as
 from homebot.units import Seconds
 
@@ -128,6 +130,17 @@ class Directory:
                         self._follow_all()
                     elif change.change == "added" and change.entity.kind is EntityKind.PUBLISHER:
                         self._follow(change.entity)
+
+    async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
+        """Replace the statements of the configuration on rooms and devices.
+
+        Args:
+            places: The statements.
+            rooms: As :meth:`HouseRooms.reconfigured` returned them.
+        """
+        await TimeSlice(self._clock).do(self.index.places_exchange.reconfigure(places, rooms, self._clock.now()))
+        while self._publisher.publish_some(FEW):
+            await anyio.lowlevel.checkpoint()
 
     def _follow_all(self) -> None:
         """Follow all topics, sightings first: a report of an unannounced device has no meaning."""

@@ -7,7 +7,7 @@ from typing import final
 
 import homebot.places
 from homebot.errors import ConfigError, RefusedError
-from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom
+from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom, Places
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -65,6 +65,16 @@ class HouseRooms:
                     problem = exc
         if problem is not None:
             raise problem
+
+    def reconfigured(self, places: Places) -> HouseRooms:
+        """Return the rooms of another configuration with those that were imported.
+
+        Raises:
+            ConfigError: They do not fit each other.
+        """
+        rooms = HouseRooms(self.plan.home, places.rooms, places.doors)
+        rooms.restore(self.imported, "the imported rooms", self.imported_doors)
+        return rooms
 
     def remove(self, name: str) -> None:
         """Take an imported room out of the plan, with its doors.

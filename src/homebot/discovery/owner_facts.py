@@ -85,11 +85,7 @@ class OwnerFacts:
         self.rooms = HouseRooms(home, given.rooms, given.doors)
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
-        self._configured = {
-            name: tuple(fact._replace(said_at=read_at) for fact in facts)
-            for names, facts in given.devices.items()
-            for name in names
-        }
+        self._configured = _configured(given, read_at)
         self._by_key: dict[SourceKey, _Statement] = {}
         self._by_name: dict[str, _Statement] = {}
         self._known_as: dict[SourceKey, str] = {}
@@ -228,6 +224,11 @@ class OwnerFacts:
         self.rooms.add(rooms, source, doors)
         self.is_unsaved = True
 
+    def reconfigure(self, places: Places, rooms: HouseRooms, read_at: float) -> None:
+        """Replace the statements of the configuration, with *rooms* that fit it."""
+        self.closed_door, self.rooms, self._configured = places.closed_door, rooms, _configured(places, read_at)
+        self.is_empty = self.is_empty and not self._configured
+
     def remove_room(self, name: str) -> None:
         """Take an imported room out of the plan, with its doors.
 
@@ -354,6 +355,15 @@ class OwnerFacts:
 
     def _has_room(self) -> bool:
         return len(self._by_key) + len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
+
+
+def _configured(places: Places, read_at: float) -> dict[str, _Facts]:
+    """Return the facts that *places* states, by id or hardware address."""
+    return {
+        name: tuple(fact._replace(said_at=read_at) for fact in facts)
+        for names, facts in places.devices.items()
+        for name in names
+    }
 
 
 def _is_room(fact: OwnerFact, room: str) -> bool:

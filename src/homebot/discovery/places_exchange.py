@@ -9,6 +9,7 @@ from typing import final
 from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
+from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
@@ -105,6 +106,28 @@ class PlacesExchange:
             yield from self._restate(before, owner.plan)
         return Imported(tuple(added), tuple(kept))
 
+    def reconfigure(self, places: Places, rooms: HouseRooms, now: float) -> Generator[None, None, None]:
+        """Replace the statements of the configuration, and describe the devices anew that they change.
+
+        Others may have their turn at each step.
+
+        Args:
+            places: The statements.
+            rooms: The rooms, which fit.
+            now: Seconds since the Unix epoch.
+        """
+        owner = self._table.owner
+        before = {entry: owner.of(entry.id, entry.sources.values()) for entry in tuple(self._table.entries.values())}
+        plan = owner.plan
+        owner.reconfigure(places, rooms, now)
+        for entry, facts in before.items():
+            yield
+            if self._table.entries.get(entry.id) is entry:
+                owner.adopt(entry.id, entry.sources.values())
+                if _values(facts) != _values(owner.of(entry.id, entry.sources.values())):
+                    self._editor.restate((entry,), "the configuration was reloaded")
+        yield from self._restate(plan, owner.plan)
+
     def remove_room(self, name: str) -> Generator[None, None, None]:
         """Take an imported room out of the plan; others may have their turn at each step.
 
@@ -197,6 +220,10 @@ def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = 
         ConfigError: The first mistake; names the key and the value.
     """
     return read_places(_places_table(text, known), home, SOURCE, "import", now, known)
+
+
+def _values(facts: Iterable[OwnerFact]) -> list[tuple[str, str]]:
+    return [(fact.name, fact.value) for fact in facts]
 
 
 def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:

@@ -100,7 +100,7 @@ class Plan:
         apps: The apps, in the order of the file.
         control: The control layer's settings; None for the usual ones.
         grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
-            full names of their nodes.
+            full names of their nodes; replaced at a reload.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         interfaces: The interfaces of ROS that clients may name; None for those that homebot comes with.
         places: The rooms and the owner's statements about devices.
@@ -119,7 +119,7 @@ class Plan:
     thing_directory: DirectoryBridgeSettings | None = None
     interfaces: Interfaces | None = None
     places: Places = NO_PLACES
-    grants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
     notify: NotifySettings | None = None

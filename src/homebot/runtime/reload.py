@@ -1,59 +1,100 @@
-"""A changed configuration while homebot runs: the tokens of clients take effect, other tables wait for a restart."""
+"""A changed configuration while homebot runs: tokens, rights, policies and places are live, other keys not."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
 
 from anyio import to_thread
 
 from homebot.bridges.rosbridge import Door
 from homebot.config import Config
+from homebot.control import Control
+from homebot.control.policies import PolicySettings
+from homebot.discovery import Directory
 from homebot.errors import UsageError
-from homebot.runtime.plan import make_plan
+from homebot.runtime.plan import ACT, Plan, make_plan
 from homebot.support.logger import get_logger
 
-__all__ = ["reload_tokens", "tables_for_restart"]
+__all__ = ["RunningParts", "keys_for_restart", "reload_configuration"]
 
 RELOADED = "runtime.reloaded"
 
 _log = get_logger(node="/homebot")
 
-_TOKENS = frozenset({"token", "token_file", "tokens", "scope"})
-"""The keys of ``[door]`` that take effect without a restart."""
+_SECTIONS: Final = ("gateways", "apps", "robots")
+"""The keys that hold tables by name."""
+
+_LIVE: Final[Mapping[str, frozenset[str]]] = {
+    "door": frozenset({"token", "token_file", "tokens", "scope"}),
+    "control": frozenset(PolicySettings.model_fields),
+    "apps": frozenset({ACT}),
+    "thing_directory": frozenset({ACT}),
+}
+"""The keys that take effect without a restart; so do all of ``[places]``."""
 
 
-def tables_for_restart(before: Config, after: Config) -> tuple[str, ...]:
-    """Return the tables that differ and take effect at the next start."""
-    return tuple(_changed(before, after))
+class RunningParts(NamedTuple):
+    """The parts that take over what changed.
+
+    Attributes:
+        door: Returns the door; None before it listens.
+        control: None before it runs.
+        directory: Likewise.
+    """
+
+    door: Callable[[], Door | None]
+    control: Control | None
+    directory: Directory | None
 
 
-def _changed(before: Config, after: Config) -> Iterator[str]:
-    for name in ("home", "discovery", "control", "history", "notify", "places", "ros", "thing_directory"):
-        if getattr(before, name) != getattr(after, name):
-            yield name
-    if any(before.door.get(key) != after.door.get(key) for key in (before.door.keys() | after.door.keys()) - _TOKENS):
-        yield "door"
-    for section in ("gateways", "apps", "robots"):
-        old, new = getattr(before, section), getattr(after, section)
-        yield from (f"{section}.{name}" for name in sorted(old.keys() | new.keys()) if old.get(name) != new.get(name))
+def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
+    """Return the keys that differ and take effect at the next start."""
+    old, new = before.model_dump(exclude={"places"}), after.model_dump(exclude={"places"})
+    return tuple(key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
 
 
-async def reload_tokens(running: Config, read: Callable[[], Config], door: Callable[[], Door | None]) -> None:
-    """Apply the tokens of the configuration that *read* returns; one with a mistake is ignored.
+def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key in dict.fromkeys((*old, *new)):
+        if old.get(key) == new.get(key) or key in _LIVE.get(table, ()):
+            continue
+        if table in _SECTIONS and key in old and key in new:
+            rest = (one for one in dict.fromkeys((*old[key], *new[key])) if one not in _LIVE.get(table, ()))
+            yield from (f"{table}.{key}.{one}" for one in rest if old[key].get(one) != new[key].get(one))
+        else:
+            yield f"{table}.{key}"
+
+
+async def reload_configuration(running: Config, plan: Plan, parts: RunningParts, read: Callable[[], Config]) -> Plan:
+    """Apply the configuration that *read* returns as far as it needs no restart; one with a mistake changes nothing.
 
     Args:
-        running: The configuration that homebot runs with.
+        running: The configuration that homebot was started with.
+        plan: The plan in use.
+        parts: The parts that take it over.
         read: Called in a worker thread.
-        door: Returns the door; None before it listens.
+
+    Returns:
+        The plan in use from now on.
     """
     try:
         config = await to_thread.run_sync(read)
-        plan = await to_thread.run_sync(make_plan, config)
+        new = await to_thread.run_sync(make_plan, config)
+        rooms = None if parts.directory is None else parts.directory.index.owner.rooms.reconfigured(new.places)
     except UsageError as exc:
         _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
-        return
-    if (server := door()) is not None:
-        server.update_tokens(plan.door)
-    waiting = ", ".join(f"[{name}]" for name in tables_for_restart(running, config))
+        return plan
+    if (server := parts.door()) is not None:
+        server.update_tokens(new.door)
+    plan.grants.clear()  # which others hold
+    plan.grants.update(new.grants)
+    needs_approval = parts.control is None or parts.control.update_policies(new.control)
+    if parts.directory is not None and rooms is not None:
+        parts.directory.index.postings.needs_approval = needs_approval
+        if new.places != plan.places:
+            await parts.directory.reconfigure(new.places, rooms)
+    waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
-    _log.info(RELOADED, message=f"the tokens and rights of clients were reloaded{rest}")
+    _log.info(RELOADED, message=f"tokens, rights, policies and places were reloaded{rest}")
+    return replace(plan, door=new.door, control=new.control, places=new.places)

@@ -143,6 +143,7 @@ class Runtime:
         )
         self._owner: OwnerFacts
         self._controller: Control | None = None
+        self._index: Directory | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -198,14 +199,11 @@ class Runtime:
         return self._context.service(kind)
 
     async def reload(self, read: Callable[[], Config]) -> None:
-        """Apply the configuration that *read* returns as far as that needs no restart; one with a mistake is ignored.
+        """Apply the configuration that *read*, called in a thread, returns; one with a mistake is ignored."""
+        from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        Args:
-            read: Called in a worker thread.
-        """
-        from homebot.runtime.reload import reload_tokens  # noqa: PLC0415 - few runs are reloaded
-
-        await reload_tokens(self.config, read, lambda: self.door)
+        parts = RunningParts(lambda: self.door, self._controller, self._index)
+        self._plan = await reload_configuration(self.config, self._plan, parts, read)
 
     def cut_start_short(self) -> None:
         """Abort a start that is under way: entering returns at once, and nothing more is started."""
@@ -313,15 +311,9 @@ class Runtime:
             self._owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
             control = self._plan.control  # None stands for its defaults, which are not loaded for this
             needs_approval = not self._approves_all and (control is None or control.approvals)
-            directory = Directory(
-                node,
-                self._plan.discovery,
-                self.index_file,
-                self._owner,
-                needs_approval=needs_approval,
-                known=self.known,
-            )
-            await run_as(node.full_name, partial(directory.serve, task_status=task_status))
+            settings, file = self._plan.discovery, self.index_file
+            self._index = Directory(node, settings, file, self._owner, needs_approval=needs_approval, known=self.known)
+            await run_as(node.full_name, partial(self._index.serve, task_status=task_status))
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "control") as node:

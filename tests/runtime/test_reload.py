@@ -1,0 +1,132 @@
+"""A reload: all of the configuration is checked, then rights, policies and places are swapped, or nothing is."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+import pytest
+from structlog.testing import capture_logs
+from tests.apps.houses import flat, lamp, motion
+
+from homebot import Devices, Light, Refused
+from homebot.config import parse_config
+from homebot.graph import Node
+from homebot.runtime.reload import keys_for_restart
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+NEVER_OFF = {"quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn off light"]}]}
+GUARD = {"presence_guard": True}
+
+
+@dataclass
+class Home:
+    house: VirtualHouse
+    node: Node
+
+    async def reload(self, tables: Mapping[str, object]) -> str:
+        """Return the line of the log."""
+        before = self.house.runtime.config
+        new = {**before.model_dump(), **tables}
+        with capture_logs() as lines:
+            await self.house.runtime.reload(lambda: parse_config(new, "homebot.toml"))
+        await self.house.run_for("1s")  # the change comes to those who follow
+        (line,) = [one["message"] for one in lines if one["event"] == "runtime.reloaded"]
+        return str(line)
+
+    async def turn_off(self) -> object:
+        (light,) = await Devices(self.node).find(Light)
+        await light.turn_on()
+        return await light.turn_off()
+
+    async def rooms(self) -> dict[str, str]:
+        return {one.device.id: one.device.area for one in await Devices(self.node).find(Light)}
+
+
+@asynccontextmanager
+async def home(**tables: object) -> AsyncIterator[Home]:
+    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    async with virtual_house_of(world=world, config=tables) as house, Node(house.runtime.graph, "app") as node:
+        await house.run_for("1m")
+        yield Home(house, node)
+
+
+async def test_policies_take_effect_and_go_again() -> None:
+    async with home() as here:
+        assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+        assert await here.reload({"control": NEVER_OFF}) == "tokens, rights, policies and places were reloaded"
+        refused = await here.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.policy == "quiet_hours"
+        await here.reload({"control": {}})
+        assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+
+
+async def test_a_policy_that_needs_sensors_finds_them() -> None:
+    """The motion sensor has never detected anybody, so that its silence proves nothing."""
+    async with home() as here:
+        assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+        await here.reload({"control": GUARD})
+        await here.house.run_for("1s")
+        refused = await here.turn_off()
+        assert isinstance(refused, Refused)
+        assert "hall_motion" in refused.reason
+
+
+async def test_the_rights_of_an_app_are_swapped() -> None:
+    async with home() as here:
+        await here.reload({"apps": {"app": {"class": "light_service", "act": "light in kitchen"}}})
+        assert isinstance(await here.turn_off(), Refused)
+        await here.reload({"apps": {"app": {"class": "light_service", "act": "light in hall"}}})
+        assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+
+
+async def test_places_are_swapped_and_devices_described_anew() -> None:
+    async with home() as here:
+        before = dict(here.house.runtime.config.places)
+        devices = {**before["devices"], "hall_lamp": {"room": "Attic"}}  # type: ignore[dict-item]
+        line = await here.reload({"places": {"devices": devices, "rooms": {"hall": {}, "Attic": {}}}})
+        assert line == "tokens, rights, policies and places were reloaded"
+        assert await here.rooms() == {"hall_lamp": "Attic"}
+        await here.reload({"places": before})
+        assert await here.rooms() == {"hall_lamp": "hall"}
+
+
+@pytest.mark.parametrize(
+    ("tables", "mistake"),
+    [
+        ({"history": {"kep": 1}}, "homebot.toml: history.kep: unknown key"),
+        ({"places": {"rooms": {"a": {"doors": ["nowhere"]}}}}, "homebot.toml: places.rooms.a.doors"),
+    ],
+)
+async def test_a_mistake_anywhere_changes_nothing(tables: dict[str, object], mistake: str) -> None:
+    async with home() as here:
+        line = await here.reload({"control": NEVER_OFF, **tables})
+        assert line.startswith(f"nothing was reloaded: {mistake}")
+        assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+
+
+def test_the_keys_that_wait_for_a_restart_are_named_each() -> None:
+    before = {
+        "home": {"name": "a"},
+        "gateways": {"mqtt": {"url": "mqtt://a", "act": True}, "ble": {}},
+        "apps": {"one": {"act": "light", "rooms": ["a"]}},
+        "door": {"port": 1, "token": "x"},
+        "control": {"timeout": 3.0, "approvals": True},
+    }
+    after = {
+        "home": {"name": "b"},
+        "gateways": {"mqtt": {"url": "mqtt://b", "act": True}, "nfc": {}},
+        "apps": {"one": {"act": "lock", "rooms": ["b"]}},
+        "door": {"port": 1, "token": "y", "scope": ["read"]},
+        "control": {"timeout": 4.0, "approvals": False},
+        "history": {"keep": {}},
+        "places": {"rooms": {"Hall": {}}},
+    }
+    found = keys_for_restart(parse_config(before, "a"), parse_config(after, "b"))
+    named = "home.name gateways.mqtt.url gateways.ble gateways.nfc apps.one.rooms control.timeout history.keep"
+    assert found == tuple(named.split())
+    assert keys_for_restart(parse_config(after, "a"), parse_config(after, "b")) == ()
