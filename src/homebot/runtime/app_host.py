@@ -12,13 +12,12 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.clock import Clock
-from homebot.config import HomeSettings
 from homebot.graph import Graph, Node
-from homebot.runtime.plan import PlannedComponent
+from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from homebot.apps.notifier import Notifier, NotifySettings
+    from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
 
 __all__ = ["STORE_FILE", "AppHost"]
@@ -32,30 +31,27 @@ class AppHost:
     """The surroundings of apps: nodes, context and stores.
 
     Args:
-        home: The zone and the place of the home.
+        plan: Has the zone and the place of the home, and where notifications go.
         file: The file of what apps keep; None for nowhere.
-        notify: Where notifications go; None for the log alone.
 
     Attributes:
         context: The context that every app gets.
         running: The apps that run, by name.
     """
 
-    def __init__(
-        self, graph: Graph, home: HomeSettings, file: Path | None, clock: Clock, notify: NotifySettings | None
-    ) -> None:
+    def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:
         self._graph = graph
         self._file = file
         self._clock = clock
-        self._notify_settings = notify
+        self._notify_settings = plan.notify
         self._notifier: Notifier | None = None
         self._main: Node
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
         self.context = AppContext(
-            home.zone,
-            home.latitude,
-            home.longitude,
+            plan.home_settings.zone,
+            plan.home_settings.latitude,
+            plan.home_settings.longitude,
             store_of=lambda app: self._app_stores().of(app),
             keeps_values=lambda: self._stores is not None,
             notify=self._notify,

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from importlib import import_module
 from typing import TYPE_CHECKING, TypeAlias, final
 
 import anyio
@@ -167,6 +168,11 @@ class AppManager:
             if problem:
                 raise self._failure(name, problem)
             return self._report(RELOADED, f"reloaded the app {name}", name)
+
+    async def reload_changed(self, *, task_status: TaskStatus[None]) -> None:
+        """Reload each app when its file changes, until cancelled."""
+        module = await to_thread.run_sync(import_module, "homebot.runtime.app_watch")  # with an extra
+        await module.reload_changed_apps(self.apps, self.reload, task_status=task_status)
 
     def running_text(self, planned: Iterable[PlannedApp]) -> str:
         """Return which apps of *planned* run after the start, for people."""

@@ -94,10 +94,10 @@ class Runtime:
         known: Initial content of the directory without an *index_file*, as in a replay.
         detected: Motion sensors that have detected motion before, in a replay.
         read_config: Reads the configuration anew, for apps that are loaded later; by default *config* is used again.
+        watches_apps: Whether an app is reloaded when its file changes.
 
     Attributes:
         door: The server for rosbridge clients; None before it listens.
-        app_host: The surroundings of the apps.
 
     Raises:
         ConfigError: A class cannot be found, a table is wrong, or there is no gateway that a *house* could use.
@@ -121,6 +121,7 @@ class Runtime:
     known: Sequence[IndexRow] = ()
     detected: Sequence[str] = ()
     read_config: Callable[[], Config] | None = None
+    watches_apps: bool = False
 
     def __post_init__(self) -> None:
         self._house: HouseOfRun | None = None
@@ -147,9 +148,7 @@ class Runtime:
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
-        self.app_host = AppHost(
-            self.graph, self._plan.home_settings, self._beside_index(STORE_FILE), self._clock, self._plan.notify
-        )
+        self.app_host = AppHost(self.graph, self._plan, self._beside_index(STORE_FILE), self._clock)
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
@@ -241,9 +240,8 @@ class Runtime:
             await stack.enter_async_context(component)
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
-            _log.info(
-                APPS, message=self._apps.running_text(self._plan.apps), names=[app.name for app in self._plan.apps]
-            )
+            text = self._apps.running_text(self._plan.apps)
+            _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
@@ -258,6 +256,8 @@ class Runtime:
         if self.record_into is not None:
             yield running("recorder", partial(self._record, self.record_into))
         yield self._apps.running(self._plan.apps, lambda: self._start_is_cut)
+        if self.watches_apps:
+            yield running("app_watch", self._apps.reload_changed)
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))

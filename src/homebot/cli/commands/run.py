@@ -22,7 +22,7 @@ from homebot.config import Config, Table, load_config, parse_config
 from homebot.errors import UsageError
 from homebot.log import configure_logging
 from homebot.names import snake_case
-from homebot.plugins import is_file, name_in_file
+from homebot.plugins import check_extra, is_file, name_in_file
 from homebot.runtime import Runtime
 from homebot.runtime.plan import index_place
 from homebot.support.output import queued_output
@@ -62,6 +62,7 @@ _EXAMPLES = """\
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
   homebot run --app my_app.py                     an app of your own instead of the light service
+  homebot run --app my_app.py --reload            the same, reloaded each time that you save it
   homebot run --config homebot.toml --dry-run     what apps would command, with nothing sent to any device
   homebot run --config homebot.toml               all settings in a file
 
@@ -120,6 +121,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="send nothing to any device: show in the log and the journal what apps would command",
     )
+    parser.add_argument("--reload", action="store_true", help="reload an app when its file changes")
     parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     parser.add_argument(
@@ -148,6 +150,8 @@ def _app(text: str) -> str:
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
     gc.set_threshold(*COLLECT_AFTER)
+    if options.reload:
+        check_extra("--reload", "watchfiles", "watchfiles")
     try:
         with gc_paused():
             config, house = configuration(options)
@@ -196,6 +200,7 @@ def _run_apart(
         record_into=record_into,
         is_dry_run=options.dry_run,
         read_config=lambda: configuration(options)[0],
+        watches_apps=options.reload,
     )
     return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0]))
 

@@ -1,0 +1,74 @@
+"""Apps that are reloaded when their files change: ``homebot run --reload``."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from anyio import to_thread
+from anyio.abc import TaskStatus
+from watchfiles import Change, awatch
+
+from homebot.errors import HomebotError
+from homebot.runtime.app_loading import source_of
+from homebot.support.logger import get_logger
+
+if TYPE_CHECKING:
+    from homebot.runtime.app_manager import PlannedApp
+
+__all__ = ["reload_changed_apps"]
+
+WATCHED: Final = "app.watched"
+
+_DEBOUNCE: Final = 200
+"""Milliseconds: an editor may write a file in several steps."""
+
+_TURN: Final = 300
+"""Milliseconds until its thread looks whether it is cancelled."""
+
+_log = get_logger(node="/homebot")
+
+
+async def reload_changed_apps(
+    apps: Iterable[PlannedApp], reload: Callable[[str], Awaitable[str]], *, task_status: TaskStatus[None]
+) -> None:
+    """Call *reload* with the name of each of *apps* when its file changes, or one of its package."""
+    sources = await to_thread.run_sync(_sources, apps)
+    text = f"{', '.join(sources)}: reloaded on each change of the file" if sources else "no app is in a file of its own"
+    _log.info(WATCHED, message=text, apps=[*sources])
+    task_status.started()
+    if not sources:
+        return
+    # Folders are watched, as an editor may replace a file; not recursively, as they may hold whole environments.
+    folders = await to_thread.run_sync(_folders, sources.values())
+
+    def is_source(change: Change, path: str) -> bool:
+        return change is not Change.deleted and any(_has(source, Path(path)) for source in sources.values())
+
+    watching = awatch(*folders, watch_filter=is_source, debounce=_DEBOUNCE, rust_timeout=_TURN, recursive=False)
+    async for changes in watching:
+        changed = {Path(path) for _, path in changes}
+        for name, source in sources.items():
+            if any(_has(source, path) for path in changed):
+                with suppress(HomebotError):  # logged, with what is wrong
+                    await reload(name)
+
+
+def _has(source: Path, path: Path) -> bool:
+    """Return whether *path* is the file *source*, or a module in that folder."""
+    return path == source or (path.suffix == ".py" and source in path.parents)
+
+
+def _sources(apps: Iterable[PlannedApp]) -> dict[str, Path]:
+    found = {app.name: source_of(app.kind) for app in apps}
+    return {name: path for name, path in found.items() if path is not None}
+
+
+def _folders(sources: Iterable[Path]) -> set[Path]:
+    found: set[Path] = set()
+    for source in sources:
+        inner = (one.parent for one in source.rglob("*.py"))
+        found |= {source, *inner} if source.is_dir() else {source.parent}
+    return found
