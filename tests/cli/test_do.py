@@ -14,8 +14,8 @@ from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
     CommandedPart,
+    CommandResult,
 )
-from homebot.devices.command_results import result_of
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import COMMAND_DEVICES, RUNTIME_HEALTH
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused, worst
@@ -30,11 +30,11 @@ SILENT = NoAnswer(10.0, command_id="c-2")
 def answer(*outcomes: Outcome, message: str = "") -> CommandDevicesResponse:
     """What the command service answers where these outcomes are those of lamps."""
     results = tuple(
-        CommandedPart(device=f"lamp{number}", name=f"Lamp {number}", part="", result=result_of(one))
+        CommandedPart(device=f"lamp{number}", name=f"Lamp {number}", part="", result=CommandResult.of(one))
         for number, one in enumerate(outcomes)
     )
     is_done = bool(outcomes) and all(one.succeeded for one in outcomes)
-    outcome = result_of(worst(outcomes)).outcome if outcomes else ""
+    outcome = CommandResult.of(worst(outcomes)).outcome if outcomes else ""
     return CommandDevicesResponse(success=is_done, message=message, outcome=outcome, results=results)
 
 

@@ -7,7 +7,7 @@ from tests.control.conftest import Home, OpenHome
 
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
-from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import HOLD_PART
 from homebot.devices.outcomes import Confirmed, Refused
 from homebot.devices.value import Value
@@ -26,7 +26,7 @@ async def unlock(home: Home, issuer: str, *scope: str, value: str = "unlocked") 
     lock = await home.handle(DoorLock, "door")
     setting = Setting(capability="lock", value=Value.of(value))
     request = CommandRequest(device=lock.device.id, part="", settings=(setting,), issuer=issuer, scope=scope)
-    return await home.control.perform(request)
+    return CommandResult.of(await home.control.perform(request))
 
 
 @pytest.mark.parametrize("scope", [(), ("act: light",), ("act: in hall",), ("act: lock in attic",)])
@@ -101,9 +101,9 @@ async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(open_home: Open
             issuer="client:local",
         )
         hold = home.app.create_client(HoldPart, HOLD_PART)
-        answer = await hold.call(wanted)
+        answer = LeaseResponse.of(await hold.call(wanted))
         assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
-        answer = await hold.call(wanted.model_copy(update={"issuer": "/app"}))
+        answer = LeaseResponse.of(await hold.call(wanted.model_copy(update={"issuer": "/app"})))
         assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
 
 

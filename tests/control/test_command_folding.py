@@ -14,7 +14,6 @@ from tests.control.test_journal_file import NOW, opened, read
 from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
 from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_messages import CommandRequest
-from homebot.devices.command_results import result_of
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.devices.names import READ_JOURNAL
@@ -26,11 +25,11 @@ FLOOD = 200
 def command(
     number: int, outcome: str = "already_so", *, at: float = NOW, issuer: str = "client:a"
 ) -> list[JournalNote]:
-    result = result_of(NoAnswer(1.0) if outcome == "no_answer" else AlreadySo())
+    ended = NoAnswer(1.0) if outcome == "no_answer" else AlreadySo()
     return [
         JournalNote("requested", at, "lamp", "", f"{number}", issuer),
         JournalNote("sent", at, "lamp", "", f"{number}", issuer),
-        JournalNote("outcome", at, "lamp", "", f"{number}", issuer, results=(result,)),
+        JournalNote("outcome", at, "lamp", "", f"{number}", issuer, outcome=ended),
     ]
 
 

@@ -12,7 +12,7 @@ from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Handle
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError
@@ -76,7 +76,7 @@ async def test_a_code_is_not_held(open_home: OpenHome) -> None:
             ttl=60,
             issuer="client:kitchen",
         )
-        answer = await home.app.create_client(HoldPart, HOLD_PART).call(request)
+        answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(request))
         assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
         (denied,) = await entries(home)
         assert (denied.kind, CODE in str(denied)) == ("denied", False)

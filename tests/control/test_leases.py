@@ -69,7 +69,7 @@ def request(door: Closure, *, value: str = "open", by: str = "robot", ttl: float
 
 async def hold(home: Home, wanted: HoldRequest) -> LeaseResponse:
     """Hold as a program outside does, which may be killed."""
-    return await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
+    return LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900))
 
 
 async def leases(home: Home, device: str = "") -> tuple[HeldPart, ...]:
@@ -381,7 +381,7 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
         assert (answer.held, answer.result.outcome, answer.result.text) == (False, "gone", problem)
         command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
         result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
-        assert (result.outcome, result.text) == ("gone", problem)
+        assert (result.kind, result.text) == ("gone", problem)
 
 
 @pytest.mark.parametrize(
@@ -409,7 +409,7 @@ async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded
         assert ("it has lock, left, right" in held.result.text) is not held.held
         command = CommandRequest(device="plug", settings=(lit,), issuer="/cook")
         result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
-        assert (result.outcome, result.text) == (held.result.outcome, held.result.text)
+        assert (result.kind, result.text) == (held.result.outcome, held.result.text)
         assert [one.part for one in home.commands] == ["relay"] * 6 * held.held
         journal = await home.control.read_journal(ReadJournalRequest(device="plug"))
         assert {one.part for one in journal.entries} == {"relay" if held.held else ""}
@@ -568,7 +568,7 @@ async def test_who_releases_hears_what_became_of_the_newest_command(open_home: O
         mine = HolderRequest(lease="1", by="robot", issuer="client:robot")
         answers = [await release.call(mine) for _ in range(2)]
         assert [one.held for one in answers] == [False, False]
-        assert [one.result.outcome for one in answers] == ["confirmed", "refused"]
+        assert [one.outcome.kind for one in answers] == ["confirmed", "refused"]
 
 
 def test_of_those_whose_leases_were_ended_the_newest_are_remembered() -> None:

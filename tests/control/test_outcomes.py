@@ -9,8 +9,10 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
 
+from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Handle, Light, Switch, Thermostat, WindowCovering
+from homebot.devices.names import PERFORM_COMMAND
 from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
@@ -35,7 +37,19 @@ async def test_a_lamp_that_reports_is_confirmed_with_its_latency(open_home: Open
         outcome = await (await home.handle(Light)).turn_on()
         assert isinstance(outcome, Confirmed)
         assert (round(outcome.latency, 2), outcome.evidence, outcome.succeeded) == (0.12, Evidence.REPORTED, True)
-        assert outcome.command_id
+        assert (outcome.command_id != "", outcome.reported) == (True, {"on_off": True})
+
+
+async def test_the_service_answers_with_the_outcome_itself(open_home: OpenHome) -> None:
+    """In the process; the border of the process makes a message of it."""
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        lamp = await home.handle(Light)
+        wanted = (Setting.of("on_off", True),)
+        request = CommandRequest(device=lamp.device.id, settings=wanted, issuer="/app")
+        outcome = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request)
+        assert isinstance(outcome, Confirmed)
+        assert CommandResult.of(outcome).reported == wanted
 
 
 async def test_a_slow_but_honest_lamp_is_no_false_alarm(open_home: OpenHome) -> None:

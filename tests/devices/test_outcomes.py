@@ -13,13 +13,12 @@ from homebot.cli.journal_client import chain_json
 from homebot.control.journal.journal_file import JournalFile
 from homebot.control.journal.store import JournalNote
 from homebot.devices.command_messages import CommandDevicesResponse, CommandResult
-from homebot.devices.command_results import outcome_of, result_of
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
 from homebot.devices.wording.history_words import result_text
 from homebot.devices.wording.json_message import JsonMessage
 
-_VALUES = {"float": 6.5, "str": "a-9", "Evidence": Evidence.REPORTED}
+_VALUES = {"float": 6.5, "str": "a-9", "Evidence": Evidence.REPORTED, "Mapping[str, PlainValue]": {"level": 40.0}}
 EXAMPLES = tuple(
     kind(**{one.name: _VALUES[str(one.type)] for one in fields(kind)})  # type: ignore[arg-type]
     for kind in OUTCOMES.values()
@@ -35,22 +34,23 @@ def test_all_classes_of_outcomes_are_registered() -> None:
 
 @EACH
 def test_an_outcome_is_the_same_after_the_wire(outcome: Outcome) -> None:
-    result = result_of(outcome)
+    result = CommandResult.of(outcome)
     assert (result.outcome, result.text, result.command_id) == (outcome.kind, outcome.text, outcome.command_id)
-    assert outcome_of(result) == outcome
-    assert outcome_of(CommandResult.model_validate_json(result.model_dump_json())) == outcome
+    for received in (result, CommandResult.model_validate_json(result.model_dump_json())):
+        assert received.to_outcome() == outcome
+        assert received.to_outcome().reported == outcome.reported
     assert CommandDevicesResponse(success=outcome.succeeded, outcome=result.outcome).outcome == outcome.kind
 
 
 @EACH
 def test_an_outcome_is_the_same_in_the_journal_and_in_words_to_clients(tmp_path: Path, outcome: Outcome) -> None:
-    note = JournalNote("outcome", 1_800_000_000.0, "lamp", command=outcome.command_id, results=(result_of(outcome),))
+    note = JournalNote("outcome", 1_800_000_000.0, "lamp", command=outcome.command_id, outcome=outcome)
     file = JournalFile(tmp_path / "journal.db")
     file.open(1_800_000_000.0)
     file.write([note], (), oldest=0.0, most_bytes=1e9)
     (entry,) = file.read_entries(ReadJournalRequest()).entries
     file.close()
-    assert outcome_of(entry.results[0]) == outcome
+    assert entry.results[0].to_outcome() == outcome
     over_the_door = cast("Any", JsonMessage(entry.model_dump(mode="json")))
     assert result_text([over_the_door], now=1_800_000_001.0) == outcome.text
     (step,) = cast("Any", chain_json([over_the_door], {}))

@@ -11,7 +11,6 @@ from homebot.devices.wording.journal_words import (
     entry_text,
     issuer_text,
     name_text,
-    outcome_text,
     settings_text,
     trigger_text,
 )
@@ -153,7 +152,7 @@ class HouseLines:
         command = self._commands.get(entry.command) or _Command({}, "")
         result = entry.results[0]
         if not (result.outcome in _DONE and command.is_seen and entry.kind == "outcome"):
-            self._add(entry, "outcome", command.settings, f"→ {command.words}", outcome_text(result), now)
+            self._add(entry, "outcome", command.settings, f"→ {command.words}", printable(result.text), now)
 
     def _explain(self, entry: JournalEntry) -> None:
         command = self._commands.get(entry.command)

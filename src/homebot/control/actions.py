@@ -21,8 +21,7 @@ from homebot.devices.action_messages import (
     HoldDeviceResult,
 )
 from homebot.devices.command_messages import CommandedPart
-from homebot.devices.command_results import outcome_of
-from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse
+from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseState
 from homebot.devices.names import HOLD_DEVICE, PERFORM_COMMANDS
 from homebot.devices.outcomes import Contradicted
 from homebot.graph import Node
@@ -98,11 +97,11 @@ class ControlActions:
         finally:
             leases.release(holder)
         (goal.succeed if answer.held else goal.abort)()
-        return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.result.text)
+        return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.outcome.text)
 
     async def _hold_until_over(
         self, goal: HoldGoal, leases: LeaseService, wanted: HoldRequest, holder: HolderRequest
-    ) -> LeaseResponse:
+    ) -> LeaseState:
         """Hold a value and publish its state until its time is over or the lease ends; return its last state."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(_renew, leases, holder)
@@ -111,8 +110,8 @@ class ControlActions:
         return answer
 
     async def _follow(
-        self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseResponse
-    ) -> LeaseResponse:
+        self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseState
+    ) -> LeaseState:
         seconds, clock = goal.request.seconds, self._node.graph.clock
         until: float | None = None
         while answer.held:
@@ -122,7 +121,7 @@ class ControlActions:
             left = seconds if until is None else until - now
             if seconds and left <= 0:
                 break
-            _publish_phase(goal, phase, left if seconds else 0.0, answer.result.text)
+            _publish_phase(goal, phase, left if seconds else 0.0, answer.outcome.text)
             await anyio.sleep(min(left, _FEEDBACK) if seconds else _FEEDBACK)
             answer = leases.renew(holder)
         return answer
@@ -139,6 +138,6 @@ def _publish_phase(goal: HoldGoal, phase: Phase, seconds_left: float, message: s
     goal.publish_feedback(HoldDeviceFeedback(phase=phase, seconds_left=seconds_left, message=message))
 
 
-def _phase(answer: LeaseResponse) -> Phase:
-    outcome = outcome_of(answer.result)
-    return "held" if outcome.succeeded else "outranked" if isinstance(outcome, Contradicted) else "commanding"
+def _phase(answer: LeaseState) -> Phase:
+    is_outranked = isinstance(answer.outcome, Contradicted)
+    return "held" if answer.outcome.succeeded else "outranked" if is_outranked else "commanding"

@@ -14,8 +14,7 @@ from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
 from homebot.devices.client_rights import is_client
-from homebot.devices.command_messages import CommandResult, Setting
-from homebot.devices.command_results import result_of
+from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Gone
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -29,7 +28,7 @@ __all__ = [
     "KnownState",
     "commanded_part",
     "known_state",
-    "no_part_result",
+    "no_such_part",
     "order_of",
     "zero_as_off",
 ]
@@ -212,14 +211,14 @@ def commanded_part(device: Device, part_id: str, settings: Iterable[Setting]) ->
     return found[0] if len(found) == 1 else None
 
 
-def no_part_result(device_id: str, part_id: str, device: Device | None, command_id: str = "") -> CommandResult:
-    """Return the result of a command to a *device* that is None or has no such part."""
+def no_such_part(device_id: str, part_id: str, device: Device | None, command_id: str = "") -> Gone:
+    """Return the outcome of a command to a *device* that is None or has no such part."""
     if device is None:
         text = f"there is no device with the id {device_id}"
     else:
         known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
         text = f"{device_id} has no part {part_id or 'without an id'}; it has {known}"
-    return result_of(Gone(command_id=command_id)).model_copy(update={"text": text})
+    return Gone(text, command_id=command_id)
 
 
 class KnownState(NamedTuple):

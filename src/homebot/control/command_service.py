@@ -18,8 +18,7 @@ from homebot.devices.command_messages import (
     CommandResult,
     Setting,
 )
-from homebot.devices.command_results import outcome_of, result_of
-from homebot.devices.outcomes import NoAnswer, Refused, worst
+from homebot.devices.outcomes import NoAnswer, Outcome, Refused, worst
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
@@ -29,7 +28,7 @@ __all__ = ["CommandService", "Perform", "Preview"]
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 
-Perform: TypeAlias = Callable[[CommandRequest], Awaitable[CommandResult]]
+Perform: TypeAlias = Callable[[CommandRequest], Awaitable[Outcome]]
 """Carries out the command to one part."""
 
 Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], Refused | None]
@@ -65,7 +64,7 @@ class CommandService:
             targets = await self._targets.find(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
-        commanded: list[CommandedPart] = []
+        commanded: list[tuple[CommandedPart, Outcome]] = []
         commands = [
             (device, part, spoken)
             for device, parts in targets
@@ -75,20 +74,20 @@ class CommandService:
         async def command(device: Device, part: DevicePart, spoken: SpokenSettings) -> None:
             commanded.append(await self._command(request, device, part, spoken))
             if on_commanded is not None:
-                on_commanded(commanded[-1], len(commands) - len(commanded))
+                on_commanded(commanded[-1][0], len(commands) - len(commanded))
 
         async with anyio.create_task_group() as tasks:
             for one in commands:
                 tasks.start_soon(command, *one)
-        commanded.sort(key=lambda one: (one.device, one.part))
-        outcomes = tuple(outcome_of(one.result) for one in commanded)
-        worst_one = commanded[outcomes.index(worst(outcomes))]
+        commanded.sort(key=lambda one: (one[0].device, one[0].part))
+        parts, outcomes = zip(*commanded, strict=True)
+        worst_one = parts[outcomes.index(worst(outcomes))]
         is_done = all(one.succeeded for one in outcomes)
         return CommandDevicesResponse(
             success=is_done,
             message="" if is_done else f"{worst_one.name}: {worst_one.result.text}",
             outcome=worst_one.result.outcome,
-            results=tuple(commanded),
+            results=parts,
         )
 
     async def _command(
@@ -97,14 +96,15 @@ class CommandService:
         device: Device,
         part: DevicePart,
         spoken: SpokenSettings,
-    ) -> CommandedPart:
+    ) -> tuple[CommandedPart, Outcome]:
         if isinstance(spoken, RefusedError):
-            result = result_of(Refused("device", f"{spoken.what}: {spoken.reason}"))
+            outcome: Outcome = Refused("device", f"{spoken.what}: {spoken.reason}")
         else:
-            result = await self._perform(_part_request(request, device, part, spoken))
-            if isinstance(outcome_of(result), NoAnswer) and (reason := await self._why_unreachable(device)):
-                result = result.model_copy(update={"text": f"{result.text}; {reason}"})
-        return CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result)
+            outcome = await self._perform(_part_request(request, device, part, spoken))
+        result = CommandResult.of(outcome)
+        if isinstance(outcome, NoAnswer) and (reason := await self._why_unreachable(device)):
+            result = result.model_copy(update={"text": f"{result.text}; {reason}"})
+        return CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result), outcome
 
     def _refusal(self, request: CommandDevicesRequest, target: tuple[Device, tuple[DevicePart, ...]]) -> str:
         """Return why no part of *target* would get the command now; empty if one would."""

@@ -36,11 +36,11 @@ if TYPE_CHECKING:
         CommandDevicesRequest,
         CommandDevicesResponse,
         CommandRequest,
-        CommandResult,
     )
     from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.misspelt_names import ConfiguredNames
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["Control"]
 
@@ -148,8 +148,8 @@ class Control:
         offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
         self._node.create_subscription(AccessRefused, names.ACCESS_REFUSALS, self._on_refusal, qos)
 
-    def perform(self, request: CommandRequest) -> Awaitable[CommandResult]:
-        """Carry out a command to one part, and return its result."""
+    def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
+        """Carry out a command to one part, and return its outcome."""
         return self._layer.executor.perform(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:

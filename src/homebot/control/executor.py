@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final, TypeAlias, final
 
 from homebot.control import durations
@@ -12,7 +13,7 @@ from homebot.control.command import (
     KnownState,
     commanded_part,
     known_state,
-    no_part_result,
+    no_such_part,
     order_of,
     zero_as_off,
 )
@@ -24,19 +25,17 @@ from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.control.policy_engine import PolicyEngine
-from homebot.control.rehearsal import Rehearsal, rehearsed_result
+from homebot.control.rehearsal import Rehearsal
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
 from homebot.control.timeline.facts import Reported, ReportRole
-from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, value_text
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
-from homebot.devices.command_results import result_of
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import (
     AlreadySo,
@@ -127,8 +126,8 @@ class CommandExecutor:
         for name, read in self.witnesses.counters.items():
             journal.add_counter(name, read)
 
-    async def perform(self, request: CommandRequest) -> CommandResult:
-        """Carry a command out, and return its result."""
+    async def perform(self, request: CommandRequest) -> Outcome:
+        """Carry a command out, and return its outcome."""
         asked_at, device, problem = self._clock.now(), None, ""
         try:
             device = await self._lookup.device(request.device)
@@ -141,13 +140,13 @@ class CommandExecutor:
             shown = () if device is None or part is None else without_codes(shown, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at)
         if problem:
-            result = result_of(NoAnswer(0.0, problem, command_id=name))
+            outcome: Outcome = NoAnswer(0.0, problem, command_id=name)
         elif device is None or part is None:
-            result = no_part_result(request.device, request.part, device, name)
+            outcome = no_such_part(request.device, request.part, device, name)
         else:
-            result = await self._carry_out(self._issued(name, request, device, part))
-        self._journal.decided(name, request.issuer, place, result)
-        return result
+            outcome = await self._carry_out(self._issued(name, request, device, part))
+        self._journal.decided(request.issuer, place, outcome)
+        return outcome
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by rights or policies at this moment; nothing is recorded."""
@@ -203,13 +202,13 @@ class CommandExecutor:
             scope=request.scope,
         )
 
-    async def _carry_out(self, command: IssuedCommand) -> CommandResult:
+    async def _carry_out(self, command: IssuedCommand) -> Outcome:
         """Check a command, send it unless it is done already, and wait for its outcome."""
         if len(self._open) >= MOST_PENDING:
             reason = f"{MOST_PENDING:,} commands wait for their outcome"
-            return result_of(Refused("control", reason, command_id=command.id))
+            return Refused("control", reason, command_id=command.id)
         if (refused := self.check(command)) is not None:
-            return result_of(refused)
+            return refused
         if self._learnt.is_awaited:
             await self._learnt.load()
         opened, is_certain = self._begin(command)
@@ -238,8 +237,8 @@ class CommandExecutor:
         command, progress = opened.command, opened.progress
         waited = self._clock.monotonic() - progress.first_sent_at
         reason = "" if progress.sendings else "it was cancelled"
-        result = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
-        self._journal.decided(command.id, command.issuer, command.place, result)
+        outcome = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
+        self._journal.decided(command.issuer, command.place, outcome)
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the present values of the part are certain."""
@@ -259,13 +258,14 @@ class CommandExecutor:
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         return opened, known.is_recent and is_at_rest
 
-    async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> CommandResult:
+    async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
         await asyncio.sleep(durations.REHEARSED)
         command = opened.command
         opened.progress.send(self._clock.monotonic())
         wanted = tuple(Setting.of(name, one.value) for name, one in opened.progress.wanted.items())
         self._decided(opened, AlreadySo(command_id=command.id))
-        return rehearsed_result(assumed, without_codes(wanted, command.device, command.part))
+        shown = without_codes(wanted, command.device, command.part) if assumed.succeeded else ()
+        return replace(assumed, reported={one.capability: one.value.plain() for one in shown})
 
     async def _is_gone(self, command: IssuedCommand) -> bool:
         """Return whether the device or its part was removed while its answer was awaited."""
@@ -276,8 +276,8 @@ class CommandExecutor:
             return False
         return device is None or device.part(command.part.id) is None
 
-    def _decided(self, opened: OpenCommand, outcome: Outcome) -> CommandResult:
-        """Record the outcome of a command, learn from it, and return its result."""
+    def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
+        """Record the outcome of a command, learn from it, and return it."""
         command, timeline, progress = opened.command, opened.timeline, opened.progress
         if isinstance(outcome, Confirmed):
             progress.is_witnessed = outcome.evidence is Evidence.WITNESSED
@@ -288,9 +288,7 @@ class CommandExecutor:
             timeline.unsure_since.update((other, now) for one in command.settings for other in related(one))
         timeline.decide(progress, outcome, self._clock.monotonic())
         self.timelines.schedule(command.place, command.id)
-        wanted = progress.wanted.items()
-        met = [Setting.of(name, seen) for name, one in wanted if (seen := one.reported) is not NOTHING]
-        return result_of(outcome, tuple(met))
+        return outcome
 
     def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
         """Record a report for a command, and wake the task that waits for it."""
@@ -327,9 +325,11 @@ class CommandExecutor:
             return
         is_usual = cause_of_undoing(progress, settling.undoing.capability) is Cause.DEVICE
         outcome = Reverted(settling.undoing.after, "device" if is_usual else "unknown", command_id=order.id)
-        result, (device, part) = result_of(outcome), place
-        self._journal.reverted(place, order.id, order.issuer, result)
-        self._events.publish(CommandEvent(device=device, part=part, issuer=order.issuer, result=result))
+        device, part = place
+        self._journal.decided(order.issuer, place, outcome, "reverted")
+        self._events.publish(
+            CommandEvent(device=device, part=part, issuer=order.issuer, result=CommandResult.of(outcome))
+        )
         self._node.log.warning(REVERTED, message=f"{order.label}: {outcome.text}", device=device, command=order.id)
 
     def _on_end(self, progress: CommandProgress) -> None:

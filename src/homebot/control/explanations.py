@@ -8,7 +8,6 @@ from typing import Final, TypeAlias, final
 from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.command_results import outcome_of
 from homebot.devices.journal_messages import (
     ExplainDeviceRequest,
     ExplainDeviceResponse,
@@ -179,7 +178,7 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
     if entry.kind in {"changed", "reverted"}:
         return True
     if entry.kind == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
-        return isinstance(outcome_of(entry.results[0]), Confirmed)
+        return entry.results[0].outcome == Confirmed.kind
     if entry.kind != "reported":
         return False
     results = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]

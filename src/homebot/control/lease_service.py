@@ -9,7 +9,7 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.control.command import commanded_part, no_part_result, zero_as_off
+from homebot.control.command import commanded_part, no_such_part, zero_as_off
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
@@ -19,8 +19,7 @@ from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.values import STOPPED, value_text
 from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
-from homebot.devices.command_results import outcome_of, result_of
+from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,
@@ -28,10 +27,10 @@ from homebot.devices.lease_messages import (
     HolderOfPart,
     HolderRequest,
     HoldRequest,
-    LeaseResponse,
     LeasesResponse,
+    LeaseState,
 )
-from homebot.devices.outcomes import Contradicted, NoAnswer, Refused
+from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
@@ -80,15 +79,15 @@ class LeaseService:
                 with anyio.move_on_after(None if left == math.inf else max(0.0, left)):
                     await self._changed.wait()
 
-    async def hold(self, request: HoldRequest) -> LeaseResponse:
+    async def hold(self, request: HoldRequest) -> LeaseState:
         """Command a value and hold it; return when the outcome of the command is known."""
         try:
             device = await self._lookup.device(request.device) or await self._lookup.called(request.device)
         except ServiceError as exc:
-            return LeaseResponse(held=False, result=result_of(NoAnswer(0.0, str(exc))))
+            return LeaseState(held=False, outcome=NoAnswer(0.0, str(exc)))
         part = None if device is None else commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
-            return LeaseResponse(held=False, result=no_part_result(request.device, request.part, device))
+            return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))
         held = _setting_of(request.setting, part)
         request = request.model_copy(update={"device": device.id, "part": part.id, "setting": held})
         try:
@@ -112,29 +111,29 @@ class LeaseService:
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._record("held", lease, request.issuer, request.by)
-        result = await self._command(lease, key, request.scope)
-        if result is None:  # it ended, or a hand came, before its turn
+        outcome = await self._command(lease, key, request.scope)
+        if outcome is None:  # it ended, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
-        if outcome_of(result).is_final and key in lease.holders:
+        if outcome.is_final and key in lease.holders:
             self._release(key)
-        return LeaseResponse(held=key in lease.holders, result=result)
+        return LeaseState(key in lease.holders, outcome)
 
-    def renew(self, request: HolderRequest) -> LeaseResponse:
+    def renew(self, request: HolderRequest) -> LeaseState:
         """Renew the lease of a holder, and return its state."""
         now = self._clock.monotonic()
         lease = self._leases.renew(_key(request), now)
         if lease is None:
-            return LeaseResponse(held=False, result=result_of(Refused(LEASE_POLICY, _NOT_HELD)))
-        return LeaseResponse(held=True, result=self._state(lease, now))
+            return LeaseState(held=False, outcome=Refused(LEASE_POLICY, _NOT_HELD))
+        return LeaseState(held=True, outcome=self._outcome(lease, now))
 
-    def release(self, request: HolderRequest) -> LeaseResponse:
+    def release(self, request: HolderRequest) -> LeaseState:
         """End the lease of a holder, and return its state; a holder without a lease is refused."""
-        response = self.renew(request)
+        state = self.renew(request)
         lease = self._release(_key(request))
         if lease is not None:
             self._log("control.released", lease, f"is no longer held {held_text(lease.value)} by {request.by}")
-        return response.model_copy(update={"held": False})
+        return state._replace(held=False)
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
         """Return the held parts."""
@@ -166,21 +165,21 @@ class LeaseService:
         self._changed.set()
         return lease
 
-    async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> CommandResult | None:
+    async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> Outcome | None:
         """Send the held value for one holder at a time; return None if the lease is over or outranked."""
         async with lease.lock:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
             lease.seen = None
             request = _command_of(lease.part, lease.setting, key, scope)
-            lease.result = result = await self._executor.perform(request)
-            self._on_outcome(lease, result)
+            lease.outcome = outcome = await self._executor.perform(request)
+            self._on_outcome(lease, outcome)
         self._changed.set()
-        return result
+        return outcome
 
-    def _on_outcome(self, lease: Lease, result: CommandResult) -> None:
+    def _on_outcome(self, lease: Lease, outcome: Outcome) -> None:
         """Record the outcome of a command for *lease*."""
-        now, outcome = self._clock.monotonic(), outcome_of(result)
+        now = self._clock.monotonic()
         if now < lease.hand_until:
             return  # a stop came meanwhile
         if isinstance(outcome, Contradicted):
@@ -190,9 +189,8 @@ class LeaseService:
         else:
             self._hand_back(lease)
             lease.set_so()
-            for one in result.reported:
-                if one.capability == lease.capability:
-                    lease.record_answer(one.value.plain())
+            if lease.capability in outcome.reported:
+                lease.record_answer(outcome.reported[lease.capability])
             if lease.seen is not None:
                 self._compare(lease, lease.seen)
 
@@ -214,12 +212,12 @@ class LeaseService:
             self._leases.outrank(lease, f"{lease.capability} is {value_text(value)}", self._clock.monotonic())
             self._changed.set()
 
-    def _state(self, lease: Lease, now: float) -> CommandResult:
-        """Return the result of the newest command, or the change by a hand since."""
+    def _outcome(self, lease: Lease, now: float) -> Outcome:
+        """Return the outcome of the newest command, or the change by a hand since."""
         if now < lease.hand_until:
             left = math.ceil(lease.hand_until - now)
-            return result_of(Contradicted(f"{lease.saw}; it is commanded again in {left} s"))
-        return result_of(NoAnswer(0.0, "it is being commanded")) if lease.result is None else lease.result
+            return Contradicted(f"{lease.saw}; it is commanded again in {left} s")
+        return lease.outcome
 
     def _begin_due(self, tasks: TaskGroup) -> None:
         """Command the values that are due again."""
@@ -251,14 +249,14 @@ class LeaseService:
             lease.stop_watch()
             lease.stop_watch = None
 
-    def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseResponse:
+    def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseState:
         self._node.log.info(
             "control.lease_refused",
             message=f"{request.device} is not held for {request.by}: {reason}",
             device=request.device,
         )
         self._journal.hold_denied(request, policy, reason)
-        return LeaseResponse(held=False, result=result_of(Refused(policy, reason)))
+        return LeaseState(held=False, outcome=Refused(policy, reason))
 
     def _on_outranked(self, lease: Lease) -> None:
         self._log("control.hand", lease, f"was changed by hand: {lease.saw}")

@@ -11,8 +11,8 @@ import anyio
 
 from homebot.control.command import IssuedCommand
 from homebot.control.values import STOPPED, changes, departs, fits, value_text
-from homebot.devices.command_messages import CommandResult, Setting
-from homebot.devices.outcomes import Refused
+from homebot.devices.command_messages import Setting
+from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue, Value
 
 __all__ = [
@@ -36,6 +36,7 @@ MOST_OF_ISSUER: Final = 50
 """Holders of one issuer; further ones are refused and counted, so that there is room for others."""
 
 _MOST_NAMED: Final = 3
+_COMMANDING: Final = NoAnswer(0.0, "it is being commanded")
 
 HolderKey: TypeAlias = tuple[str, str, str]
 """Issuer, name for people, and the name of the lease."""
@@ -76,7 +77,7 @@ class Lease:
         saw: The report of the hand.
         stop_watch: Ends the watch of the part; None before it begins.
         lock: Held while the value is commanded.
-        result: The result of the newest command.
+        outcome: The outcome of the newest command.
         seen: The value that was reported since.
     """
 
@@ -91,7 +92,7 @@ class Lease:
     saw: str = ""
     stop_watch: Callable[[], None] | None = None
     lock: anyio.Lock = field(default_factory=anyio.Lock)
-    result: CommandResult | None = None
+    outcome: Outcome = _COMMANDING
     seen: PlainValue = None
 
     @property

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, Final, Protocol, final
 
 from homebot.control.command import IssuedCommand
-from homebot.devices.command_messages import CommandResult, Setting
-from homebot.devices.command_results import result_of
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused
 
-__all__ = ["DRY_RUN", "DryRun", "Rehearsal", "rehearsed_result"]
+__all__ = ["DRY_RUN", "DryRun", "Rehearsal"]
 
 DRY_RUN: Final = "dry_run"
 """The policy that refuses the commands of people in a dry run."""
@@ -44,10 +42,3 @@ class DryRun:
             problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
             return Refused(DRY_RUN, problem, command_id=command.id)
         return Confirmed(0.0, Evidence.SENT, command_id=command.id)
-
-
-def rehearsed_result(assumed: Outcome, wanted: tuple[Setting, ...] = ()) -> CommandResult:
-    """Return the result of a rehearsed command, with the *wanted* values if it succeeds."""
-    if not assumed.succeeded:
-        return result_of(assumed)
-    return result_of(assumed, wanted).model_copy(update={"text": f"not sent, and taken for done ({assumed.text})"})

@@ -134,7 +134,7 @@ class Sending:
         """Send the settings in their order; return the outcome if that fails."""
         command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
         began = clock.monotonic()
-        self._journal.sent(command, plan.attempts - 1)
+        self._journal.record("sent", command, "again" if is_repeated else "")
         sent.progress.send(began)
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)

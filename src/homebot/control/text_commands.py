@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, final
+from typing import Final, Literal, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
@@ -11,11 +11,9 @@ from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.policy_engine import PolicyEngine
-from homebot.control.rehearsal import rehearsed_result
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.command_messages import SendTextRequest, SendTextResponse, Setting
-from homebot.devices.command_results import result_of
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import Part
 from homebot.devices.text.address import part_at
@@ -101,7 +99,7 @@ class TextCommands:
         if refused is not None:
             return self._ended(request, part.id, refused)
         if self._executor.rehearsal is not None and (assumed := self._executor.rehearse(command)) is not None:
-            self._journal.decided(command.id, request.issuer, command.place, rehearsed_result(assumed))
+            self._journal.decided(request.issuer, command.place, assumed)
             is_refused = isinstance(assumed, Refused)
             return _response(assumed) if is_refused else SendTextResponse(success=True, command_id=command.id)
         self._executor.record_text(command)
@@ -129,7 +127,7 @@ class TextCommands:
         return self._ended(request, "", replace(outcome, command_id=name))
 
     def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:
-        self._journal.decided(outcome.command_id, request.issuer, (request.device, part), result_of(outcome))
+        self._journal.decided(request.issuer, (request.device, part), outcome)
         return _response(outcome)
 
 
@@ -157,15 +155,10 @@ def _unknown_part(device: Device) -> DevicePart:
 
 
 def _response(outcome: Outcome) -> SendTextResponse:
-    match outcome:
-        case Refused():
-            problem, message = "refused", f"{outcome.reason} ({outcome.policy})"
-        case Gone():
-            problem, message = "refused", outcome.text
-        case NoAnswer():
-            problem, message = "unreachable", outcome.reason
-        case _:
-            raise AssertionError(outcome)
-    return SendTextResponse.model_validate(
-        {"success": False, "problem": problem, "message": message, "command_id": outcome.command_id}
-    )
+    message = outcome.text
+    if isinstance(outcome, Refused):
+        message = f"{outcome.reason} ({outcome.policy})"
+    elif isinstance(outcome, NoAnswer):
+        message = outcome.reason
+    problem: Literal["refused", "unreachable"] = "unreachable" if isinstance(outcome, NoAnswer) else "refused"
+    return SendTextResponse(success=False, message=message, problem=problem, command_id=outcome.command_id)

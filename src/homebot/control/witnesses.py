@@ -171,7 +171,9 @@ class Witnesses:
         self.contradicted.pop(command.place, None)
         reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
         latency = max(reported, witness.seen_at - opened.progress.given_at)
-        return Confirmed(latency, Evidence.WITNESSED, witness.name, command_id=command.id)
+        return Confirmed(
+            latency, Evidence.WITNESSED, witness.name, command_id=command.id, reported=opened.progress.reported
+        )
 
     def _contradict(self, opened: OpenCommand, witness: Witness) -> Outcome:
         command = opened.command

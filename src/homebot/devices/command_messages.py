@@ -1,14 +1,18 @@
 """Services and messages of the control layer: commands, and their outcomes."""
 
+from dataclasses import fields
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import AfterValidator, ConfigDict, Field
 
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, ShortText, Value
-from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
+from homebot.messages.message import LocalServiceType, Message, ServiceAnswer, ServiceType, UInt8
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = [
     "MOST_SETTINGS",
@@ -109,7 +113,7 @@ class CommandRequest(Message):
 
 
 class CommandResult(Message):
-    """Result of a command; :func:`homebot.devices.command_results.outcome_of` makes an `Outcome` of it.
+    """Outcome of a command, for other programs, the journal and recordings.
 
     Attributes:
         command_id: The id of the command.
@@ -124,7 +128,7 @@ class CommandResult(Message):
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
         reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
-            ``unknown`` if it may be a person's doing.
+            ``unknown`` if it may be a person's doing; ``gone``: what there is not.
     """
 
     command_id: str
@@ -138,6 +142,31 @@ class CommandResult(Message):
     by: str = ""
     policy: str = ""
     reason: str = ""
+
+    @staticmethod
+    def answer_type() -> "type[Outcome]":
+        """Return the type that this message stands for."""
+        from homebot.devices.outcomes import Outcome  # noqa: PLC0415 - a start without a command needs none
+
+        return Outcome
+
+    @classmethod
+    def of(cls, outcome: "Outcome") -> "CommandResult":
+        """Return the message that carries *outcome*."""
+        facts = {outcome.wire.get(one.name, one.name): getattr(outcome, one.name) for one in fields(outcome)}
+        facts["reported"] = tuple([Setting.of(*one) for one in outcome.reported.items()])
+        return cls(outcome=outcome.kind, text=outcome.text, **facts)
+
+    def to_outcome(self) -> "Outcome":
+        """Return the outcome that this message carries."""
+        from homebot.devices.outcomes import OUTCOMES, Evidence  # noqa: PLC0415 - a start without a command needs none
+
+        kind = OUTCOMES[self.outcome]
+        facts = {one.name: getattr(self, kind.wire.get(one.name, one.name)) for one in fields(kind)}
+        facts["reported"] = {one.capability: one.value.plain() for one in self.reported}
+        if "evidence" in facts:
+            facts["evidence"] = Evidence(self.evidence)
+        return kind(**facts)
 
 
 class CommandEvent(Message):
@@ -158,7 +187,9 @@ class CommandEvent(Message):
     result: CommandResult
 
 
-PerformCommand = ServiceType("homebot/srv/PerformCommand", CommandRequest, CommandResult)
+PerformCommand: "ServiceType[CommandRequest, Outcome]" = LocalServiceType(
+    "homebot/srv/PerformCommand", CommandRequest, CommandResult
+)
 
 
 class CommandDevicesRequest(Message):

@@ -18,7 +18,6 @@ from homebot.devices.command_messages import (
     SendTextResponse,
     Setting,
 )
-from homebot.devices.command_results import outcome_of
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
@@ -127,16 +126,16 @@ class Commander:
         settings = _checked(view.device, part, values, transition, code)
         request = self._request(view.device.id, part.id, settings, transition, code)
         try:
-            result = await self._control.call(request, timeout=_LONGEST)
+            outcome = await self._control.call(request, timeout=_LONGEST)
         except ServiceUnavailableError:
             if self._control.service_is_ready() or self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
             return await self._send(view.device, part, request)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
-        for reported in result.reported:
-            view.record_result(part.id, reported, self._clock.now())
-        return outcome_of(result)
+        for capability, value in outcome.reported.items():
+            view.record_result(part.id, capability, value, self._clock.now())
+        return outcome
 
     def _request(
         self, device_id: str, part_id: str, settings: tuple[Setting, ...], transition: float, code: str

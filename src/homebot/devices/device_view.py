@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple, final
 
-from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, StateChange
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
@@ -63,20 +62,14 @@ class DeviceView:
             if sequence >= (self.sequence if known is None else known.sequence):
                 self._newer[place] = _NewValue(sequence, reading.value, change.told_at, change.live)
 
-    def record_result(self, part_id: str, reported: Setting, now: float) -> None:
-        """Store a new value from the result of a command, until the directory publishes it or a newer one.
-
-        Args:
-            part_id: The id of the part.
-            reported: The value.
-            now: The time of the report, in seconds since the Unix epoch.
-        """
-        place = part_id, reported.capability
-        if self.value(*place) == reported.value.plain():
+    def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
+        """Store a value from an outcome, reported *now* in seconds since the Unix epoch, until a newer one comes."""
+        place = part_id, capability
+        if self.value(*place) == value:
             return  # it has been so since it was reported
         known = self._newer.get(place)
         sequence = self.sequence if known is None else known.sequence
-        self._newer[place] = _NewValue(sequence, reported.value, Time.from_seconds(now), live=True)
+        self._newer[place] = _NewValue(sequence, Value.of(value), Time.from_seconds(now), live=True)
 
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return the latest value of the part; None if it is unknown."""

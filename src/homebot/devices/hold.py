@@ -12,7 +12,6 @@ import anyio
 
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import Setting
-from homebot.devices.command_results import outcome_of
 from homebot.devices.device_view import DeviceView
 from homebot.devices.lease_messages import (
     LONGEST_TTL,
@@ -20,7 +19,7 @@ from homebot.devices.lease_messages import (
     HolderRequest,
     HoldPart,
     HoldRequest,
-    LeaseResponse,
+    LeaseState,
     ReleaseLease,
     RenewLease,
 )
@@ -144,9 +143,9 @@ class _BlockHolder:
         """Begin to hold, and wait until the outcome of the command is known."""
         self._is_beginning = True
         try:
-            self._record_answer(await self._begin.call(self._request, timeout=_LONGEST))
+            self._record(await self._begin.call(self._request, timeout=_LONGEST))
         except ServiceError as exc:
-            self._record_failure(exc)
+            self._record(LeaseState(held=False, outcome=NoAnswer(0.0, str(exc))))
         finally:
             self._is_beginning = False
         self._may_begin = not self.hold.outcome.is_final
@@ -161,12 +160,12 @@ class _BlockHolder:
                 answer = await self._renew.call(self._key, timeout=self._request.ttl)
             except ServiceError as exc:
                 if not self._is_beginning:
-                    self._record_failure(exc)
+                    self._record(LeaseState(held=False, outcome=NoAnswer(0.0, str(exc))))
                 continue
             if self._is_beginning:
                 continue
             if answer.held:
-                self._record_answer(answer)
+                self._record(answer)
             else:
                 await self.begin()
 
@@ -178,11 +177,8 @@ class _BlockHolder:
         for client in (self._begin, self._renew, self._release):
             client.close()
 
-    def _record_answer(self, answer: LeaseResponse) -> None:
-        self.hold.is_held, self.hold.outcome = answer.held, outcome_of(answer.result)
-
-    def _record_failure(self, error: ServiceError) -> None:
-        self.hold.is_held, self.hold.outcome = False, NoAnswer(0.0, str(error))
+    def _record(self, state: LeaseState) -> None:
+        self.hold.is_held, self.hold.outcome = state
 
 
 def _setting(view: DeviceView, part_id: str, word: str) -> Setting | None:

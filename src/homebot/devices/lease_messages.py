@@ -1,13 +1,16 @@
 """Services of the control layer that keep a part of a device as it is wanted."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import Field
 
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import LocalServiceType, Message, ServiceType
+
+if TYPE_CHECKING:
+    from homebot.devices.outcomes import Outcome
 
 __all__ = [
     "LONGEST_TTL",
@@ -22,6 +25,7 @@ __all__ = [
     "HolderOfPart",
     "HolderRequest",
     "LeaseResponse",
+    "LeaseState",
     "LeasesResponse",
     "ReleaseLease",
     "RenewLease",
@@ -73,16 +77,33 @@ class HoldRequest(Message):
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
 
 
-class LeaseResponse(Message):
+class LeaseState(NamedTuple):
     """The state of a lease.
 
     Attributes:
         held: Whether the holder has it now.
-        result: The outcome of the newest command for it, or that a hand outranks it.
+        outcome: The outcome of the newest command for it, or that a hand outranks it.
     """
 
     held: bool
+    outcome: "Outcome"
+
+
+class LeaseResponse(Message):
+    """A `LeaseState` for other programs."""
+
+    held: bool
     result: CommandResult
+
+    @staticmethod
+    def answer_type() -> type[LeaseState]:
+        """Return the type that this message stands for."""
+        return LeaseState
+
+    @classmethod
+    def of(cls, state: LeaseState) -> "LeaseResponse":
+        """Return the message that carries *state*."""
+        return cls(held=state.held, result=CommandResult.of(state.outcome))
 
 
 class HolderOfPart(Message):
@@ -153,6 +174,10 @@ class LeasesResponse(Message):
 
 GetLeases = ServiceType("homebot/srv/GetLeases", GetLeasesRequest, LeasesResponse)
 EndLeases = ServiceType("homebot/srv/EndLeases", EndLeasesRequest, LeasesResponse)
-HoldPart = ServiceType("homebot/srv/HoldPart", HoldRequest, LeaseResponse)
-RenewLease = ServiceType("homebot/srv/RenewLease", HolderRequest, LeaseResponse)
-ReleaseLease = ServiceType("homebot/srv/ReleaseLease", HolderRequest, LeaseResponse)
+HoldPart: ServiceType[HoldRequest, LeaseState] = LocalServiceType("homebot/srv/HoldPart", HoldRequest, LeaseResponse)
+RenewLease: ServiceType[HolderRequest, LeaseState] = LocalServiceType(
+    "homebot/srv/RenewLease", HolderRequest, LeaseResponse
+)
+ReleaseLease: ServiceType[HolderRequest, LeaseState] = LocalServiceType(
+    "homebot/srv/ReleaseLease", HolderRequest, LeaseResponse
+)

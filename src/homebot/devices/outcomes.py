@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum
 from types import MappingProxyType
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
+
+if TYPE_CHECKING:
+    from homebot.devices.value import PlainValue
 
 __all__ = [
     "NO_CONTROL",
@@ -33,8 +36,8 @@ NO_CONTROL = "the control layer is not running; it is restarted by itself, see `
 class Evidence(IntEnum):
     """Grade of the knowledge that a device obeyed; the higher the better.
 
-    ``SENT``: the gateway sent the command. ``ACKNOWLEDGED``: the network or a bridge accepted it; the report of a
-    bridge that does not wait for the device is no better. ``REPORTED``: the device reported the new value.
+    ``SENT``: it is taken for done, as in a dry run. ``ACKNOWLEDGED``: the network or a bridge accepted it; the report
+    of a bridge that does not wait for the device is no better. ``REPORTED``: the device reported the new value.
     ``WITNESSED``: a second, independent device measured the effect.
     """
 
@@ -61,6 +64,7 @@ class Outcome:
         judges_device: Whether it tells how well the device obeys; a refusal, for example, is about the command.
         explains_reports: Whether the reports before it were changes by the command.
         command_id: The id of the command, under which the journal has its story.
+        reported: The values that the device reported as they were commanded, by capability; not compared.
     """
 
     kind: ClassVar[str]
@@ -74,6 +78,7 @@ class Outcome:
 
     _: KW_ONLY
     command_id: str = ""
+    reported: Mapping[str, PlainValue] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def text(self) -> str:
@@ -107,6 +112,8 @@ class Confirmed(Outcome):
     @property
     def text(self) -> str:
         """As for :class:`Outcome`."""
+        if self.evidence is Evidence.SENT:
+            return "not sent, and taken for done"
         by = f" by {self.witness}" if self.witness else ""
         verb = "accepted by the network" if self.evidence is Evidence.ACKNOWLEDGED else "confirmed"
         return f"{verb} after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
@@ -222,12 +229,21 @@ class Refused(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Gone(Outcome):
-    """The device or its part was removed, before or during the wait."""
+    """The device or its part was removed, before or during the wait.
+
+    Attributes:
+        reason: What there is not, as text; empty if it was there before.
+    """
 
     kind: ClassVar[str] = "gone"
     is_final: ClassVar[bool] = True
     _was_sent: ClassVar[bool] = False
-    _words: ClassVar[str] = "the device was removed"
+    reason: str = ""
+
+    @property
+    def text(self) -> str:
+        """As for :class:`Outcome`."""
+        return self.reason or "the device was removed"
 
 
 # A new outcome is a class, its place here, and an import in `homebot`: the wire, the journal, replays, all clients

@@ -27,7 +27,7 @@ from homebot.support.time_limits import TimeLimits
 __all__ = ["Client"]
 
 RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
+ResponseT = TypeVar("ResponseT")
 
 DEFAULT_TIMEOUT = 5.0
 
@@ -49,8 +49,9 @@ class Client(Generic[RequestT, ResponseT]):
         self._closed = False
         self._left_at_work: WeakSet[HandlerRun] = WeakSet()
         self._limits = TimeLimits()
+        self.service_type = service_type
         self._request_type = service_type.Request
-        self._response_type = service_type.Response
+        self._answer_type = service_type.answer_type()
 
     @property
     def service_name(self) -> str:
@@ -111,12 +112,12 @@ class Client(Generic[RequestT, ResponseT]):
         except BaseException as exc:
             server.call_next()
             raise server.failed(exc) from exc
-        if type(outcome) is not self._response_type and isawaitable(outcome):
+        if type(outcome) is not self._answer_type and isawaitable(outcome):
             is_bound = cancel_with_caller or server.cancel_with_caller
             outcome = await self._outcome_of(HandlerRun(server, outcome), timeout, is_bound=is_bound)
         else:
             server.call_next()
-        if type(outcome) is self._response_type:
+        if isinstance(outcome, self._answer_type):
             return outcome
         raise _no_response(self.info.name, outcome)
 

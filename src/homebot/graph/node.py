@@ -52,7 +52,7 @@ __all__ = ["Node"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
+ResponseT = TypeVar("ResponseT")
 
 _ACTION_ENDS = frozenset({EntityKind.ACTION_SERVER, EntityKind.ACTION_CLIENT})
 

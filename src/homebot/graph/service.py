@@ -28,7 +28,7 @@ from homebot.support.isolation import crash_of, error_text
 __all__ = ["Handler", "Service", "ServiceSlot"]
 
 RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
+ResponseT = TypeVar("ResponseT")
 
 Handler: TypeAlias = Callable[[RequestT], ResponseT | Awaitable[ResponseT]]
 

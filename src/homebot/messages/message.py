@@ -36,6 +36,7 @@ __all__ = [
     "Int32Array",
     "Int64",
     "Int64Array",
+    "LocalServiceType",
     "Message",
     "RosType",
     "ServiceAnswer",
@@ -211,7 +212,7 @@ _NONE_OF_MESSAGES = frozenset({"__pydantic_extra__", "__pydantic_private__"})
 
 RequestT = TypeVar("RequestT", bound=Message)
 
-ResponseT = TypeVar("ResponseT", bound=Message)
+ResponseT = TypeVar("ResponseT")
 
 
 @dataclass(frozen=True)
@@ -225,6 +226,19 @@ class ServiceType(Generic[RequestT, ResponseT]):
     ros_type: str
     Request: type[RequestT]
     Response: type[ResponseT]
+
+    def answer_type(self) -> type[ResponseT]:
+        """Return the type of the answers inside the process."""
+        return self.Response
+
+
+@dataclass(frozen=True)
+class LocalServiceType(ServiceType[RequestT, Any]):
+    """Service type with another answer inside the process: its response has it as ``answer_type`` and ``of``."""
+
+    def answer_type(self) -> type[Any]:
+        """As for :class:`ServiceType`."""
+        return self.Response.answer_type()  # type: ignore[no-any-return]
 
 
 class ServiceAnswer(Message):

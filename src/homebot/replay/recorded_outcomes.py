@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import ClassVar, final
 
 from homebot.control.command import IssuedCommand
 from homebot.devices.command_messages import Setting
-from homebot.devices.command_results import outcome_of
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.value import Value
 from homebot.recording.lines import RecordedCommand
@@ -44,7 +44,7 @@ class RecordedOutcomes:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
         if found.result is None:
             return None
-        outcome = outcome_of(found.result.model_copy(update={"command_id": command.id}))
+        outcome = replace(found.result.to_outcome(), command_id=command.id)
         return None if outcome.was_sent else outcome
 
 

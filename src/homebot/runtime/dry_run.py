@@ -22,7 +22,7 @@ __all__ = ["DryRun", "MutedNode", "observing"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
+ResponseT = TypeVar("ResponseT")
 
 
 def observing(config: Config) -> Config:
@@ -99,15 +99,18 @@ class _Nothing:
 def _refusal(srv_type: ServiceType[RequestT, ResponseT], name: str) -> Handler[RequestT, ResponseT]:
     """Return a handler that refuses every call, by the response where that of *srv_type* has the usual fields."""
     said = {"success": False, "message": SENDS_NOTHING, "problem": "refused"}
-    response = srv_type.Response
+    response: Any = srv_type.Response  # a message
 
     def refuse(_: RequestT) -> ResponseT:
         refused = RefusedError(f"a call of {name}", SENDS_NOTHING)
         if not {"success", "message"} <= response.model_fields.keys():
             raise refused
         try:
-            return response.model_validate({key: said[key] for key in said if key in response.model_fields})
+            answer: ResponseT = response.model_validate(
+                {key: said[key] for key in said if key in response.model_fields}
+            )
         except ValidationError:
             raise refused from None
+        return answer
 
     return refuse

@@ -18,10 +18,11 @@ from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
-from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand
+from homebot.devices.command_messages import CommandRequest, PerformCommand
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import HealthRequest
 from homebot.devices.names import ACCESS_REFUSALS, PERFORM_COMMAND
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
@@ -245,9 +246,9 @@ async def test_the_issuer_of_a_command_is_its_client(
     """Its rights travel with it: those that it claims count as little."""
     seen: list[tuple[str, tuple[str, ...]]] = []
 
-    def perform(request: CommandRequest) -> CommandResult:
+    def perform(request: CommandRequest) -> Outcome:
         seen.append((request.issuer, request.scope))
-        return CommandResult(command_id="1", outcome="gone", text="")
+        return Confirmed(0.25, Evidence.REPORTED, command_id="1", reported={"level": 40.0})
 
     owner = {"token": SecretStr("owner-secret")} if token == "owner-secret" else {}
     headers = {"Authorization": f"Bearer {token}"} if token else {}
@@ -261,6 +262,9 @@ async def test_the_issuer_of_a_command_is_its_client(
             PERFORM_COMMAND, **{key: one for key, one in COMMAND.items() if key not in {"issuer", "scope"}}
         )
         assert (forged["result"], silent["result"]) == (True, True)
+        answer = forged["values"]
+        assert (answer["outcome"], answer["text"]) == ("confirmed", "confirmed after 0.25 s (reported)")
+        assert answer["reported"] == [{"capability": "level", "value": 40.0}]
     assert seen == [(issuer, scope), (issuer, scope)]
 
 

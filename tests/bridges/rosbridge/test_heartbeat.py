@@ -8,7 +8,7 @@ import pytest
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.owned_leases import OwnedLeases
 from homebot.devices.command_messages import Setting
-from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, LeaseResponse, ReleaseLease, RenewLease
+from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, LeaseState, ReleaseLease, RenewLease
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import Value
 from homebot.errors import RefusedError
@@ -90,12 +90,12 @@ class Control:
         node.create_service(HoldPart, HOLD_PART, self.hold, concurrent=True)
         node.create_service(ReleaseLease, RELEASE_LEASE, self.release)
 
-    async def hold(self, request: HoldRequest) -> LeaseResponse:
+    async def hold(self, request: HoldRequest) -> LeaseState:
         await anyio.sleep(1)
         self.steps.append(f"held {request.lease}")
         raise RefusedError("the hold", "this is a test")
 
-    def release(self, request: HolderRequest) -> LeaseResponse:
+    def release(self, request: HolderRequest) -> LeaseState:
         self.steps.append(f"released {request.lease}")
         raise RefusedError("the release", "this is a test")
 

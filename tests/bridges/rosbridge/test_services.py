@@ -12,7 +12,7 @@ from tests.bridges.conftest import OpenHouse
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
-from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseState
 from homebot.devices.names import HOLD_PART
 from homebot.errors import RefusedError, ServiceFailedError, ServiceGoneError, ServiceTimeoutError
 from homebot.messages import SetBool, Trigger
@@ -278,7 +278,7 @@ async def test_a_value_is_written_as_it_is_in_json(open_house: OpenHouse) -> Non
     async with open_house() as house, house.node("control") as control, house.peer() as peer:
         held: list[object] = []
 
-        def hold(request: HoldRequest) -> LeaseResponse:
+        def hold(request: HoldRequest) -> LeaseState:
             held.append(request.setting.value.plain())
             raise RefusedError("the hold", "this is a test")
 
@@ -294,7 +294,7 @@ async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(open_hou
     """Then its leases end."""
     async with open_house() as house, house.node("control") as control, house.peer() as peer:
 
-        async def hold(_request: HoldRequest) -> LeaseResponse:
+        async def hold(_request: HoldRequest) -> LeaseState:
             await anyio.sleep_forever()
             raise AssertionError
 

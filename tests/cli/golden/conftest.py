@@ -364,7 +364,9 @@ class StillHouse:
     async def _read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
         kept = JournalStore(1000, 1e9)
         for entry in self.journal:
-            kept.add(JournalNote(**{**dict(entry), "at": entry.at.to_seconds()}))
+            fields = dict(entry)
+            outcome = next((one.to_outcome() for one in fields.pop("results")), None)
+            kept.add(JournalNote(**{**fields, "at": entry.at.to_seconds(), "outcome": outcome}))
         names = tuple(KeyValue(key=key, value=name) for key, name in part_names(self._devices()).items())
         return (await kept.read(request)).model_copy(update={"names": names})
 

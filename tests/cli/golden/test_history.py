@@ -14,7 +14,6 @@ from tests.cli.golden.test_golden import check
 
 from homebot.cli import main
 from homebot.devices.command_messages import CommandResult, Setting
-from homebot.devices.command_results import result_of
 from homebot.devices.journal_messages import JournalEntry, JournalFact, JournalVerdict
 from homebot.devices.outcomes import (
     AlreadySo,
@@ -85,7 +84,7 @@ def command(
         yield entry(kind="acknowledged", at=at, **of)
     for later in reports:
         yield entry(kind="reported", at=ago(seconds - later), settings=settings(**wanted), **of)
-    decided: CommandResult = result_of(outcome)
+    decided: CommandResult = CommandResult.of(outcome)
     at = ago(seconds - max(reports, default=3.0 * tries if tries else 0.0))
     yield entry(kind="outcome", at=at, results=(decided,), **of)
 
@@ -164,7 +163,7 @@ def story(name: str) -> list[JournalEntry]:
         case "hand":
             return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), changed(40, on_off=True)]
         case "reverted":
-            reverted = result_of(Reverted(6.0))
+            reverted = CommandResult.of(Reverted(6.0))
             back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-1", results=(reverted,))
             return [*app, back]
         case "raw":
@@ -219,7 +218,7 @@ def outcomes(name: str) -> list[JournalEntry]:
                 [*command(f"a-{number}", 900 - 60 * number, one, tries=tries, on_off=False)]
                 for number, (one, tries) in enumerate(asked)
             ]
-            reverted = result_of(Reverted(6.0))
+            reverted = CommandResult.of(Reverted(6.0))
             back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-7", results=(reverted,))
             return [*(one for entries in commands for one in entries), back]
         case "superseded":
@@ -261,7 +260,7 @@ def before_a_restart(name: str) -> list[JournalEntry]:
         case "on":
             return [*command("a-1", 4000, CONFIRMED, issuer="client:tablet", reports=(0.4,), on_off=True)]
         case "reverted":
-            reverted = (result_of(Reverted(10.0)),)
+            reverted = (CommandResult.of(Reverted(10.0)),)
             back = entry(kind="reverted", at=ago(3990), device=LAMP, part="light", command="a-1", results=reverted)
             return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), back]
         case "off":

@@ -21,7 +21,7 @@ from homebot.devices.command_messages import CommandRequest, CommandResult, Sett
 from homebot.devices.device import KeyValue, Route
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.health import GetHealth
-from homebot.devices.lease_messages import HoldPart, HoldRequest
+from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED, HOLD_PART
 from homebot.devices.outcomes import Refused
 from homebot.devices.query import FactIs, IsUnapproved, PartFacets, facets_of, fits, read_terms
@@ -146,7 +146,7 @@ async def waiting(home: Home, device: str = "") -> tuple[str, ...]:
 async def unlock(home: Home, device: str, issuer: str = "client:owner") -> CommandResult:
     setting = Setting(capability="lock", value=Value.of("unlocked"))
     request = CommandRequest(device=device, part="", settings=(setting,), issuer=issuer, scope=("act: all",))
-    return await home.control.perform(request)
+    return CommandResult.of(await home.control.perform(request))
 
 
 @pytest.mark.virtual_time
@@ -181,7 +181,7 @@ async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home
             issuer="client:owner",
             scope=("act: all",),
         )
-        answer = await home.app.create_client(HoldPart, HOLD_PART).call(wanted)
+        answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(wanted))
         assert (answer.held, answer.result.outcome, answer.result.policy) == (False, "refused", "approval")
         kinds = [one.kind for one in (await read(home)).entries]
         assert kinds == ["denied"]  # it was held at no time

@@ -315,7 +315,7 @@ async def test_a_person_at_a_client_of_the_door_may(open_home: OpenHome) -> None
         lamp = await home.handle(Light, "lamp")
         off = Setting(capability="on_off", value=Value.of(plain=False))
         request = CommandRequest(device=lamp.device.id, part="", settings=(off,), issuer="client:phone")
-        assert (await home.control.perform(request)).outcome == "confirmed"
+        assert (await home.control.perform(request)).succeeded
 
 
 async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(open_home: OpenHome) -> None:

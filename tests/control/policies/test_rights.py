@@ -154,13 +154,10 @@ async def test_a_client_with_the_right_unlocks_and_a_wrong_scope_is_refused(open
         unlock = Setting(capability="lock", value=Value.of("unlocked"))
 
         async def outcome(*scope: str) -> str:
-            return (
-                await home.control.perform(
-                    CommandRequest(
-                        device=lock.device.id, part="", settings=(unlock,), issuer="client:phone", scope=scope
-                    )
-                )
-            ).outcome
+            request = CommandRequest(
+                device=lock.device.id, part="", settings=(unlock,), issuer="client:phone", scope=scope
+            )
+            return (await home.control.perform(request)).kind
 
         assert await outcome("act: lights") == "refused"
         assert await outcome("unlock everything") == "refused"

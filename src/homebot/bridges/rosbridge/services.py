@@ -97,6 +97,8 @@ async def call_service(
     on_request(client, request)
     try:
         response = await client.call(request, _timeout(op, client.service_name))
+        if not isinstance(response, Message):
+            response = client.service_type.Response.of(response)
         if problem is not None:
             response = refusal(client.service_name, response, problem)
         frame = await _success(op, response, turns)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 from homebot.control.journal.store import JournalNote
+from homebot.devices.outcomes import Refused
 
 __all__ = ["IN_FULL", "MOST_OF_ISSUER", "CommandFolding"]
 
@@ -144,4 +145,5 @@ class CommandFolding:
 
 
 def _outcome(note: JournalNote) -> str:
-    return f"{note.results[0].outcome} {note.results[0].policy}"
+    outcome = note.outcome
+    return f"refused {outcome.policy}" if isinstance(outcome, Refused) else outcome.kind if outcome else ""

@@ -12,7 +12,7 @@ from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_
 from homebot.control.journal.store import JournalNote, with_newer
 from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.devices import RawCommand
-from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, KeyValue, part_names
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from homebot.control.policies import Verdict
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.lease_messages import HoldRequest
+    from homebot.devices.outcomes import Outcome
 
 __all__ = ["CommandJournal", "LeaseStep"]
 
@@ -138,21 +139,11 @@ class CommandJournal:
         return name
 
     def record(
-        self,
-        kind: EntryKind,
-        command: IssuedCommand,
-        settings: tuple[Setting, ...] = (),
-        text: str = "",
-        verdicts: tuple[JournalVerdict, ...] = (),
-        results: tuple[CommandResult, ...] = (),
+        self, kind: EntryKind, command: IssuedCommand, text: str = "", verdicts: tuple[JournalVerdict, ...] = ()
     ) -> None:
         """Record a step of *command*."""
         now, (device, part) = self._clock.now(), command.place
-        self._add(
-            JournalNote(
-                kind, now, device, part, command.id, command.issuer, NO_TRIGGER, settings, text, verdicts, results
-            )
-        )
+        self._add(JournalNote(kind, now, device, part, command.id, command.issuer, NO_TRIGGER, (), text, verdicts))
 
     def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
         """Record the verdict of a policy."""
@@ -163,14 +154,6 @@ class CommandJournal:
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
         self.record("judged", command, verdicts=(noted,))
 
-    def sent(self, command: IssuedCommand, attempt: int) -> None:
-        """Record that a gateway gets a command; *attempt* is 0 for the first time."""
-        self.record("sent", command, text="again" if attempt else "")
-
-    def reverted(self, place: _Part, command_id: str, issuer: str, result: CommandResult) -> None:
-        """Record that the confirmed value of a command to the part *place* ended."""
-        self._add(JournalNote("reverted", self._clock.now(), *place, command_id, issuer, results=(result,)))
-
     def reported(
         self, place: _Part, command_id: str, issuer: str, reported: tuple[str, PlainValue], cause: str = ""
     ) -> None:
@@ -179,10 +162,9 @@ class CommandJournal:
         now = self._clock.now()
         self._add(JournalNote("reported", now, *place, command_id, issuer, settings=settings, cause=cause))
 
-    def decided(self, command_id: str, issuer: str, place: _Part, result: CommandResult) -> None:
+    def decided(self, issuer: str, place: _Part, outcome: Outcome, kind: EntryKind = "outcome") -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
-        now = self._clock.now()
-        self._add(JournalNote("outcome", now, *place, command_id, issuer, results=(result,)))
+        self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
     def changed(self, change: ChangedSetting, command_id: str, cause: str) -> None:
         """Record a change with its cause; *command_id* is the raw command that explains it, or empty."""

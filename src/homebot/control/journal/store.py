@@ -7,13 +7,15 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
+from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.trigger import NO_TRIGGER
 from homebot.messages import Time
 
 if TYPE_CHECKING:
-    from homebot.devices.command_messages import CommandResult, Setting
+    from homebot.devices.command_messages import Setting
     from homebot.devices.journal_messages import EntryKind, JournalVerdict
+    from homebot.devices.outcomes import Outcome
     from homebot.devices.trigger import Trigger
 
 __all__ = ["JournalNote", "JournalStore", "LearntRow", "with_newer"]
@@ -40,7 +42,7 @@ class JournalNote(NamedTuple):
     settings: tuple[Setting, ...] = ()
     text: str = ""
     verdicts: tuple[JournalVerdict, ...] = ()
-    results: tuple[CommandResult, ...] = ()
+    outcome: Outcome | None = None
     cause: str = ""
     folded: int = 0
 
@@ -51,21 +53,9 @@ class JournalNote(NamedTuple):
 
     def entry(self) -> JournalEntry:
         """Return a new entry."""
-        return JournalEntry(
-            kind=self.kind,
-            at=self.stamp,
-            device=self.device,
-            part=self.part,
-            command=self.command,
-            issuer=self.issuer,
-            trigger=self.trigger,
-            settings=self.settings,
-            text=self.text,
-            verdicts=self.verdicts,
-            results=self.results,
-            cause=self.cause,
-            folded=self.folded,
-        )
+        results = () if self.outcome is None else (CommandResult.of(self.outcome),)
+        same = {name: value for name, value in self._asdict().items() if name != "outcome"}
+        return JournalEntry(**{**same, "at": self.stamp, "results": results})
 
 
 class LearntRow(NamedTuple):

@@ -88,7 +88,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
         if not progress.wanted:
             return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         latency = max(progress.met_times) - progress.given_at
-        return Confirmed(latency, Evidence.REPORTED, command_id=name)
+        return Confirmed(latency, Evidence.REPORTED, command_id=name, reported=progress.reported)
     if others := progress.others:
         if not progress.has_faded and all(map(progress.is_stale, others)):
             return NoAnswer(waited, command_id=name)
@@ -114,11 +114,9 @@ def weakly_met_at(progress: CommandProgress) -> float:
 def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
     """Return the outcome of a command of which the device reported nothing."""
     name = progress.order.id
-    if progress.is_accepted:
-        latency = max(progress.accepted.values()) - progress.given_at
-        return Confirmed(latency, Evidence.ACKNOWLEDGED, command_id=name)
-    if (weak_at := weakly_met_at(progress)) < math.inf:
-        return Confirmed(weak_at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
+    at = max(progress.accepted.values()) if progress.is_accepted else weakly_met_at(progress)
+    if at < math.inf:
+        return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
         return NoAnswer(waited, command_id=name)
     if progress.has_echo:  # the report before may have been an echo

@@ -72,11 +72,6 @@ class WantedValue:
         known = self._known
         return known is not NOTHING and (is_same(self._capability, self.value, known) or self._is_answer(known))
 
-    @property
-    def reported(self) -> PlainValue | Nothing:
-        """The reported value if it is the wanted one; else :data:`NOTHING`."""
-        return NOTHING if self.met_at is None else self.seen
-
     def fits(self, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, as the device rounds."""
         wanted = self.value

@@ -166,6 +166,12 @@ class CommandProgress:
         """The reported values that are not the wanted ones."""
         return {name: one.seen for name, one in self.wanted.items() if one.met_at is None and one.seen is not NOTHING}
 
+    @property
+    def reported(self) -> dict[str, PlainValue]:
+        """The reported values that are the wanted ones."""
+        wanted = self.wanted.items()
+        return {name: one.seen for name, one in wanted if one.met_at is not None and one.seen is not NOTHING}
+
     def is_stale(self, capability: str) -> bool:
         """Return whether a value is from before the last sending, or a word on the way."""
         wanted = self.wanted[capability]

@@ -12,7 +12,7 @@ from homebot.devices.wording.values import plain_value, value_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.command_messages import CommandResult, Setting
+    from homebot.devices.command_messages import Setting
     from homebot.devices.journal_messages import JournalEntry
     from homebot.devices.trigger import Trigger
     from homebot.devices.value import Reading
@@ -25,7 +25,6 @@ __all__ = [
     "entry_text",
     "issuer_text",
     "name_text",
-    "outcome_text",
     "repeats",
     "settings_text",
     "trigger_text",
@@ -72,7 +71,7 @@ def _entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
         case "changed":
             return f"{name} reported {settings_text(entry.settings)}; no command explains it"
         case _:
-            return outcome_text(entry.results[0])
+            return printable(entry.results[0].text)
 
 
 def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
@@ -110,11 +109,6 @@ def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
 def settings_text(settings: Iterable[Setting | Reading]) -> str:
     """Return values in words: ``on``, ``level 40 %``."""
     return ", ".join(_setting_text(one) for one in settings) or "nothing"
-
-
-def outcome_text(result: CommandResult) -> str:
-    """Return an outcome in words."""
-    return printable(result.text)
 
 
 def issuer_text(issuer: str) -> str:
