@@ -20,6 +20,7 @@ def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder.mkdir()
     monkeypatch.chdir(folder)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
+    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
     file = folder / "homebot.toml"
     file.write_text('[gateways.mqtt]\nurl = "embedded"\n')
     return file
@@ -65,7 +66,7 @@ def test_a_wrong_configuration_is_not_installed(config: Path, tmp_path: Path, ca
 def test_the_commands_of_the_guide_work(config: Path, capsys: Text) -> None:
     guide = (Path(__file__).parents[2] / "docs" / "operate.md").read_text()
     commands = re.findall(r"^\$ homebot (.*)$", guide, re.MULTILINE)
-    assert len(commands) == 4
+    assert len(commands) == 6
     for command in commands:
         assert main(shlex.split(command)) == 0
     assert "[door.tokens.panel]" in config.read_text()

@@ -60,6 +60,8 @@ COMMANDS: Final = {
     "action": "list actions, and send goals to them",
     "param": "list, read, set and save the parameters of nodes",
     "node": "list and inspect nodes",
+    "backup": "write what homebot knows and its configuration into one file",
+    "restore": "put back what a backup holds",
     "broker": "run an MQTT broker and nothing else",
 }
 """The purpose of each in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
@@ -81,8 +83,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 an MQTT broker and nothing else
 
-All commands but `run`, `replay`, `broker`, `config`, `interface`, `new` and `token` connect to a running homebot, by
-default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands but `run`, `replay`, `restore`, `broker`, `config`, `interface`, `new` and `token` connect to a running
+homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

@@ -53,6 +53,7 @@ LOAD_APP = "/apps/load"
 UNLOAD_APP = "/apps/unload"
 RELOAD_APP = "/apps/reload"
 START_RECORDER = "/homebot/start_recorder"
+COPY_FILES = "/homebot/copy_files"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"})

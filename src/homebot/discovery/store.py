@@ -15,7 +15,7 @@ from homebot.errors import LinkError
 from homebot.names import escape_token
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "index_path"]
+__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "data_directory", "index_path"]
 
 INDEX_FILE = "index.sqlite"
 
@@ -43,10 +43,11 @@ def index_path(home: str, network: str) -> Path:
         network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
             those of the first would be ghosts there.
     """
-    return _data_directory() / escape_token(home) / escape_token(network) / INDEX_FILE
+    return data_directory() / escape_token(home) / escape_token(network) / INDEX_FILE
 
 
-def _data_directory() -> Path:
+def data_directory() -> Path:
+    """Return the folder of all homes."""
     if given := os.environ.get("HOMEBOT_DATA"):
         return Path(given)
 

@@ -1,20 +1,31 @@
-"""The files that a run keeps beside each other, and their schemas."""
+"""The files that a run keeps beside each other: their schemas, and copies of them."""
 
 from __future__ import annotations
 
+import shutil
+import time
 from collections.abc import Mapping
+from pathlib import Path
+from tempfile import mkdtemp
 from typing import Final
+
+from anyio import to_thread
 
 from homebot.apps.store_file import STORE_SCHEMA
 from homebot.control.journal.journal_file import JOURNAL_SCHEMA
+from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA
+from homebot.errors import LinkError
+from homebot.graph import Node
 from homebot.history.history_file import HISTORY_SCHEMA
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.runtime.app_host import STORE_FILE
 from homebot.runtime.history_starter import HISTORY_FILE
-from homebot.runtime.runtime import JOURNAL_FILE
-from homebot.support.sqlite_file import SqliteSchema
+from homebot.runtime.plan import JOURNAL_FILE
+from homebot.support.installation import INSTALLATION_FILE
+from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
 
-__all__ = ["KEPT_FILES"]
+__all__ = ["KEPT_FILES", "copy_kept_files", "serve_copies"]
 
 KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
@@ -22,3 +33,51 @@ KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
     HISTORY_FILE: HISTORY_SCHEMA,
     STORE_FILE: STORE_SCHEMA,
 }
+
+_COPIES: Final = "copies-"
+_LEFT_BEHIND: Final = 3600.0
+
+
+def copy_kept_files(folder: Path) -> Path:
+    """Copy the files in *folder* into a new folder in it, which the caller removes; return that.
+
+    Raises:
+        LinkError: Another process has a file open, or a copy cannot be written.
+    """
+    opened = SqliteFile.opened_in(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        for old in folder.glob(f"{_COPIES}*"):
+            if time.time() - old.stat().st_mtime > _LEFT_BEHIND:
+                shutil.rmtree(old)
+        copies = Path(mkdtemp(prefix=_COPIES, dir=folder))
+    except OSError as exc:
+        raise LinkError(f"no copies can be made in {folder}: {exc.strerror}") from exc
+    try:
+        for name in KEPT_FILES:
+            if name in opened:
+                opened[name].copy_into(copies / name)
+            elif (folder / name).exists():
+                copy_database(folder / name, copies / name)
+        if (folder / INSTALLATION_FILE).exists():
+            shutil.copyfile(folder / INSTALLATION_FILE, copies / INSTALLATION_FILE)
+    except BaseException as exc:
+        shutil.rmtree(copies, ignore_errors=True)
+        if isinstance(exc, OSError):
+            raise LinkError(f"{copies} cannot be written: {exc.strerror}") from exc
+        raise
+    return copies
+
+
+def serve_copies(node: Node, folder: Path | None) -> None:
+    """Serve the copying of the files in *folder*; the message of the answer is where the copies are."""
+
+    async def answer(_: TriggerRequest) -> SuccessResponse:
+        if folder is None:
+            return SuccessResponse(success=False, message="this homebot keeps nothing")
+        try:
+            return SuccessResponse(success=True, message=str(await to_thread.run_sync(copy_kept_files, folder)))
+        except LinkError as exc:
+            return SuccessResponse(success=False, message=str(exc))
+
+    node.create_service(Trigger, COPY_FILES, answer)

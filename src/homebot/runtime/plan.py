@@ -49,6 +49,9 @@ __all__ = [
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
 
+JOURNAL_FILE = "journal.sqlite"
+"""The name of the journal, beside the file of the index."""
+
 _DOORS = "control.presence_guard.doors"
 
 OWN_NODES = frozenset(

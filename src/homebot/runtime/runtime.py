@@ -25,7 +25,7 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
-from homebot.devices.names import LIST_APPS, START_RECORDER
+from homebot.devices.names import COPY_FILES, LIST_APPS, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
@@ -33,7 +33,7 @@ from homebot.graph import Graph, Node, RosoutFeed
 from homebot.runtime.app_host import STORE_FILE, AppHost
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
-from homebot.runtime.plan import Plan, PlannedComponent, make_plan
+from homebot.runtime.plan import JOURNAL_FILE, Plan, PlannedComponent, make_plan
 from homebot.runtime.robot_starter import track_robots
 from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
@@ -56,9 +56,6 @@ __all__ = ["Runtime"]
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
-
-JOURNAL_FILE = "journal.sqlite"
-"""The name of the journal, beside the file of the index."""
 
 _HISTORY_AFTER = 2.0
 """Seconds after which the history begins: the start goes on without it, and devices are known by then."""
@@ -228,6 +225,7 @@ class Runtime:
         main.offer_service("homebot/srv/ListApps", LIST_APPS, partial(self._serve_app_list, main))
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
+        main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
@@ -305,6 +303,12 @@ class Runtime:
         from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
 
         serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host.running, self.supervisor)
+
+    def _serve_copies(self, main: Node) -> None:
+        from homebot.runtime.kept_files import serve_copies  # noqa: PLC0415 - few runs are asked
+
+        index = self._beside_index(JOURNAL_FILE)
+        serve_copies(main, index and index.parent)
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:

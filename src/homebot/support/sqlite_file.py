@@ -7,15 +7,18 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
+from weakref import WeakSet
 
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.file_access import why_not_trusted
 
-__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema", "why_not_readable"]
+__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema", "copy_database", "why_not_readable"]
 
 _FILES = ("", "-wal", "-shm", "-journal")
 """The endings of the files that SQLite may have for one."""
@@ -47,6 +50,9 @@ class SqliteSchema:
 IN_MEMORY = Path(":memory:")
 """The path of a database without a file."""
 
+_COPY_WITHIN = 10.0
+"""Seconds to wait for the end of a transaction; one takes milliseconds, or the time of a slow disk."""
+
 _MAGIC = b"SQLite format 3\0"
 _VERSION_AT = 60
 
@@ -64,6 +70,37 @@ def why_not_readable(path: Path, schema: SqliteSchema) -> str:
     return _why_not_ours(int.from_bytes(head[_VERSION_AT : _VERSION_AT + 4]), schema)
 
 
+def copy_database(path: Path, target: Path) -> None:
+    """Write a copy of a file that nobody has open into the new file *target*.
+
+    Raises:
+        LinkError: A homebot has it open, it is damaged, or the copy cannot be written.
+    """
+    try:
+        connection = sqlite3.connect(path, timeout=0.1, isolation_level=None)
+        try:
+            _vacuum_into(connection, target)
+        finally:
+            connection.close()
+    except sqlite3.Error as exc:
+        problem = "is in use by a running homebot" if "locked" in str(exc) else f"cannot be copied: {exc}"
+        raise LinkError(f"{path} {problem}") from exc
+
+
+def _vacuum_into(connection: sqlite3.Connection, target: Path) -> None:
+    target.touch(mode=0o600)
+    ends = time.monotonic() + _COPY_WITHIN
+    while True:
+        try:
+            connection.execute("VACUUM INTO ?", (str(target),))
+        except sqlite3.OperationalError as exc:
+            if "VACUUM" not in str(exc) or time.monotonic() > ends:  # another thread's transaction is under way
+                raise
+            time.sleep(0.01)
+        else:
+            return
+
+
 def _why_not_ours(version: int, schema: SqliteSchema) -> str:
     is_newer = version > schema.version
     return f"was written by a newer homebot (version {version}, not {schema.version})" if is_newer else ""
@@ -77,7 +114,10 @@ class SqliteFile:
         busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
     """
 
+    _all: ClassVar[WeakSet[SqliteFile]] = WeakSet()
+
     def __init__(self, path: Path, schema: SqliteSchema, busy_timeout: float = _BUSY) -> None:
+        self._all.add(self)
         self.path = path
         self._schema = schema
         self._busy_timeout = busy_timeout
@@ -116,6 +156,27 @@ class SqliteFile:
         except OSError as exc:
             raise LinkError(f"{self._title} cannot be opened: {exc.strerror or exc}") from exc
         return set_aside
+
+    @property
+    def is_open(self) -> bool:
+        """True if it is open."""
+        return self._connection is not None
+
+    @classmethod
+    def opened_in(cls, folder: Path) -> dict[str, SqliteFile]:
+        """Return the files in *folder* that this process has open, by name."""
+        return {one.path.name: one for one in list(cls._all) if one.is_open and one.path.parent == folder}
+
+    def copy_into(self, target: Path) -> None:
+        """Write a copy into the new file *target*; it has what was written until now. From any thread.
+
+        Raises:
+            LinkError: It cannot be written, or the file is not open.
+        """
+        try:
+            _vacuum_into(self._opened(), target)
+        except sqlite3.Error as exc:
+            raise LinkError(f"{self._title} cannot be copied: {exc}") from exc
 
     def is_lost(self) -> bool:
         """Return whether the open file was removed or replaced, so that writes are lost."""

@@ -1,0 +1,133 @@
+"""``homebot backup``."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
+from homebot.cli.backup_archive import ArchivedFile, Manifest, write_archive
+from homebot.cli.commands.run import with_tokens
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.config import load_config, load_tables
+from homebot.devices.names import COPY_FILES
+from homebot.errors import LinkError, RefusedError
+from homebot.runtime.kept_files import KEPT_FILES, copy_kept_files
+from homebot.runtime.plan import index_place
+from homebot.version import __version__
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot backup villa.tar
+  homebot backup villa.tar --with-tokens      with passwords and tokens; keep it where you keep those
+  homebot restore villa.tar
+
+It holds what homebot knows and keeps (devices, journal, history, values of apps), homebot.toml and the files beside it
+that that names. homebot may run meanwhile; what it has yet to write, of five minutes at most, is left out.
+"""
+
+_LONGEST: Final = 120.0
+_SECRET_FILES: Final = ("password_file", "token_file", "key_file")
+_SECRETS: Final = ("password", "token")
+_URL_WITH_PASSWORD: Final = re.compile(r"\w+://[^/@]*:[^/@]*@")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot backup``."""
+    set_client_command(parser, _back_up, _EXAMPLES)
+    parser.add_argument("file", metavar="FILE", help="the file to write, a tar")
+    parser.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")
+    parser.add_argument("--with-tokens", action="store_true", help="with passwords and tokens")
+
+
+def _back_up(options: argparse.Namespace) -> int:
+    """Write the archive."""
+    path = Path(options.config)
+    tables = load_tables(path)
+    config = with_tokens(load_config(path))
+    folder = index_place(config).parent
+    files, secrets = _config_files(path, tables, with_secrets=options.with_tokens)
+    copies = _copies(folder, options)
+    try:
+        data = {f"data/{one.name}": one for one in sorted(copies.iterdir())}
+        archived = {name: ArchivedFile(size=0, sha256="0" * 64, version=_version(name)) for name in (*data, *files)}
+        manifest = Manifest(
+            version=__version__,
+            made=datetime.now(UTC).isoformat(timespec="seconds"),
+            home=config.home.name,
+            folder=f"{folder.parent.name}/{folder.name}",
+            files=archived,
+        )
+        write_archive(Path(options.file), manifest, {**data, **files})
+    finally:
+        shutil.rmtree(copies, ignore_errors=True)
+    print(f"{options.file}: {', '.join(name.partition('/')[2] for name in archived)}")
+    if secrets:
+        print(f"left out, as they hold secrets: {', '.join(secrets)}; --with-tokens takes them")
+    return 0
+
+
+def _copies(folder: Path, options: argparse.Namespace) -> Path:
+    """Return where the copies of the files are, made by the running homebot or, if there is none, here."""
+    try:
+        return copy_kept_files(folder)
+    except LinkError as exc:
+        if "in use" not in str(exc):
+            raise
+
+    def ask(door: DoorClient) -> int:
+        answers.append(door.call(COPY_FILES, timeout=_LONGEST))
+        return 0
+
+    answers: list[Mapping[str, object]] = []
+    with_client(options, ask)
+    if not answers[0]["success"]:
+        raise RefusedError("a backup", str(answers[0]["message"]))
+    copies = Path(str(answers[0]["message"]))
+    if copies.parent != folder.absolute() and copies.parent != folder:
+        raise LinkError(f"that homebot keeps its files in {copies.parent}, not in {folder}; run this where it runs")
+    return copies
+
+
+def _version(name: str) -> int | None:
+    schema = KEPT_FILES.get(name.removeprefix("data/"))
+    return None if schema is None else schema.version
+
+
+def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: bool) -> tuple[dict[str, Path], list[str]]:
+    """Return the files of the configuration, by their names in the archive, and those that are left out."""
+    found = {path.name: any(_inline_secrets(tables)), **dict(_named_files(path.parent, tables))}
+    taken = {f"config/{name}": path.parent / name for name, is_secret in found.items() if with_secrets or not is_secret}
+    return taken, [] if with_secrets else [name for name, is_secret in found.items() if is_secret]
+
+
+def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
+    """Yield all texts in *tables*, each with its key."""
+    if isinstance(tables, Mapping):
+        for name, value in tables.items():
+            yield from _values(value, name)
+    elif isinstance(tables, list):
+        for value in tables:
+            yield from _values(value, key)
+    elif isinstance(tables, str):
+        yield key, tables
+
+
+def _inline_secrets(tables: Mapping[str, object]) -> Iterator[bool]:
+    yield from (key in _SECRETS or _URL_WITH_PASSWORD.match(value) is not None for key, value in _values(tables))
+
+
+def _named_files(folder: Path, tables: Mapping[str, object]) -> Iterator[tuple[str, bool]]:
+    """Yield each file in *folder* that *tables* name, such as an app's, and whether it holds a secret."""
+    for key, value in _values(tables):
+        name = value.partition(".py:")[0] + ".py" if ".py:" in value else value
+        if name and len(name) < 200 and "\0" not in name and (folder / name).is_file():
+            path = (folder / name).resolve()
+            if path.is_relative_to(folder.resolve()):
+                yield path.relative_to(folder.resolve()).as_posix(), key in _SECRET_FILES
