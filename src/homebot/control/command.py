@@ -103,7 +103,7 @@ class IssuedCommand:
 
     @property
     def is_by_person(self) -> bool:
-        """True if a client gave it, or an app answers a press or a scan of the last minute."""
+        """True if a client gave it, or an app answers a press, a scan or a client's call of the last minute."""
         return self.is_client or _is_by_hand(self.trigger, self.issued_at)
 
     @property
@@ -144,10 +144,10 @@ def _is_always_sent(capability: str, value: PlainValue) -> bool:
 
 
 def _is_by_hand(trigger: Trigger, now: float) -> bool:
-    """Return whether *trigger* is a recent press of a button or a scan of a tag."""
-    if trigger.kind != "report" or abs(now - trigger.at.to_seconds()) > durations.WISH:
+    """Return whether *trigger* is a recent press of a button, scan of a tag or call of a client."""
+    if trigger.kind not in {"report", "client"} or abs(now - trigger.at.to_seconds()) > durations.WISH:
         return False
-    return any(one.capability in EVENTS for one in trigger.readings)
+    return trigger.kind == "client" or any(one.capability in EVENTS for one in trigger.readings)
 
 
 def order_of(command: IssuedCommand) -> Order:

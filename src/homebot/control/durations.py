@@ -50,7 +50,7 @@ FRESH: Final = 60.0
 """A live report is the present state for so long, so that a command for the same value is not sent."""
 
 WISH: Final = 60.0
-"""An app answers a press or a scan within it; a later command is its own decision."""
+"""An app answers a press, a scan or a call within it; a later command is its own decision."""
 
 LONGEST_MOVE: Final = 300.0
 """No motor is waited for any longer: gates take up to two minutes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.trigger import MOST_READINGS, NO_TRIGGER, Trigger
-from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
+from homebot.graph.current_cause import CURRENT_CAUSE, CallCause, TimerCause
 from homebot.graph.timer import Timer
 from homebot.messages.builtin_interfaces import Time
 
@@ -27,6 +27,9 @@ def current_trigger() -> Trigger:
             return Trigger(kind="timer", id=f"timer-{timer.period:g}", text=f"every {timer.period:g} s")
         case TimerCause() as job:
             return Trigger(kind="timer", id=job.id[:_LONGEST], text=job.text[:_LONGEST], at=Time.from_seconds(job.at))
+        case CallCause() as call:
+            text = f"{call.issuer} called {call.service}"[:_LONGEST]
+            return Trigger(kind="client", id=f"call-{call.at:.3f}", text=text, at=Time.from_seconds(call.at))
         case (str(device), RawMessage() as message):
             return _of_message(device, message)
     return NO_TRIGGER

@@ -1,6 +1,7 @@
-"""The cause of the current task's next command: a message, a change or a timer.
+"""The cause of the current task's next command: a message, a change, a timer or a call.
 
-Live queries, raw deliveries and timers set it before they call an application; commands read it. New tasks inherit it.
+Live queries, raw deliveries, timers and calls of clients set it before they call an application; commands read it. New
+tasks inherit it.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Final, final
 
-__all__ = ["CURRENT_CAUSE", "TimerCause"]
+__all__ = ["CURRENT_CAUSE", "CallCause", "TimerCause"]
 
 
 @final
@@ -24,6 +25,21 @@ class TimerCause:
 
     id: str
     text: str
+    at: float
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CallCause:
+    """A call of an app's service or action by a client of the door, as a person's wish.
+
+    Attributes:
+        issuer: The client, as ``client:NAME``.
+        at: When that was, in seconds since the Unix epoch.
+    """
+
+    issuer: str
+    service: str
     at: float
 
 

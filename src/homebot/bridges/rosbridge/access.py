@@ -184,6 +184,13 @@ class ClientAccess:
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         return {**values, **{name: own[name] for name in names}} if names else values
 
+    def wishes(self, name: str) -> bool:
+        """Return whether a call of the service or action *name* makes its app act for a person.
+
+        It does not for a client that may command only some devices: the app might command others.
+        """
+        return not _is_own(name) and self.rights.acts_on_harmless
+
     @staticmethod
     def command_in(op: Operation) -> tuple[str, str]:
         """Return the target and content of a command in *op*, if it is in words."""

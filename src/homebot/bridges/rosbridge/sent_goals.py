@@ -12,12 +12,13 @@ from anyio.abc import TaskGroup
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import CancelActionGoal, SendActionGoal, failure_frame, frame_text
-from homebot.bridges.rosbridge.services import parse_queries
+from homebot.bridges.rosbridge.services import cause_of_call, parse_queries
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.types import action_type_of, message_from_client, partial_message_from_client
 from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, PeerError
 from homebot.graph.actions import ActionClient, ClientGoal, GoalState
+from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
 
@@ -118,6 +119,7 @@ class SentGoals:
     async def _run(self, sent: _SentGoal, request: Message) -> None:
         """Wait for the end of a goal and answer it."""
         op, client, status = sent.op, sent.client, GoalState.UNKNOWN
+        CURRENT_CAUSE.set(cause_of_call(self._node, self._access, client.action_name))
         try:
             sent.goal = await client.send_goal(request, partial(self._forward, sent) if op.feedback else None)
             status = GoalState.ABORTED

@@ -26,12 +26,13 @@ from homebot.errors import (
     UsageError,
 )
 from homebot.graph import Client, EntityKind, Node
+from homebot.graph.current_cause import CURRENT_CAUSE, CallCause
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces
 from homebot.messages.message import Message
 from homebot.support.isolation import error_text
 
-__all__ = ["call_service", "missing_service", "parse_queries", "refusal"]
+__all__ = ["call_service", "cause_of_call", "missing_service", "parse_queries", "refusal"]
 
 
 def parse_queries(
@@ -95,6 +96,7 @@ async def call_service(
         answer(_failure(node, op, exc))
         return
     on_request(client, request)
+    CURRENT_CAUSE.set(cause_of_call(node, access, client.service_name))
     try:
         response = await client.call(request, _timeout(op, client.service_name))
         if not isinstance(response, Message):
@@ -108,6 +110,11 @@ async def call_service(
         client.close()
     answer(frame)
     await client.wait_for_handlers()
+
+
+def cause_of_call(node: Node, access: ClientAccess, name: str) -> CallCause | None:
+    """Return the cause of what an app does for a client that calls its service or action *name*; None for its own."""
+    return CallCause(access.issuer, name, node.graph.clock.now()) if access.wishes(name) else None
 
 
 def missing_service(node: Node, op: CallService) -> str:

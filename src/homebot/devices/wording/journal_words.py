@@ -101,6 +101,9 @@ def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
             return f"{name} sent {printable(trigger.text, 60)!r}"
         case "device":
             return f"{name} {printable(trigger.text, 100)}"
+        case "client":
+            issuer, _, rest = trigger.text.partition(" ")
+            return f"{issuer_text(issuer)} {printable(rest, 100)}"
         case "timer":
             return f"its timer ({printable(trigger.text)}) was due"
     return ""
