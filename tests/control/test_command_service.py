@@ -53,6 +53,25 @@ async def test_a_device_is_called_by_its_id_or_its_name(open_home: OpenHome, tar
         assert sent(home) == [("lamp", "on_off", True)]
 
 
+@pytest.mark.parametrize(
+    ("words", "capability", "value"),
+    [
+        ("turn on", "on_off", True),
+        ("Turn Off", "on_off", False),
+        ("level 40", "level", 40.0),
+        ("set level to 40 %", "level", 40.0),
+        ("brightness 40", "level", 40.0),
+    ],
+)
+async def test_a_command_may_have_several_words(
+    open_home: OpenHome, words: str, capability: str, value: PlainValue
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "level")
+        assert (await command(home, "lamp", words)).success
+        assert sent(home) == [("lamp", capability, value)]
+
+
 async def test_a_device_that_is_away_and_does_not_answer_is_said_to_be_away(open_home: OpenHome) -> None:
     async with open_home() as home:
         home.put("lamp", "light", "on_off")

@@ -33,7 +33,9 @@ _MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater
 _PRESSED: Final = frozenset({"locate", "push", "scene"})
 """Capabilities that are made true and nothing else, so that no value need be given."""
 
-_SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType({"turn_on": "on", "turn_off": "off", "on": "on", SET: SET})
+_SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
+    {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
+)
 _ROBOTS: Final = frozenset({"vacuum", "mower"})
 _ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
@@ -51,8 +53,8 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
     """Return the values by capability that a command sets at *part*.
 
     Args:
-        command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``; :data:`SET` for
-            none. Capitals make no difference.
+        command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
+            and its value, such as ``level 40``; :data:`SET` for none. Capitals make no difference.
         values: Further values by capability, as text: ``level`` is ``40``.
         part: The part.
         target: Its name, for errors.
@@ -67,7 +69,7 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
     given = [(_capability(one.key, part), one.value) for one in values]
     is_light_on = word == "on" and bool(given) and part.service_type == "light"  # a level turns a lamp on
     if word != SET and not is_light_on:
-        capability, value = _decoded(word, part)
+        capability, value = _decoded(word, part, target)
         found[capability] = value
     for name, text in given:
         found[name] = _value(name, text, part, target)
@@ -99,13 +101,15 @@ def _capability(word: str, part: Part) -> str:
     return next((name for name in _MODES if name in settable), word)
 
 
-def _decoded(given: str, part: Part) -> tuple[str, PlainValue]:
+def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     word = given.casefold()
     try:
         return decode_command(given, part)
     except RefusedError as exc:
         if (respelt := _respelt(word, part)) is not None:
             return respelt
+        if (named := _named_value(word, part, target)) is not None:
+            return named
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
             raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
         for state in _ROBOT_STATES.get(word, ()):
@@ -119,6 +123,15 @@ def _decoded(given: str, part: Part) -> tuple[str, PlainValue]:
         if capability in _PRESSED:
             return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
+
+
+def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
+    """Return the setting that ``level 40`` or ``set level to 40`` names; None if *part* has no such capability."""
+    name, _, value = text.removeprefix(f"{SET} ").partition(" ")
+    capability = _capability(name, part)
+    if not value or all(one.name != capability or not one.settable for one in part.capabilities):
+        return None
+    return capability, _value(capability, value.removeprefix("to "), part, target)
 
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:

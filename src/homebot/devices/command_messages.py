@@ -198,7 +198,7 @@ class CommandDevicesRequest(Message):
     Attributes:
         target: The id or a name of a device, ``ID#PART`` for one of its parts, or a query such as ``light in hall``.
         command: A word that the devices take: ``on``, ``off``, ``open``, ``close``, ``stop``, ``lock``, ``unlock``,
-            ``press``, an option such as ``cleaning``, a number; ``set`` where only *values* count.
+            ``press``, an option such as ``cleaning``, a number, ``level 40``; ``set`` where only *values* count.
         values: Values by capability, as text, for example ``level`` and ``40``, or ``color_temperature`` and ``2700``.
         transition: Seconds that the change takes, where a device supports that.
         code: The code that an alarm or a lock requires; a secret.
