@@ -23,7 +23,6 @@ from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
-from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import Rehearsal
 from homebot.control.sending import OpenCommand, Sending
@@ -35,6 +34,7 @@ from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, value_text
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
+from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import (

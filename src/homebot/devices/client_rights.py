@@ -19,6 +19,7 @@ from homebot.support.similar import did_you_mean
 __all__ = [
     "ALL_RIGHTS",
     "ALL_ROBOTS",
+    "CLIENT_RIGHTS",
     "HARMLESS",
     "LOCAL_CLIENT",
     "LOCAL_RIGHTS",
@@ -37,6 +38,9 @@ LOCAL_CLIENT = "local"
 
 OWNER_CLIENT = "owner"
 """The name of clients with the one token that has no name of its own."""
+
+CLIENT_RIGHTS = "rights"
+"""The policy that refuses clients of the door."""
 
 HARMLESS = "harmless"
 """In place of a query: every device but those that always ask."""

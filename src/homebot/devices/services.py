@@ -11,6 +11,7 @@ from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
+    "MOST_LISTED",
     "AnnouncedOn",
     "ExportIndex",
     "FindDevices",
@@ -27,6 +28,9 @@ __all__ = [
     "SubscribeToTopic",
 ]
 
+
+MOST_LISTED = 200
+"""Devices in one answer of :data:`ListDevices`, which is then about 30 kB of JSON."""
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
 

@@ -7,10 +7,7 @@ from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.services import ListedDevice
 from homebot.devices.value import Reading
 
-__all__ = ["MOST_LISTED", "listed"]
-
-MOST_LISTED = 200
-"""Devices in one answer, which is then about 30 kB of JSON."""
+__all__ = ["listed"]
 
 
 def listed(device: Device, *, needs_approval: bool) -> ListedDevice:

@@ -34,6 +34,7 @@ from homebot.devices.names import (
 )
 from homebot.devices.query import And, Query, read_terms, type_is
 from homebot.devices.services import (
+    MOST_LISTED,
     AnnouncedOn,
     ExportIndex,
     ExportIndexRequest,
@@ -199,7 +200,7 @@ class DirectoryServices:
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
 
     async def _list(self, request: ListDevicesRequest) -> ListDevicesResponse:
-        from homebot.discovery.listing import MOST_LISTED, listed  # noqa: PLC0415 - for screens and agents alone
+        from homebot.discovery.listing import listed  # noqa: PLC0415 - for screens and agents alone
 
         await self._catch_up()
         wanted = FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import errno
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
@@ -20,7 +19,6 @@ import anyio
 from anyio.abc import TaskStatus
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.datastructures import Headers
-from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
@@ -28,7 +26,8 @@ from websockets.typing import Subprotocol
 from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, is_roslibpy
+from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
+from homebot.bridges.rosbridge.library_log import LibraryLog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.token_check import TokenCheck
@@ -37,12 +36,13 @@ from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRigh
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.network_service import NetworkService
-from homebot.errors import ConfigError, LinkError, UsageError
+from homebot.errors import ConfigError, UsageError
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback
 from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.http_requests import HttpRequests
     from homebot.bridges.rosbridge.session import ClientSession
     from homebot.devices.robot_owners import RobotOwners
 
@@ -56,10 +56,13 @@ _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
 
+_API: Final = "/api/"
+_FULL: Final = "too many clients are connected"
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 LOG_IN: Final = Subprotocol("homebot.log_in")
 """The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
 
+_OWN_SITE: Final = frozenset({"same-origin", "none"})
 _PAGE: Final = ""  # the name of a page that has yet to show its token
 
 Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
@@ -81,7 +84,7 @@ class Door:
         local_rights: The rights of clients without a token, where the settings have no scope for them.
         owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
         home: The name of the home, for clients; empty for none.
-        open_timeout: Seconds that a client has for its handshake, on however slow a computer.
+        open_timeout: Seconds that a client has for its request, on however slow a computer.
         site: The files that browsers are sent.
 
     Raises:
@@ -127,6 +130,7 @@ class Door:
         self._sessions: dict[ServerConnection, ClientSession] = {}
         self._names: WeakKeyDictionary[ServerConnection, str] = WeakKeyDictionary()
         self._arriving: dict[DoorConnection, None] = {}
+        self._api: HttpRequests | None = None
         self._port = settings.port
         self._announce = announce
         self._home = quote(home)
@@ -140,8 +144,8 @@ class Door:
 
     @property
     def client_count(self) -> int:
-        """Number of connected clients."""
-        return len(self._sessions)
+        """Number of connected clients, requests that are being answered included."""
+        return len(self._sessions) + (0 if self._api is None else self._api.count)
 
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return the counters and guessing addresses; the answer of the service ``health``."""
@@ -149,7 +153,7 @@ class Door:
             **asdict(self._counters),
             "wrong_tokens": self._tokens.wrong,
             "messages_lost": self._backlog.lost,
-            "clients_now": len(self._sessions),
+            "clients_now": self.client_count,
         }
         return HealthResponse(
             counts=Count.each(counts),
@@ -201,6 +205,8 @@ class Door:
 
     async def _stop(self, server: Server) -> None:
         server.close()
+        if self._api is not None:
+            self._api.stop()
         with anyio.move_on_after(_STOP_TIMEOUT):
             await server.wait_closed()
             return
@@ -224,7 +230,7 @@ class Door:
     async def _listen_on(self, port: int) -> Server:
         settings = self._settings
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
-        log.addHandler(_LibraryLog(self._error_log))
+        log.addHandler(LibraryLog(self._error_log))
         return await serve(
             self._serve,
             settings.host,
@@ -235,10 +241,12 @@ class Door:
             compression=None,  # costs more than a local link saves, and a small frame could grow without limit
             server_header=None,
             max_size=settings.max_frame_bytes,
-            open_timeout=self._open_timeout,
+            open_timeout=None,  # of the connection: a request to the API may take as long as a device does
             close_timeout=_CLOSE_TIMEOUT,
             max_queue=1,  # frames; a frame may be large
-            create_connection=cast("type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving)),
+            create_connection=cast(
+                "type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving, self._open_timeout)
+            ),
             logger=log,
         )
 
@@ -247,30 +255,57 @@ class Door:
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers
-        if len(self._sessions) >= settings.max_clients:
-            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, "too many clients are connected")
+        arriving = cast("DoorConnection", connection)
+        arriving.has_asked()
+        if self.client_count >= settings.max_clients:
+            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
         problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
         if problem is not None:
             return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        is_api = request.path.startswith(_API)
+        if arriving.posted is not None and not is_api:
+            return self._turn_away(connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there is only GET outside {_API}")
         is_websocket = any("websocket" in value.lower() for value in headers.get_all("Upgrade"))
-        if not is_websocket and (file := await self._file(request)) is not None:
+        if not is_websocket and not is_api and (file := await self._file(request)) is not None:
             return file
         if LOG_IN in headers.get("Sec-WebSocket-Protocol", "") and is_same_origin(
             headers["Host"], headers.get("Origin", "")
         ):
             self._names[connection] = _PAGE
             return None
-        response = await self._check_token(connection, token_of(request.path, headers.get_all("Authorization")))
+        shown = token_of("" if is_api else request.path, headers.get_all("Authorization"))
+        response = await self._check_token(connection, shown) or self._check_page(connection, request)
         if response is not None:
             return response
-        if (page := self._unnamed_page(request, connection)) and not is_same_origin(headers["Host"], page):
-            problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
-            return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        if is_api:
+            return await self._answer(arriving, request)
         if not is_websocket:
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
             return response
         return None
+
+    def _check_page(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Return the response to a web page of another server that may not speak to this one."""
+        headers, problem = request.headers, ""
+        if (page := self._unnamed_page(request, connection)) and not is_same_origin(headers["Host"], page):
+            problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
+        elif request.path.startswith(_API) and not set(headers.get_all("Sec-Fetch-Site")) <= _OWN_SITE:
+            problem = "web pages of other servers may not use the HTTP API"
+        return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem) if problem else None
+
+    async def _answer(self, connection: DoorConnection, request: Request) -> Response:
+        """Answer a request to the HTTP API."""
+        from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
+
+        if self.client_count >= self._settings.max_clients:  # several were let in at the same time
+            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
+        if self._api is None:
+            self._api = HttpRequests(self._shared, self._home)
+        name, is_page = self._names[connection], bool(self._unnamed_page(request, connection))
+        self._counters.clients += 1
+        call = self._api.answer(connection, name, self._rights[name], _address_of(connection), is_page=is_page)
+        return http_response(*await call)
 
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page that *request* asks for; None where it has no such file."""
@@ -324,43 +359,32 @@ class Door:
             client=client,
             problem=problem,
         )
+        if cast("DoorConnection", connection).target.startswith(_API):
+            from homebot.bridges.rosbridge.http_requests import problem_body  # noqa: PLC0415 - loaded with the first
+
+            return http_response(*problem_body(status, problem))
         return connection.respond(status, f"{problem}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
-        if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
-            await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
+        if self.client_count >= self._settings.max_clients:  # several were let in at the same time
+            await connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
             return
         from homebot.bridges.rosbridge import session as sessions  # noqa: PLC0415 - loaded with the first client
-
-        async def send(frame: str | bytes) -> None:
-            with anyio.move_on_after(self._settings.stall_timeout) as limit:
-                try:
-                    await connection.send(frame)
-                except ConnectionClosed as exc:
-                    raise LinkError("the client is gone") from exc
-            if limit.cancelled_caught:
-                cut()
-                raise LinkError("the client is not reading")
 
         def cut() -> None:
             self._counters.clients_cut += 1
             connection.transport.abort()
 
-        async def ping() -> None:
-            with suppress(ConnectionClosed):
-                await (await connection.ping())
-
         texts = client_frames(connection)
         if self._names[connection] == _PAGE and not await self._log_in(connection, texts):
             return
         self._counters.clients += 1
-        if isinstance(connection, DoorConnection):
-            connection.has_arrived()
+        made, stall = cast("DoorConnection", connection), self._settings.stall_timeout
+        made.has_arrived()
         name = self._names[connection]
         rights, is_page = self._rights[name], bool(self._unnamed_page(connection.request, connection))
-        address = _address_of(connection)
-        is_excused = connection.is_excused if isinstance(connection, DoorConnection) else bool
-        link = sessions.DoorLink(send, cut, ping, is_excused)
+        address, send = _address_of(connection), partial(made.send_in_time, stall, cut)
+        link = sessions.DoorLink(send, cut, made.round_trip, made.is_excused)
         session = sessions.ClientSession(
             self._shared, name, rights, address, link, is_page=is_page, is_roslibpy=is_roslibpy(connection)
         )
@@ -369,25 +393,6 @@ class Door:
             await session.run(texts)
         finally:
             del self._sessions[connection]
-
-
-class _LibraryLog(logging.Handler):
-    """Handler that writes the lines of the WebSocket library to the limited log."""
-
-    def __init__(self, error_log: ClientErrorLog) -> None:
-        super().__init__()
-        self._error_log = error_log
-
-    def emit(self, record: logging.LogRecord) -> None:
-        error = record.exc_info[1] if record.exc_info else None
-        if record.msg == "connection handler failed":
-            self._error_log.log(
-                record.msg, "door.session_crashed", "a client's session crashed", level="error", error=error
-            )
-        else:
-            problem = str(error or record.msg)
-            message = f"a client of the rosbridge server sent invalid WebSocket: {problem}"
-            self._error_log.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
 def _address_of(connection: ServerConnection) -> str:

@@ -11,9 +11,8 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
-from homebot.devices.wording.history_words import UNEXPLAINED, chain_lines, chains_of, reason_text
-from homebot.devices.wording.journal_words import ago_text
-from homebot.devices.wording.time_format import iso, to_seconds
+from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text
+from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import state_text
 from homebot.support.printable import printable
 
@@ -22,14 +21,6 @@ if TYPE_CHECKING:
     from homebot.devices.journal_messages import ExplainDeviceResponse
 
 __all__ = ["add_arguments"]
-
-_FINDINGS = {
-    "command": "It changed {ago}: {reason}.",
-    "change": "It changed {ago}: {reason}.",
-    "heard": "It has been so since homebot first heard of it, {ago}.",
-    "retained": "It was so already {ago}; a retained value does not tell since when.",
-    "first": "It was so already {ago}, when it first told how it is.",
-}
 
 _EXAMPLES = """\
   homebot why 'Hall lamp'
@@ -65,16 +56,9 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
     name = printable(device.name or device.id)
     state = state_text(device)
     print_line(f"{name} is {state}." if state else f"{name} does not report its state.", "bold")
+    print(finding_text(found, client.names, now))
     chains = chains_of(found.entries)
-    ago = ago_text(to_seconds(found.changed_at), now)
-    reason = reason_text(chains[-1], client.names) if chains else UNEXPLAINED
-    finding = found.finding
-    if finding == "none":
-        no_change = "It reported no change after the newest command."
-        print(no_change if chains else "Nobody commanded it, and it reported no change.")
-    else:
-        print(_FINDINGS[finding].format(ago=ago, reason=reason))
-    if chains and finding != "change":
+    if chains and found.finding != "change":
         print()
         print_rows([*chain_lines(chains, client.names, now)])
 

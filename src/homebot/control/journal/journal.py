@@ -10,8 +10,8 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.store import JournalNote, with_newer
-from homebot.control.policies.rights import CLIENT_RIGHTS
 from homebot.devices import RawCommand
+from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, KeyValue, part_names
 from homebot.devices.health import Count, HealthResponse

@@ -24,10 +24,7 @@ from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 
-__all__ = ["CLIENT_RIGHTS", "check_approval", "check_grants", "client_refusal", "is_safe"]
-
-CLIENT_RIGHTS: Final = "rights"
-"""The policy that refuses clients of the door."""
+__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe"]
 
 GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"

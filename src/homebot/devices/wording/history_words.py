@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from homebot.devices.wording.journal_words import (
+    ago_text,
     clock_text,
     denial_text,
     entry_text,
@@ -18,9 +19,9 @@ from homebot.devices.wording.time_format import to_seconds
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.journal_messages import JournalEntry
+    from homebot.devices.journal_messages import ExplainDeviceResponse, JournalEntry
 
-__all__ = ["UNEXPLAINED", "Chain", "chain_lines", "chains_of", "reason_text", "result_text"]
+__all__ = ["Chain", "chain_lines", "chains_of", "finding_text", "reason_text", "result_text"]
 
 Chain: TypeAlias = "list[JournalEntry]"
 """The entries of a command, oldest first, or the entry of a change."""
@@ -28,7 +29,15 @@ Chain: TypeAlias = "list[JournalEntry]"
 _LONGEST = 900.0
 """Seconds after which a command has its outcome, unless it was given with a very long transition."""
 
-UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
+_UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
+
+_FINDINGS = {
+    "command": "It changed {ago}: {reason}.",
+    "change": "It changed {ago}: {reason}.",
+    "heard": "It has been so since homebot first heard of it, {ago}.",
+    "retained": "It was so already {ago}; a retained value does not tell since when.",
+    "first": "It was so already {ago}, when it first told how it is.",
+}
 
 
 def chains_of(entries: Iterable[JournalEntry]) -> list[Chain]:
@@ -46,7 +55,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     """Return in a clause why the device changed."""
     last, first = chain[-1], chain[0]
     if first.kind == "changed":
-        return UNEXPLAINED
+        return _UNEXPLAINED
     issuer = issuer_text(first.issuer)
     if last.kind == "reverted":
         wanted = settings_text(first.settings)
@@ -58,6 +67,16 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return f"{reason}; it answered late, or somebody did it by hand"
     doubt = _doubt(chain)
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
+
+
+def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
+    """Return in a sentence since when and why a device is as it is."""
+    chains = chains_of(found.entries)
+    if found.finding == "none":
+        no_change = "It reported no change after the newest command."
+        return no_change if chains else "Nobody commanded it, and it reported no change."
+    reason = reason_text(chains[-1], names) if chains else _UNEXPLAINED
+    return _FINDINGS[found.finding].format(ago=ago_text(to_seconds(found.changed_at), now), reason=reason)
 
 
 def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:

@@ -1,0 +1,108 @@
+"""Search for the one device that a text of a client means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+
+from homebot.bridges.home_api.problem import ProblemError
+from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
+from homebot.devices.query.terms import FactIs, NameIs, Or, query_terms
+from homebot.devices.services import MOST_LISTED
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.messages.json import message_to_json
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.services import ListDevicesResponse, ListedDevice
+
+__all__ = ["HomeCalls", "MeantDevice", "all_listed", "listed", "meant_device"]
+
+_MOST_PAGES = 10
+_MOST_NAMED = 10
+
+
+class HomeCalls(Protocol):
+    """The services of the house, called with the rights of one client."""
+
+    @property
+    def home(self) -> str:
+        """The name of the home; empty for none."""
+
+    def now(self) -> float:
+        """Return the time of the house, in seconds since 1970."""
+
+    def offers(self, service: str) -> bool:
+        """Return whether *service* has a server."""
+
+    async def call(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        """Return the answer of *service*.
+
+        Raises:
+            ProblemError: The client lacks the right, or there is no answer.
+        """
+
+
+class MeantDevice(NamedTuple):
+    """A device that a client means.
+
+    Attributes:
+        device: Everything that is known of it.
+        target: The words by which a command reaches it, or the part that is meant.
+    """
+
+    device: Device
+    target: str
+
+
+async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
+    """Return the device with the id or name *text*, ``ID#PART`` for one with a part, or the only one that fits it.
+
+    Raises:
+        ProblemError: There is none, with similar ones named, or there are several, all named.
+    """
+    ident, hash_sign, part = text.strip().partition("#")
+    named = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text.strip())))))
+    found = await _found(home, {"query": [message_to_json(one) for one in named]})
+    found = [one for one in found if one.id == ident] or found
+    if len(found) == 1:
+        return MeantDevice(found[0], f"{found[0].id}{hash_sign if found[0].id == ident else ''}{part}")
+    ids = [one.id for one in found]
+    if not found:
+        answer = await listed(home, query=text, limit=_MOST_NAMED)
+        if not answer.success:
+            raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+        ids = [one.id for one in answer.devices]
+        if answer.total == 1:
+            return MeantDevice((await _found(home, {"ids": ids}))[0], text)
+        if not ids:
+            names = [name for one in await all_listed(home) for name in (one.id, one.name)]
+            hint = did_you_mean(text, names, "a list of all devices shows what there is")
+            raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
+    more = ", …" if len(ids) >= _MOST_NAMED else ""
+    problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_NAMED])}{more}"
+    raise ProblemError(HTTPStatus.CONFLICT, problem)
+
+
+async def listed(home: HomeCalls, **request: object) -> ListDevicesResponse:
+    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short."""
+    return cast("ListDevicesResponse", await home.call(LIST_DEVICES, request))
+
+
+async def all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
+    """Return all devices in short; of a large house the first 2,000."""
+    found: list[ListedDevice] = []
+    for _ in range(_MOST_PAGES):
+        page = await listed(home, limit=MOST_LISTED, offset=len(found))
+        found += page.devices
+        if len(found) >= page.total or not page.devices:
+            break
+    return found
+
+
+async def _found(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:
+    answer = await home.call(FIND_DEVICES, {**request, "is_checked": False})
+    return cast("list[Device]", answer.devices)

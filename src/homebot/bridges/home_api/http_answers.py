@@ -1,0 +1,98 @@
+"""Answers to HTTP requests: the question is read and checked, and every error of homebot becomes a problem."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Final, NamedTuple, TypeAlias
+from urllib.parse import parse_qsl, unquote, urlsplit
+
+from pydantic import BaseModel, ValidationError
+
+from homebot.bridges.home_api.device_search import HomeCalls
+from homebot.bridges.home_api.problem import PROBLEMS, ProblemError
+from homebot.bridges.home_api.routes import ROUTES, ApiRoute
+from homebot.bridges.home_api.shapes import Problem
+from homebot.errors import HomebotError, UsageError
+
+__all__ = ["ApiRequest", "HttpAnswer", "answer", "problem_body"]
+
+HttpAnswer: TypeAlias = tuple[HTTPStatus, str, bytes]
+"""Status, content type and body."""
+
+_JSON: Final = "application/json"
+_OPENAPI: Final = "/api/openapi.json"
+
+
+class ApiRequest(NamedTuple):
+    """A request as it came.
+
+    Attributes:
+        target: Path and query.
+    """
+
+    method: str
+    target: str
+    content_type: str = ""
+    body: bytes = b""
+
+
+async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
+    """Return status, content type and body of the answer to *request*; never raises an error of homebot."""
+    try:
+        if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
+            from homebot.bridges.home_api.openapi import openapi_text  # noqa: PLC0415 - few ask for it
+
+            return HTTPStatus.OK, _JSON, openapi_text()
+        route, question = _question(request)
+        found = await route.handle(home, question)
+    except ProblemError as exc:
+        return problem_body(exc.status, str(exc), exc.policy)
+    except UsageError as exc:
+        return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
+    except HomebotError as exc:
+        return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
+    return HTTPStatus.OK, _JSON, _text(found)
+
+
+def problem_body(status: HTTPStatus, detail: str, policy: str = "") -> HttpAnswer:
+    """Return status, content type and body of an error."""
+    problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail, policy=policy)
+    return status, "application/problem+json", _text(problem)
+
+
+def _text(found: BaseModel) -> bytes:
+    return found.model_dump_json(exclude_defaults=True).encode() + b"\n"
+
+
+def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
+    """Return the route of *request*, and its question."""
+    url = urlsplit(request.target)
+    fitting = [one for one in ROUTES if _fits(one.path, url.path)]
+    if not fitting:
+        known = ", ".join(f"{one.method} {one.path}" for one in ROUTES)
+        raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
+    route = fitting[0]
+    if request.method != route.method:
+        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}")
+    try:
+        if route.method == "POST":
+            if request.content_type.partition(";")[0].strip().lower() != _JSON:
+                raise ProblemError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send the header Content-Type: {_JSON}")
+            return route, route.question.model_validate_json(request.body)
+        fields = dict(parse_qsl(url.query, keep_blank_values=True))
+        if route.path.endswith("{id}"):
+            fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
+        return route, route.question.model_validate(fields)
+    except ValidationError as exc:
+        first = exc.errors()[0]
+        where = ".".join(map(str, first["loc"])) or "body"
+        known = (
+            f"; known are {', '.join(route.question.model_fields) or 'none'}"
+            if first["type"] == "extra_forbidden"
+            else ""
+        )
+        raise ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}{known}") from None
+
+
+def _fits(pattern: str, path: str) -> bool:
+    return path.startswith(pattern[: -len("{id}")]) if pattern.endswith("{id}") else path == pattern

@@ -1,0 +1,136 @@
+"""Requests to the HTTP API: each is a client of the door for as long as it lasts, with the rights of its token."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+import anyio
+
+from homebot.bridges.home_api.http_answers import ApiRequest, HttpAnswer, answer, problem_body
+from homebot.bridges.home_api.problem import ProblemError
+from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
+from homebot.bridges.rosbridge.protocol import CallService
+from homebot.bridges.rosbridge.services import call_service
+from homebot.bridges.rosbridge.shared_state import SharedState
+from homebot.devices.client_rights import ClientRights
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.graph import EntityKind
+from homebot.support.addresses import network_of
+from homebot.support.bounded_map import BoundedMap
+from homebot.support.rate_limit import RateLimit
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.connection import DoorConnection
+
+__all__ = ["HttpRequests", "problem_body"]
+
+_MOST_ADDRESSES = 1000
+
+
+class HttpRequests:
+    """Answers requests, of one address no more in a second than a client may send frames.
+
+    Args:
+        shared: State shared with other clients.
+        home: The name of the home, quoted.
+    """
+
+    def __init__(self, shared: SharedState, home: str) -> None:
+        self._shared = shared
+        self._home = unquote(home)
+        self._asking: dict[DoorConnection, anyio.CancelScope] = {}
+        self._rates: BoundedMap[str, RateLimit] = BoundedMap(_MOST_ADDRESSES)
+
+    @property
+    def count(self) -> int:
+        """Number of requests that are being answered."""
+        return len(self._asking)
+
+    def stop(self) -> None:
+        """Give up all requests."""
+        for scope in self._asking.values():
+            scope.cancel()
+
+    async def answer(
+        self,
+        connection: DoorConnection,
+        name: str,
+        rights: ClientRights,
+        client: str,
+        *,
+        is_page: bool,
+    ) -> HttpAnswer:
+        """Return status, content type and body of the answer; a request whose client leaves is given up.
+
+        Args:
+            connection: The connection of the client, with its request.
+            name: The name of its token.
+            rights: The rights of that token.
+            client: Name of the client in the log.
+            is_page: Whether it is homebot's own page without a token.
+        """
+        connection.has_arrived()
+        posted, owners = connection.posted, self._shared.owners()
+        access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
+        asked = ApiRequest("GET", connection.target)
+        if posted is not None:
+            asked = ApiRequest(posted.method, connection.target, posted.content_type, posted.body)
+        with anyio.CancelScope() as scope:
+            self._asking[connection] = scope
+            connection.connection_lost_waiter.add_done_callback(lambda _: scope.cancel())
+            try:
+                await self._wait(network_of(client.rpartition(":")[0]))
+                return await answer(asked, _Calls(self._shared, access, client, self._home))
+            finally:
+                del self._asking[connection]
+                connection.has_answer()
+        return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops")
+
+    async def _wait(self, address: str) -> None:
+        """Wait until a request from *address* is within the limit, and until it is its turn."""
+        counters, settings = self._shared.counters, self._shared.settings
+        counters.frames += 1
+        most = settings.max_frames_per_second
+        rate = self._rates.get(address) or RateLimit(most, at_once=most)
+        self._rates[address] = rate
+        if wait := rate.charge(self._shared.node.graph.clock.monotonic()):
+            counters.slowed_down += 1
+            await anyio.sleep(wait)
+        await self._shared.turns.turn()
+
+
+class _Calls:
+    """The services of the house for one request, see :class:`homebot.bridges.home_api.device_search.HomeCalls`."""
+
+    def __init__(self, shared: SharedState, access: ClientAccess, client: str, home: str) -> None:
+        self._shared = shared
+        self._access = access
+        self._client = client
+        self.home = home
+
+    def now(self) -> float:
+        return self._shared.node.graph.clock.now()
+
+    def offers(self, service: str) -> bool:
+        return bool(self._shared.node.graph.get_endpoints(kind=EntityKind.SERVICE, name=service))
+
+    async def call(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        shared, access = self._shared, self._access
+        op = CallService(op="call_service", service=service, args=dict(request))
+        try:
+            access.check(op, shared.node.resolve_name)
+        except MissingRightError as exc:
+            shared.counters.requests_refused += 1
+            shared.counters.rights_missing += 1
+            shared.refusals.record(access, self._client, op, exc)
+            raise ProblemError(HTTPStatus.FORBIDDEN, str(exc)) from exc
+        frames: list[str] = []
+        await call_service(shared.node, op, shared.turns, access, frames.append)
+        found = json.loads(frames[0])
+        if not found["result"]:
+            raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, str(found["values"]))
+        return JsonMessage(found["values"])

@@ -1,0 +1,81 @@
+"""HTTP requests with a body: the WebSocket library reads GET without one and nothing else. The one file that knows h11.
+
+A request is read whole, within the limits, and its head is handed to the library as that of a GET, so that there is one
+place that admits clients and one that answers them.
+"""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+import h11
+
+from homebot.errors import WireError
+
+__all__ = ["PostedRequest"]
+
+MOST_BYTES: Final = 65_536
+"""Bytes of a body."""
+
+_MOST_OF_HEAD: Final = 16_384
+_OF_THE_BODY: Final = frozenset(
+    {b"connection", b"content-length", b"expect", b"transfer-encoding", b"trailer", b"upgrade"}
+)
+
+
+@final
+class PostedRequest:
+    """A request that is being received.
+
+    Attributes:
+        method: Its method, once it is whole.
+        content_type: The type of its body.
+        body: Its body.
+    """
+
+    def __init__(self) -> None:
+        self.method = ""
+        self.content_type = ""
+        self.body = b""
+        self._http = h11.Connection(h11.SERVER, max_incomplete_event_size=_MOST_OF_HEAD)
+        self._head: h11.Request | None = None
+
+    def receive(self, data: bytes) -> bytes:
+        """Return the head for the library when *data* made the request whole; nothing before, and after.
+
+        Raises:
+            WireError: It is no HTTP/1.1, or is too long.
+        """
+        if self.method:
+            return b""
+        try:
+            self._http.receive_data(data)
+            while not isinstance(event := self._http.next_event(), type):
+                if isinstance(event, h11.Request):
+                    self._head = event
+                elif isinstance(event, h11.Data):
+                    self._extend(event.data)
+                elif isinstance(event, h11.EndOfMessage):
+                    return self._head_of_get()
+        except h11.RemoteProtocolError as exc:
+            raise WireError(f"the HTTP request is wrong: {exc}") from exc
+        return b""
+
+    @property
+    def waits_for_go_ahead(self) -> bool:
+        """True if the client sends its body only after ``100 Continue``."""
+        return self._http.they_are_waiting_for_100_continue
+
+    def _extend(self, data: bytes | bytearray) -> None:
+        if len(self.body) + len(data) > MOST_BYTES:
+            raise WireError(f"the body of an HTTP request has more than {MOST_BYTES:,} bytes")
+        self.body += data
+
+    def _head_of_get(self) -> bytes:
+        head = self._head
+        if head is None:
+            raise WireError("the HTTP request has no head")
+        self.method = head.method.decode()
+        self.content_type = dict(head.headers).get(b"content-type", b"").decode("latin-1")
+        lines = (b"%s: %s\r\n" % (name, value) for name, value in head.headers if name not in _OF_THE_BODY)
+        return b"GET %s HTTP/1.1\r\n%s\r\n" % (head.target, b"".join(lines))

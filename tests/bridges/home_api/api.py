@@ -1,0 +1,87 @@
+"""A running homebot with a simulated house, and an independent client of its HTTP API."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import aiohttp
+import anyio
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.house import SimulatedLamp, World
+from homebot.house.devices import SimulatedDoorLock
+from homebot.runtime import Runtime
+
+TOKENS = {
+    "agent": ("agent-token-1234567", ["read", "act: harmless"]),
+    "keys": ("keys-token-12345678", ["read", "act: all"]),
+}
+
+
+class Answer(NamedTuple):
+    """An answer, with the size of its body."""
+
+    status: int
+    values: Any
+    size: int
+    content_type: str
+
+
+class Api:
+    """A client of the HTTP API."""
+
+    def __init__(self, session: aiohttp.ClientSession, port: int) -> None:
+        self._session = session
+        self.port = port
+
+    async def get(self, path: str, **headers: str) -> Answer:
+        return await self._ask("GET", path, headers)
+
+    async def command(self, device: str, do: str, **headers: str) -> Answer:
+        return await self._ask("POST", "/api/command", headers, json={"device": device, "do": do})
+
+    async def until(self, path: str, is_so: Callable[[Any], bool]) -> None:
+        with anyio.fail_after(PATIENCE):
+            while not is_so((await self.get(path)).values):  # noqa: ASYNC110 - it is seen from outside
+                await anyio.sleep(0.05)
+
+    async def _ask(self, method: str, path: str, headers: dict[str, str], **more: Any) -> Answer:
+        url = f"http://127.0.0.1:{self.port}{path}"
+        given = {name.replace("_", "-"): value for name, value in headers.items()}
+        async with self._session.request(method, url, headers=given, **more) as answer:
+            body = await answer.read()
+            return Answer(answer.status, json.loads(body), len(body), answer.content_type)
+
+
+def bearer(name: str) -> str:
+    return f"Bearer {TOKENS[name][0]}"
+
+
+@asynccontextmanager
+async def running_api(folder: Path) -> AsyncIterator[Api]:
+    """Run a house of four lamps and a lock, whose tokens are in *folder*."""
+    tokens = {}
+    for name, (token, scope) in TOKENS.items():
+        (folder / name).write_text(token)
+        (folder / name).chmod(0o600)
+        tokens[name] = {"token_file": str(folder / name), "scope": scope}
+    tables = {
+        "home": {"name": "villa"},
+        "door": {"port": 0, "tokens": tokens},
+        "gateways": {"mqtt": {}},
+        "history": {"enabled": True},
+    }
+    lamps = [SimulatedLamp(f"lamp{number}") for number in range(1, 5)]
+    async with (
+        Runtime(parse_config(tables, "test"), house=World.of(*lamps, SimulatedDoorLock("front_door"))) as runtime,
+        aiohttp.ClientSession() as session,
+    ):
+        assert runtime.door is not None
+        api = Api(session, runtime.door.port)
+        await api.until("/api/home", lambda found: found.get("devices") == 5)
+        yield api

@@ -1,0 +1,77 @@
+"""The HTTP API, asked by an independent client over real sockets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.bridges.home_api.api import bearer, running_api
+
+
+async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        found = await api.get("/api/devices?q=light")
+        assert [one["type"] for one in found.values["devices"]] == ["light"] * 4
+        assert found.size < 600  # for what is 25 kB as the directory has it
+
+        some = await api.get("/api/devices?limit=2")
+        assert (len(some.values["devices"]), some.values["more"]) == (2, 3)
+
+        turned_on = await api.command("lamp1", "turn on")
+        assert (turned_on.status, turned_on.values["outcome"]) == (200, "confirmed"), turned_on
+        dimmed = await api.command("lamp1", "level 40")
+        assert (dimmed.values["outcome"], dimmed.values["evidence"]) == ("confirmed", "reported")
+
+        lamp = (await api.get(f"/api/devices/{turned_on.values['id']}")).values
+        assert (lamp["on"], lamp["level"], lamp["takes"]["level"]) == (True, 40, "0 to 100 %")
+        lock = (await api.get("/api/devices/front_door")).values
+        assert lock["always_asks"] == "its type is door_lock"
+
+        why = (await api.get("/api/why/lamp1")).values
+        assert "the client local asked for level 40 %" in why["why"]
+        assert any("lamp1 reported" in step for step in why["steps"])
+        why_not = (await api.get("/api/why/lamp1?state=off")).values
+        assert (why_not["is_so"], why_not["why"]) == (False, "no command asked for that")
+
+        await api.until("/api/history?device=lamp1&capability=on_off", lambda found: bool(found.get("series")))
+        history = (await api.get("/api/history?device=lamp1&capability=on_off&since=1h")).values
+        assert history["series"][0]["points"][-1][1] is True
+
+        home = (await api.get("/api/home")).values
+        assert (home["home"], home["rooms"]) == ("villa", {"(no room)": {"light": 4, "door_lock": 1}})
+
+
+async def test_a_session_that_may_not_unlock_cannot_and_hears_why(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        refused = await api.command("front_door", "unlock", Authorization=bearer("agent"))
+        assert (refused.status, refused.content_type) == (403, "application/problem+json")
+        assert refused.values["outcome"] == "refused"
+        assert "such a device takes a right that names it" in refused.values["detail"]
+        why = (await api.get("/api/why/front_door?state=unlocked", Authorization=bearer("agent"))).values
+        assert not why["is_so"]
+        assert "the client agent: refused (rights)" in why["why"]
+
+        unlocked = await api.command("front_door", "unlock", Authorization=bearer("keys"))
+        assert (unlocked.status, unlocked.values["outcome"]) == (200, "confirmed")
+
+
+async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        asked = [
+            (await api.command("lmp1", "on"), 404, "did you mean lamp1"),
+            (await api.command("light", "on"), 409, "several devices fit 'light'; give the id of one: "),
+            (await api.get("/api/devices/nothing"), 404, "no device fits 'nothing'"),
+            (await api.get("/api/devices?limit=201"), 400, "limit: Input should be less than or equal to 200"),
+            (await api.get("/api/devices?quest=x"), 400, "known are q, limit"),
+            (await api.get("/api/history?device=lamp1&since=soon"), 400, "'soon' is not a duration"),
+            (await api.get("/api/device"), 404, "there are GET /api/home"),
+            (await api.get("/api/command"), 405, "/api/command takes POST"),
+            (await api.get("/api/home", Authorization="Bearer wrong"), 401, "a valid token is needed"),
+        ]
+        refused = await api.command("lamp1", "fly")  # a word that the lamp does not take is an outcome
+    for answer, status, detail in asked:
+        assert (answer.status, answer.content_type) == (status, "application/problem+json"), answer
+        assert detail in answer.values["detail"]
+        assert answer.values["status"] == status
+
+    assert (refused.status, refused.values["outcome"]) == (200, "refused")
+    assert "this part takes on, off" in refused.values["reason"]
