@@ -38,7 +38,7 @@ test-fast: $(VENV)/.dev
 
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
-test-peers: $(VENV)/.dev
+test-peers: $(VENV)/.peers
 	$(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
 
 # The result is committed: who installs homebot needs no Node.
@@ -99,7 +99,7 @@ bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
 ## Updates the versions that CI installs to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
-	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all,docs]"
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all,docs,peers]"
 	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
 	rm -rf .venv-lock
 
@@ -123,6 +123,10 @@ $(VENV)/.run: pyproject.toml constraints.txt | $(VENV)/bin/python
 $(VENV)/.dev: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all]"
 	@touch $@ $(VENV)/.run
+
+$(VENV)/.peers: $(VENV)/.dev
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[peers]"
+	@touch $@
 
 $(VENV)/.docs: $(VENV)/.dev
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"

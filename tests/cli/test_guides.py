@@ -1,9 +1,10 @@
-"""Every command that the guides to control and the journal show is run here; what they print has homebot's words."""
+"""Every command of the guides to agents, control and the journal is run here; what they print has homebot's words."""
 
 from __future__ import annotations
 
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 from collections.abc import Iterator, Mapping
@@ -15,7 +16,9 @@ from tests.test_readme import environment, run
 
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
 
-GUIDES = {name: (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text() for name in ("control", "journal")}
+GUIDES = {
+    name: (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text() for name in ("agents", "control", "journal")
+}
 COMMANDS = [
     re.sub(r" +#.*", "", command)
     for guide in GUIDES.values()
@@ -34,6 +37,7 @@ kind = "lock"
 room = "hall"
 """
 
+TURN_ON = """-H 'Content-Type: application/json' -d '{"device": "hall_lamp", "do": "40 %"}'"""
 PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot leases": (0, "nobody holds anything"),
     "homebot release 'Front door'": (1, "homebot: nobody holds front_door"),
@@ -43,6 +47,14 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot do 'Hall lamp' off": (0, "hall_lamp in "),
     "homebot why 'Hall lamp'": (0, "hall_lamp is o"),
     "homebot why-not 'Hall lamp' on": (0, "hall_lamp is o"),
+    "homebot token new agent --scope read --scope 'act: harmless'": (0, "the token is in agent.token"),
+    f"curl -s {TURN_ON} localhost:9090/api/command": (0, '{"id":"hall_lamp","name":"hall_lamp","outcome":"'),
+    "curl -s localhost:9090/api/home": (0, '{"home":"home425","devices":2,"rooms":{"hall":{"'),
+    "curl -s 'localhost:9090/api/devices?q=light&limit=50'": (0, '{"devices":[{"id":"hall_lamp","type":"light"'),
+    "curl -s localhost:9090/api/devices/hall_lamp": (0, '{"id":"hall_lamp","type":"light","room":"hall"'),
+    "curl -s localhost:9090/api/why/hall_lamp": (0, '{"id":"hall_lamp","state":"o'),
+    "curl -s 'localhost:9090/api/history?device=hall_lamp&since=24h&points=50'": (0, "{"),
+    "curl -s localhost:9090/api/openapi.json": (0, '{"openapi":"3.1.0",'),
 }
 FOLLOWING = "homebot journal --follow"
 
@@ -71,9 +83,11 @@ def test_no_command_is_forgotten() -> None:
 
 
 @pytest.mark.parametrize("command", PRINTED)
-def test_a_command_of_the_guides_does_what_they_say(door: str, command: str) -> None:
+def test_a_command_of_the_guides_does_what_they_say(door: str, command: str, tmp_path: Path) -> None:
     code, printed = PRINTED[command]
-    done = run(command, door=door)
+    if command.startswith("curl") and shutil.which("curl") is None:
+        pytest.skip("curl is not installed")
+    done = run(command.replace("localhost:9090", door), door=door, cwd=tmp_path)
     assert (done.returncode, (done.stdout + done.stderr)[: len(printed)]) == (code, printed)
 
 

@@ -53,6 +53,7 @@ COMMANDS: Final = {
     "record": "record the house, for a replay",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
+    "mcp": "serve an agent by the Model Context Protocol",
     "token": "make a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services; install homebot as one of systemd",

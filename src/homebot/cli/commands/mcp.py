@@ -1,0 +1,37 @@
+"""``homebot mcp``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from contextlib import redirect_stdout
+
+from homebot.cli.arguments import set_client_command
+from homebot.cli.door_address import door_of
+from homebot.plugins import check_extra
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES = """\
+  homebot mcp --token-file agent.token
+
+An agent's program starts this command and speaks the Model Context Protocol with it by standard input and output. The
+agent has the rights of the token; without one, those of a client without a token.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot mcp``."""
+    set_client_command(parser, _serve, _EXAMPLES)
+
+
+def _serve(options: argparse.Namespace) -> int:
+    """Serve an agent until it leaves."""
+    check_extra("homebot mcp", "mcp", "mcp")
+    address = door_of(options)
+    from homebot.cli.api_client import ApiClient  # noqa: PLC0415 - not before the extra is known to be there
+    from homebot.cli.mcp_server import house_server  # noqa: PLC0415 - likewise
+
+    with redirect_stdout(sys.__stdout__):  # the protocol needs its bytes
+        house_server(ApiClient(address)).run("stdio")
+    return 0

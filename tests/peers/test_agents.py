@@ -1,0 +1,112 @@
+"""Agents: the client of the MCP SDK, raw JSON-RPC, and a validator of OpenAPI, each against a running homebot."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+from anyio.streams.buffered import BufferedByteReceiveStream
+from tests.bridges.home_api.api import Api, running_api
+from tests.patience import PATIENCE
+
+from homebot.bridges.home_api.openapi import openapi_text
+
+FOUR_LAMPS = 440  # bytes
+
+TOOLS = {"home", "find_devices", "command", "why", "history"}
+
+
+def arguments(api: Api, folder: Path, token: str) -> list[str]:
+    return ["-m", "homebot", "mcp", "--door", f"127.0.0.1:{api.port}", "--token-file", str(folder / token)]
+
+
+def test_the_description_is_valid_openapi() -> None:
+    validator: Any = pytest.importorskip("openapi_spec_validator")
+    validator.validate(json.loads(openapi_text()))
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: Path, mode: str) -> None:
+    """Of both protocols: in the older one the server asks, in the newer one the client calls again."""
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    stdio: Any = pytest.importorskip("mcp.client.stdio")
+    types: Any = pytest.importorskip("mcp.types")
+    asked: list[str] = []
+    answers = iter(["decline", "accept"])
+
+    async def person(_: object, question: Any) -> Any:
+        asked.append(question.message)
+        action = next(answers)
+        return types.ElicitResult(action=action, content={"confirm": True} if action == "accept" else None)
+
+    async with running_api(tmp_path) as api:
+
+        def client(token: str, **more: Any) -> Any:
+            started = stdio.StdioServerParameters(command=sys.executable, args=arguments(api, tmp_path, token))
+            return mcp.Client(stdio.stdio_client(started), mode=mode, **more)
+
+        async def call(session: Any, tool: str, **given: object) -> Any:
+            result = await session.call_tool(tool, given)
+            assert not result.is_error
+            return json.loads(result.content[0].text)
+
+        async with client("keys", elicitation_callback=person) as session:
+            tools = (await session.list_tools()).tools
+            assert {one.name for one in tools} == TOOLS
+            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 2500
+            found = await session.call_tool("find_devices", {"query": "light"})
+            assert len(found.content[0].text) < FOUR_LAMPS
+            assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"
+            assert "lamp1 reported on" in str(await call(session, "why", device="lamp1"))
+
+            declined = await call(session, "command", device="front_door", do="unlock")
+            assert declined == {
+                "outcome": "refused",
+                "reason": "this device always asks, and no person confirmed the command",
+            }
+            assert (await call(session, "command", device="front_door", do="unlock"))["outcome"] == "confirmed"
+            assert asked == ["home425/locks/front_door: unlock? It always asks: its type is door_lock."] * 2
+
+        async with client("keys") as session:  # one that can ask nobody
+            assert (await call(session, "command", device="front_door", do="lock"))["outcome"] == "refused"
+
+
+async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_why(tmp_path: Path) -> None:
+    pytest.importorskip("mcp")
+    client = {"name": "raw", "version": "1"}
+    hello = {"protocolVersion": "2025-06-18", "capabilities": {"elicitation": {}}, "clientInfo": client}
+    async with running_api(tmp_path) as api:
+        process = await anyio.open_process([sys.executable, *arguments(api, tmp_path, "agent")], stderr=None)
+        async with process:
+            assert process.stdin is not None
+            assert process.stdout is not None
+            sent, lines = process.stdin, BufferedByteReceiveStream(process.stdout)
+
+            async def send(**message: object) -> None:
+                await sent.send(json.dumps({"jsonrpc": "2.0", **message}).encode() + b"\n")
+
+            async def received() -> Any:
+                with anyio.fail_after(PATIENCE):
+                    return json.loads(await lines.receive_until(b"\n", 100_000))
+
+            await send(id=1, method="initialize", params=hello)
+            assert (await received())["result"]["serverInfo"]["name"] == "homebot"
+            await send(method="notifications/initialized")
+            await send(id=2, method="tools/list")
+            assert {one["name"] for one in (await received())["result"]["tools"]} == TOOLS
+            unlock = {"name": "command", "arguments": {"device": "front_door", "do": "unlock"}}
+            await send(id=3, method="tools/call", params=unlock)
+            question = await received()
+            assert question["method"] == "elicitation/create"
+            await send(id=question["id"], result={"action": "accept", "content": {"confirm": True}})
+            (answer,) = (await received())["result"]["content"]
+            refused = json.loads(answer["text"])
+            assert refused["outcome"] == "refused"
+            assert "such a device takes a right that names it" in refused["reason"]
+            await sent.aclose()
+            with anyio.fail_after(PATIENCE):
+                assert await process.wait() == 0
