@@ -268,18 +268,16 @@ class SqliteFile:
         return version
 
     def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
+        """Bring the file to this version, each step in a transaction, with a copy before the first."""
         schema = self._schema
-        known = range(version, schema.version)
-        steps = schema.statements if version == 0 else [step for one in known for step in schema.migrations[one]]
-        connection.execute("BEGIN IMMEDIATE")
-        try:
-            for step in steps:
-                connection.execute(step)
-            connection.execute(f"PRAGMA user_version = {self._schema.version}")
-        except BaseException:
-            connection.execute("ROLLBACK")
-            raise
-        connection.execute("COMMIT")
+        if 0 < version < schema.version:
+            copy = self.path.with_name(f"{self.path.name}.version-{version}")
+            copy.unlink(missing_ok=True)  # a step failed before
+            _vacuum_into(connection, copy)
+            for one in range(version, schema.version):
+                _apply(connection, schema.migrations[one], one + 1)
+        else:
+            _apply(connection, schema.statements if version == 0 else (), schema.version)
 
     def _failure(self, exc: sqlite3.Error, what: str) -> LinkError | WireError:
         """Return the error for a failed operation *what*, for example ``written``: of the file or of the disk."""
@@ -295,6 +293,19 @@ class SqliteFile:
         if self._connection is None:
             raise LinkError(f"{self._title} is not open")
         return self._connection
+
+
+def _apply(connection: sqlite3.Connection, steps: Sequence[str], version: int) -> None:
+    """Carry out *steps* to *version* in a transaction; even without steps it makes the file this process's own."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        for step in steps:
+            connection.execute(step)
+        connection.execute(f"PRAGMA user_version = {version}")
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+    connection.execute("COMMIT")
 
 
 def _check(connection: sqlite3.Connection) -> None:
