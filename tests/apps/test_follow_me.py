@@ -74,8 +74,8 @@ async def test_a_deaf_lamp_is_told_about_and_the_other_one_goes_on() -> None:
         async with virtual_house_of("follow_me", world=world) as house:
             await house.run_until("06:05")
             assert is_on(world, "other_lamp")
-    told = [line["message"] for line in lines if line["event"] == "app.command_failed"]
-    assert told == ["hall_lamp: no answer within 10 s"]
+    told = [line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"]
+    assert told == ["hall_lamp → on, by app_1: no answer within 10 s"]
 
 
 async def test_together_with_lights_out_the_light_follows_somebody_through_the_flat() -> None:

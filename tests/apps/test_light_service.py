@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import anyio
 import pytest
 from structlog.testing import capture_logs
@@ -17,7 +19,7 @@ from homebot.testing import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
 
-EVENTS = ("light_service.", "app.command_failed")
+EVENTS = ("light_service.", "control.command", "app.command_failed")
 
 
 async def told(world: World, command: str = "", *, wait: str = "1s") -> tuple[list[str], list[str]]:
@@ -28,14 +30,14 @@ async def told(world: World, command: str = "", *, wait: str = "1s") -> tuple[li
                 await house.press("lamp", command)
             await house.run_for(wait)
     commands = [event.what for event in world.event_log.since(0) if event.verb == "told"]
-    return commands, [line["message"] for line in lines if line["event"].startswith(EVENTS)]
+    return commands, [re.sub(r"[\d.]+ s \(", "", line["message"]) for line in lines if line["event"].startswith(EVENTS)]
 
 
 @pytest.mark.parametrize("command", ["on", "0.6", "0.01"])
 async def test_a_lamp_that_is_on_is_turned_off_and_a_dimmed_one_too(command: str) -> None:
     commands, messages = await told(World.of(SimulatedLamp("lamp")), command)
     assert commands == ["off"]
-    assert messages == ["lights/lamp is off", "lights/lamp is on: turned it off"]
+    assert messages == ["lights/lamp is off", "lights/lamp → off, by app_1: confirmed after reported)"]
 
 
 @pytest.mark.parametrize("command", ["off", "0", "4000 K"])
@@ -46,14 +48,14 @@ async def test_one_that_is_off_is_left_alone(command: str) -> None:
 
 async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
     world = World.of(SimulatedLamp("lamp", is_on=True))
-    assert await told(world) == (["off"], ["lights/lamp is on: turned it off"])
+    assert await told(world) == (["off"], ["lights/lamp → off, by app_1: confirmed after reported)"])
 
 
 async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
     commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
     assert commands == ["off"] * 9  # three tries, one as it may be fading, three; again where a heartbeat says on
-    assert "lamp: no answer within 10 s" in messages
-    assert sum(one.startswith("lamp: ") for one in messages) == 3
+    refused = [one for one in messages if "→ off, by app_1: no answer within" in one]
+    assert len(refused) == 3
 
 
 async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
@@ -66,8 +68,8 @@ async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
             await house.press("hall_lamp", "on")
             await house.run_for("30s")
     assert is_on(world, "hall_lamp")
-    (message,) = [line["message"] for line in lines if line["event"] == "app.command_failed"]
-    assert message.startswith("hall_lamp: refused (presence_guard): somebody is in hall")
+    (message,) = [line["message"] for line in lines if line["event"] == "control.command"]
+    assert message.startswith("hall_lamp → off, by app_1: refused (presence_guard): somebody is in hall")
 
 
 async def test_each_time_that_a_lamp_says_on_is_answered_also_where_it_says_nothing_else(open_home: OpenHome) -> None:

@@ -93,7 +93,9 @@ async def test_what_the_guard_refused_is_tried_again_ever_more_seldom() -> None:
             assert is_on(world, "hall_lamp")
             await house.run_until("08:12")
             assert not is_on(world, "hall_lamp")
-    refusals = [line["message"] for line in lines if line["event"] == "app.command_failed"]
+    refusals = [
+        line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"
+    ]
     assert 1 < len(refusals) < 5
     assert all("refused (presence_guard)" in one for one in refusals)
 
@@ -106,7 +108,7 @@ async def test_a_lamp_that_the_guard_never_gives_free_is_tried_once_an_hour() ->
         async with virtual_house_of("lights_out", world=world, config=config) as house:
             await house.press("hall_lamp", "on")
             await house.run_for("1d")
-    refusals = [line for line in lines if line["event"] == "app.command_failed"]
+    refusals = [line for line in lines if line["event"] == "control.command"]
     assert 20 < len(refusals) < 30
 
 
@@ -151,8 +153,8 @@ async def test_a_deaf_lamp_is_told_about_with_what_became_of_the_command() -> No
             await house.press("other_lamp", "on")
             await house.run_for("30m")
             assert not is_on(world, "other_lamp")
-    told = [line["message"] for line in lines if line["event"] == "app.command_failed"]
-    assert told == ["hall_lamp: no answer within 10 s"]
+    told = [line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"]
+    assert told == ["hall_lamp → off, by app_1: no answer within 10 s"]
 
 
 async def test_a_person_of_habits_sits_in_the_light_in_a_room_where_nothing_tells_of_them() -> None:

@@ -85,8 +85,8 @@ async def test_a_deaf_thermostat_is_told_about() -> None:
             await house.press("study_window", "open")
             await house.run_for("5m")
             assert target(world) == 21.0
-    told = [line["message"] for line in lines if line["event"] == "app.command_failed"]
-    assert told == ["study_heat: no answer within 10 s"]
+    told = [line["message"] for line in lines if line["event"] == "control.command"]
+    assert told == ["study_heat → heating setpoint 12, by app_1: no answer within 10 s"]
 
 
 async def test_a_lossy_thermostat_is_lowered_and_restored_all_the_same() -> None:

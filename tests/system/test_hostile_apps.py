@@ -49,7 +49,7 @@ def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path
     run = Run(tmp_path, "--app", "light_service", *apps, PYTHONPATH=str(ROOT))
     try:
         run.until("returns_early ended")
-        run.until("roomlights405 is on: turned it off")
+        run.until("roomlights405 → off")
         assert ask(run, "service", "call", "/bad_service").returncode == 1
         run.until("cancels_task crashed 5 times within a minute and will not be restarted")
         run.until("the event loop runs again; it was blocked for")
@@ -63,7 +63,7 @@ def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path
 
         on = "{address: home425/lights/roomlights405/in, payload: on}"
         assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
-        run.until("roomlights405 is on: turned it off")
+        run.until("roomlights405 → off")
     finally:
         code = run.stop()
     assert code == 1, run.text  # it says so: a part was given up
@@ -88,7 +88,7 @@ def test_a_log_that_nobody_reads_holds_nobody_up_and_tells_what_is_missing_when_
     tmp_path: Path,
 ) -> None:
     run = Run(tmp_path, "--app", "light_service", "--app", f"{MODULE}:Prints", PYTHONPATH=str(ROOT))
-    run.until("roomlights405 is on: turned it off")
+    run.until("roomlights405 → off")
     lost = 0
     while not lost:  # nobody reads the log meanwhile
         done = ask(run, "doctor", "--counts")

@@ -114,7 +114,7 @@ def is_free(port: int) -> bool:
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
     """Exit code 0, no traceback, and nothing is left that could hold a port."""
     run = start()
-    run.until("roomlights405 is on: turned it off")
+    run.until("roomlights405 → off")
     assert not is_free(run.port)
     assert not run.has_left_nothing()
 
@@ -199,7 +199,7 @@ def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> 
         run = start()
     finally:
         signal.signal(signal.SIGHUP, before)
-    run.until("roomlights405 is on: turned it off")
+    run.until("roomlights405 → off")
     run.process.send_signal(signal.SIGHUP)
     assert run.stop() == 0
     assert "SIGHUP" not in run.text
@@ -360,7 +360,7 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
     assert blocking.stop(within=CUT_OFF_WITHIN) == 1
     assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
 
-    crashing.until("roomlights405 is on: turned it off")
+    crashing.until("roomlights405 → off")
     crashing.until("crashing crashed 5 times within a minute and will not be restarted: RuntimeError: ouch")
     assert crashing.stop() == 1
 

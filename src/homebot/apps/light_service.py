@@ -27,7 +27,7 @@ class LightService(App):
             message and (change.text != "on" or lamp.since("on_off") >= message.received_at.to_seconds())
         ):
             return  # what changes the lamp comes as a change too
-        if lamp.on and (await lamp.turn_off()).succeeded:
-            self.log_limited("light_service.turned_off", f"{lamp.id} is on: turned it off", device=lamp.device.id)
+        if lamp.on:
+            await lamp.turn_off()
         elif lamp.on is False and not lamp.is_commanded:
             self.log_limited("light_service.is_off", f"{lamp.id} is off", device=lamp.device.id)

@@ -27,7 +27,9 @@ __all__ = [
     "IssuedCommand",
     "KnownState",
     "commanded_part",
+    "is_by_hand",
     "known_state",
+    "label_of",
     "no_such_part",
     "order_of",
     "zero_as_off",
@@ -104,15 +106,12 @@ class IssuedCommand:
     @property
     def is_by_person(self) -> bool:
         """True if a client gave it, or an app answers a press, a scan or a client's call of the last minute."""
-        return self.is_client or _is_by_hand(self.trigger, self.issued_at)
+        return self.is_client or is_by_hand(self.trigger, self.issued_at)
 
     @property
     def label(self) -> str:
-        """The commanded device for people: its id, with the part if several parts take commands."""
-        if len(self.device.parts) < 2:
-            return self.device.id
-        takes = [one for one in self.device.parts if any(can.settable for can in one.part.capabilities)]
-        return self.device.id if len(takes) < 2 else self.target
+        """The commanded device for people; see :func:`label_of`."""
+        return label_of(self.device, self.part.id)
 
     @property
     def is_always_sent(self) -> bool:
@@ -143,11 +142,19 @@ def _is_always_sent(capability: str, value: PlainValue) -> bool:
     return known is not None and value in known.always_sent
 
 
-def _is_by_hand(trigger: Trigger, now: float) -> bool:
+def is_by_hand(trigger: Trigger, now: float) -> bool:
     """Return whether *trigger* is a recent press of a button, scan of a tag or call of a client."""
     if trigger.kind not in {"report", "client"} or abs(now - trigger.at.to_seconds()) > durations.WISH:
         return False
     return trigger.kind == "client" or any(one.capability in EVENTS for one in trigger.readings)
+
+
+def label_of(device: Device, part_id: str) -> str:
+    """Return a part for people: the id of its device, with that of the part if several parts take commands."""
+    if len(device.parts) < 2 or not part_id:
+        return device.id
+    takes = [one for one in device.parts if any(can.settable for can in one.part.capabilities)]
+    return device.id if len(takes) < 2 else f"{device.id}#{part_id}"
 
 
 def order_of(command: IssuedCommand) -> Order:

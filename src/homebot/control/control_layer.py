@@ -106,7 +106,11 @@ class ControlLayer:
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
         self.approvals = Approvals(lookup, is_needed=settings.approvals)
-        self.explanations = Explanations(self.journal.read, lookup.device)
+        self.explanations = Explanations(
+            self.journal.read,
+            lookup.device,
+            lambda device: self.journal.fights.recent(node.graph.clock.now(), device),
+        )
 
     def update_policies(self, settings: ControlSettings, *, approves_all: bool) -> None:
         """Use the policies of *settings*; its other keys change nothing."""

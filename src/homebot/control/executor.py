@@ -13,6 +13,7 @@ from homebot.control.command import (
     KnownState,
     commanded_part,
     known_state,
+    label_of,
     no_such_part,
     order_of,
     zero_as_off,
@@ -31,7 +32,7 @@ from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
-from homebot.control.values import changes, related, value_text
+from homebot.control.values import changes, related, settings_text
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.client_rights import CLIENT_RIGHTS
@@ -138,7 +139,8 @@ class CommandExecutor:
         shown = request.settings
         if not MAY_BE_CODE.isdisjoint([one.capability for one in shown]):
             shown = () if device is None or part is None else without_codes(shown, device, part)
-        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at)
+        label = request.device if device is None else label_of(device, place[1])
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, label)
         if problem:
             outcome: Outcome = NoAnswer(0.0, problem, command_id=name)
         elif device is None or part is None:
@@ -180,7 +182,7 @@ class CommandExecutor:
             self._journal.record("would", command)
             self._node.log.info(
                 WOULD_SEND,
-                message=f"{command.issuer.removeprefix('/')} would set {command.label}: {_settings_text(command)}",
+                message=f"{command.issuer.removeprefix('/')} would set {command.label} → {_settings_text(command)}",
                 device=command.device.id,
                 command=command.id,
             )
@@ -378,4 +380,4 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
 def _settings_text(command: IssuedCommand) -> str:
     wanted = tuple(Setting.of(name, value) for name, value in command.settings.items())
     shown = without_codes(wanted, command.device, command.part)
-    return ", ".join(f"{one.capability} {value_text(one.value.plain())}" for one in shown)
+    return settings_text({one.capability: one.value.plain() for one in shown})

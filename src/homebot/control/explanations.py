@@ -9,6 +9,7 @@ from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.journal_messages import (
+    DeviceFight,
     ExplainDeviceRequest,
     ExplainDeviceResponse,
     ExplainMissingStateRequest,
@@ -50,6 +51,7 @@ _REPORTS: Final = frozenset({"reported", "changed"})
 
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
 FindDevice: TypeAlias = Callable[[str], Awaitable[Device | None]]
+FindFights: TypeAlias = Callable[[str], tuple[DeviceFight, ...]]
 
 _Entries: TypeAlias = tuple[JournalEntry, ...]
 
@@ -106,11 +108,13 @@ class Explanations:
     Args:
         read: Reads the journal.
         find_device: Returns a device by its id; None if there is none.
+        find_fights: Returns the fights over a device, by its id.
     """
 
-    def __init__(self, read: ReadEntries, find_device: FindDevice) -> None:
+    def __init__(self, read: ReadEntries, find_device: FindDevice, find_fights: FindFights = lambda _: ()) -> None:
         self._read = read
         self._find_device = find_device
+        self._find_fights = find_fights
 
     async def explain(self, request: ExplainDeviceRequest) -> ExplainDeviceResponse:
         """Return the last change of a device, with the chain of its causes."""
@@ -146,7 +150,10 @@ class Explanations:
         elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
         names = tuple(reader.names.values())
-        return ExplainDeviceResponse(finding=finding, changed_at=changed_at, entries=entries, names=names)
+        fights = self._find_fights(device.id)
+        return ExplainDeviceResponse(
+            finding=finding, changed_at=changed_at, entries=entries, names=names, fights=fights
+        )
 
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
         reader, wanted = _JournalReader(self._read), _as_state(state)

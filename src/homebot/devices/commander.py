@@ -23,7 +23,7 @@ from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.hold import hold_part
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
-from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused, Superseded
+from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
 from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
@@ -76,7 +76,7 @@ class Commander:
     ) -> Outcome:
         """Give a command, and return its outcome; a failure of a device or its network is no error.
 
-        A failure is logged as ``app.command_failed``; but not of a command that a newer wish replaced.
+        A failure before the control layer is logged as ``app.command_failed``; that layer logs the others.
 
         Args:
             view: The device; it has the reported values as soon as they are known.
@@ -99,7 +99,7 @@ class Commander:
             self._under_way[place] -= 1
             self._under_way += Counter()  # without those at 0
             self._ended[place] = self._clock.monotonic()
-        if not outcome.succeeded and not isinstance(outcome, Superseded):
+        if not outcome.succeeded and not outcome.command_id:
             self._log_failure(view.device, part_id, outcome.text)
         return outcome
 

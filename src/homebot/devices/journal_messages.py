@@ -13,6 +13,7 @@ from homebot.messages.message import Message, ServiceType, UInt32
 
 __all__ = [
     "MOST_ENTRIES",
+    "DeviceFight",
     "EntryKind",
     "ExplainDevice",
     "ExplainDeviceRequest",
@@ -185,6 +186,28 @@ class ExplainDeviceRequest(Message):
     device: str
 
 
+class DeviceFight(Message):
+    """Two apps that command the same part in turn, each against the other.
+
+    Attributes:
+        device: The id of the device.
+        part: The id of the part.
+        issuers: The names of both nodes.
+        text: The fight in words.
+        began: The time of its first command.
+        newest: The time of its last command.
+        commands: Their number.
+    """
+
+    device: str
+    part: str = ""
+    issuers: tuple[str, ...]
+    text: str
+    began: Time
+    newest: Time
+    commands: UInt32
+
+
 class ExplainDeviceResponse(Message):
     """The last change of a device, and its causes.
 
@@ -198,6 +221,7 @@ class ExplainDeviceResponse(Message):
         entries: The entries of the commands that led to the change, then those of its own, each oldest first; after
             ``none`` those of the newest command. Entries with the same ``command`` follow each other.
         names: As for `ReadJournal`.
+        fights: The fights of apps over the device in the last hour.
     """
 
     success: bool = True
@@ -206,6 +230,7 @@ class ExplainDeviceResponse(Message):
     changed_at: Time = _EPOCH
     entries: tuple[JournalEntry, ...] = ()
     names: tuple[KeyValue, ...] = ()
+    fights: tuple[DeviceFight, ...] = ()
 
 
 class ExplainMissingStateRequest(Message):

@@ -12,7 +12,8 @@ from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text
-from homebot.devices.wording.time_format import iso
+from homebot.devices.wording.journal_words import ago_text
+from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
 from homebot.support.printable import printable
 
@@ -61,6 +62,8 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
     if chains and found.finding != "change":
         print()
         print_rows([*chain_lines(chains, client.names, now)])
+    for fight in found.fights:
+        print_line(f"{printable(fight.text)}, the last {ago_text(to_seconds(fight.newest), now)}.", "yellow")
 
 
 def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
@@ -71,4 +74,5 @@ def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -
         "since": iso(found.changed_at) if found.changed_at.sec else None,
         "explained": found.finding == "command",
         "chain": chain_json(found.entries, client.names) if found.finding != "none" else [],
+        "fights": [{"apps": list(one.issuers), "text": one.text, "last": iso(one.newest)} for one in found.fights],
     }

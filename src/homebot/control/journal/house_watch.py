@@ -83,11 +83,12 @@ class HouseChanges:
         known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_COMMANDS)
         known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
 
-    def record(self, change: ChangedSetting, at: float) -> RawWindow | None:
+    def record(self, change: ChangedSetting, at: float) -> tuple[RawWindow, PlainValue] | None:
         """Record a live report.
 
         Returns:
-            The raw command that may explain it, an empty one if there is none; None if it is no change.
+            The raw command that may explain it, an empty one if there is none, and the value before; None if it is no
+            change.
         """
         place, value = (change.device, change.part, change.capability), change.value.plain()
         known = self._values.get(place)
@@ -96,7 +97,7 @@ class HouseChanges:
             return None
         raw = [one for one in self._raw.get(change.device, ()) if one.began <= at <= one.until]
         meant = [one for one in raw if one.means(value)] or raw
-        return max(meant, key=lambda one: one.began, default=_NONE)
+        return max(meant, key=lambda one: one.began, default=_NONE), known[0]
 
 
 def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) -> bool:
@@ -153,15 +154,16 @@ class HouseWatch:
 
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            raw = self.changes.record(change, change.told_at.to_seconds())
-            if raw is None:
+            found = self.changes.record(change, change.told_at.to_seconds())
+            if found is None:
                 continue
+            raw, before = found
             attribution = self._cause_of(change)
             if raw.id and raw.means(change.value.plain()):
-                self._journal().changed(change, raw.id, "command")
+                self._journal().changed(change, before, raw.id, "command")
             elif attribution is None or attribution.role is None:  # else the entries of a command have it
                 cause = "person" if attribution is None else attribution.cause.value
-                self._journal().changed(change, raw.id, "command" if raw.id else cause)
+                self._journal().changed(change, before, raw.id, "command" if raw.id else cause)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.command_folding import CommandFolding
+from homebot.control.journal.command_log import CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.store import JournalNote, with_newer
 from homebot.devices import RawCommand
@@ -69,6 +70,9 @@ class CommandJournal:
         begin_raw: Called with each sent raw command: the device, the id, the text, and the time in which it explains
             changes.
         settle: Seconds after a raw command in which it explains a change of the device.
+
+    Attributes:
+        fights: The fights of apps.
     """
 
     def __init__(
@@ -80,6 +84,8 @@ class CommandJournal:
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
         self._folding = CommandFolding()
+        self._log = CommandLog(node, lookup)
+        self.fights = self._log.fights
         self._counters: dict[str, Callable[[], int]] = {}
         self._before_close: list[Callable[[], None]] = []
         self._lookup = lookup
@@ -112,7 +118,10 @@ class CommandJournal:
         counts |= {name: read() for name, read in self._counters.items()}
         return HealthResponse(
             counts=Count.each(counts),
-            troubles=(store.problem,) if store.problem else (),
+            troubles=(
+                *((store.problem,) if store.problem else ()),
+                *(f"{one.text}; see homebot why {one.device}" for one in self.fights.recent(self._clock.now())),
+            ),
         )
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
@@ -132,10 +141,23 @@ class CommandJournal:
             return ()
         return tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
 
-    def requested(self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger, at: float) -> str:
-        """Record a command to the part *place* at *at*, in seconds since the Unix epoch; return its new id."""
+    def requested(
+        self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger, at: float, label: str
+    ) -> str:
+        """Record a command to the part *place* at *at*, in seconds since the Unix epoch; return its new id.
+
+        Args:
+            issuer: Its issuer.
+            place: The part.
+            settings: The wanted values, without codes.
+            trigger: Its cause.
+            at: The time.
+            label: The part for people.
+        """
         name = next(self._ids)
-        self._add(JournalNote("requested", at, *place, name, issuer, trigger, settings))
+        note = JournalNote("requested", at, *place, name, issuer, trigger, settings)
+        self._log.begin(note, label)
+        self._add(note)
         return name
 
     def record(
@@ -166,12 +188,14 @@ class CommandJournal:
         """Record the outcome of a command of *issuer* to the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
-    def changed(self, change: ChangedSetting, command_id: str, cause: str) -> None:
-        """Record a change with its cause; *command_id* is the raw command that explains it, or empty."""
+    def changed(self, change: ChangedSetting, before: PlainValue, command_id: str, cause: str) -> None:
+        """Record a change from *before* with its cause; *command_id* is the raw command that explains it, or empty."""
         at = change.told_at.to_seconds()
         settings = (Setting(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
         self._add(JournalNote(kind, at, change.device, change.part, command_id, settings=settings, cause=cause))
+        if not command_id:
+            self._log.log_change(change, before, cause)
 
     def published(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False
@@ -236,6 +260,7 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
 
     def _add(self, note: JournalNote) -> None:
+        self._log.add(note)
         for kept in self._folding.add(note):
             self._store.add(kept)
         if self._entries.subscription_count:

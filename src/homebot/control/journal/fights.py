@@ -1,0 +1,123 @@
+"""Fights: two apps that command the same part in turn, each against the other. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final, NamedTuple, TypeAlias, final
+
+from homebot.control.values import changes, related, settings_text
+from homebot.devices.journal_messages import DeviceFight
+from homebot.devices.value import PlainValue
+from homebot.messages import Time
+from homebot.support.bounded_map import BoundedMap
+
+__all__ = ["Fights", "Turn", "is_fight"]
+
+_TURNS: Final = 4
+_LONGEST: Final = 600.0
+_QUICK: Final = 30.0
+"""Seconds between two opposite commands; two of the three gaps are as short, as with a reaction to each other."""
+
+_SHOWN: Final = 3600.0
+"""Seconds after its last command for which a fight is shown."""
+
+_MOST: Final = 1000
+
+_Place: TypeAlias = tuple[str, str]
+
+
+class Turn(NamedTuple):
+    """A command of an app that had or may have had an effect.
+
+    Attributes:
+        at: When it was given, in seconds since the Unix epoch.
+        issuer: The app.
+        values: The wanted values by capability.
+        label: The part for people.
+    """
+
+    at: float
+    issuer: str
+    values: Mapping[str, PlainValue]
+    label: str
+
+
+def is_fight(turns: Sequence[Turn]) -> bool:
+    """Return whether two apps gave the four *turns*, oldest first, in turn and each against the one before."""
+    if len(turns) < _TURNS or turns[-1].at - turns[0].at > _LONGEST:
+        return False
+    first, second = turns[0].issuer, turns[1].issuer
+    quick = sum(after.at - before.at <= _QUICK for before, after in pairwise(turns))
+    return (
+        quick >= _TURNS // 2
+        and first != second
+        and [one.issuer for one in turns] == [first, second] * 2
+        and all(_opposes(before.values, after.values) for before, after in pairwise(turns))
+    )
+
+
+def _opposes(before: Mapping[str, PlainValue], after: Mapping[str, PlainValue]) -> bool:
+    return any(
+        other in after and changes(one, value, other, after[other])
+        for one, value in before.items()
+        for other in related(one)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Fight:
+    """A fight, of which *last* are the newest turns."""
+
+    began: float
+    commands: int
+    last: tuple[Turn, ...]
+
+
+@final
+class Fights:
+    """The fights of the last hour; of the 1,000 parts that apps commanded last."""
+
+    def __init__(self) -> None:
+        self._turns: BoundedMap[_Place, tuple[Turn, ...]] = BoundedMap(_MOST)
+        self._fights: BoundedMap[_Place, _Fight] = BoundedMap(_MOST)
+
+    def add(self, place: _Place, turn: Turn) -> DeviceFight | None:
+        """Record a command; return the fight that it makes, unless it goes on since one of the commands before."""
+        before = self._turns.get(place, ())
+        if before and before[-1].issuer == turn.issuer:
+            before = before[:-1]
+        turns = self._turns[place] = tuple(sorted((*before, turn), key=lambda one: one.at))[-_TURNS:]
+        if not is_fight(turns):
+            return None
+        known, opponents = self._fights.get(place), {one.issuer for one in turns}
+        if known and turn.at - known.last[-1].at <= _LONGEST and {one.issuer for one in known.last} == opponents:
+            self._fights[place] = replace(known, commands=known.commands + 1, last=turns)
+            return None
+        found = self._fights[place] = _Fight(turns[0].at, len(turns), turns)
+        return _message(place, found)
+
+    def recent(self, now: float, device: str = "") -> tuple[DeviceFight, ...]:
+        """Return the fights of the last hour over *device*, or over all."""
+        return tuple(
+            _message(place, one)
+            for place, one in self._fights.items()
+            if device in {"", place[0]} and abs(now - one.last[-1].at) <= _SHOWN
+        )
+
+
+def _message(place: _Place, fight: _Fight) -> DeviceFight:
+    device, part = place
+    one, other = (f"{turn.issuer.removeprefix('/')} ({settings_text(turn.values)})" for turn in fight.last[:2])
+    newest = fight.last[-1].at
+    text = f"{one} and {other} fight over {fight.last[0].label}"
+    return DeviceFight(
+        device=device,
+        part=part,
+        issuers=tuple(turn.issuer for turn in fight.last[:2]),
+        text=f"{text}: {fight.commands} commands in {max(1, round(newest - fight.began))} s",
+        began=Time.from_seconds(fight.began),
+        newest=Time.from_seconds(newest),
+        commands=fight.commands,
+    )
