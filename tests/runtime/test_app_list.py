@@ -11,6 +11,7 @@ import pytest
 from homebot import App
 from homebot.apps.run_modes import FAILURES_IN_A_ROW
 from homebot.cli.main import main
+from homebot.clock import read_zone
 from homebot.config import parse_config
 from homebot.devices.app_messages import AppsRequest, ListApps
 from homebot.devices.health import GetHealth, HealthRequest
@@ -19,6 +20,8 @@ from homebot.graph import Node
 from homebot.runtime import Runtime
 
 GIVEN_UP = anyio.Event()
+ZONE = "Asia/Kolkata"
+read_zone(ZONE)  # before any loop runs
 
 
 class Hall(App):
@@ -41,7 +44,12 @@ class Hall(App):
 
 
 def home() -> Runtime:
-    tables = {"apps": {"hall": {"class": f"{__name__}:Hall"}}, "door": {"port": 0}, "discovery": {"persist": False}}
+    tables: dict[str, object] = {
+        "apps": {"hall": {"class": f"{__name__}:Hall"}},
+        "door": {"port": 0},
+        "discovery": {"persist": False},
+    }
+    tables["home"] = {"zone": ZONE}
     return Runtime(parse_config(tables, "test"))
 
 
@@ -66,7 +74,8 @@ async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_l
         capsys.readouterr()
         assert await asyncio.to_thread(main, ["app", "list", *door]) == 0
         printed = capsys.readouterr().out
-        assert "evening (daily at 22:00)" in printed
+        (line,) = (one for one in printed.splitlines() if "evening (daily at 22:00)" in one)
+        assert " 22:00 IST, in " in line
         assert "running since" in printed
         assert await asyncio.to_thread(main, ["app", "list", "--json", *door]) == 0
         text = capsys.readouterr().out

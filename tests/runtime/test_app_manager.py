@@ -10,11 +10,14 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import anyio
 import pytest
+from structlog.testing import capture_logs
 
 from homebot.bridges.rosbridge.access import right_to_call
 from homebot.cli.main import main
-from homebot.config import load_config
+from homebot.clock import LoopClock
+from homebot.config import Config, load_config, parse_config
 from homebot.devices.app_messages import ChangeAppRequest, ChangeAppResponse, ReloadApp
 from homebot.devices.client_rights import Right
 from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
@@ -239,3 +242,72 @@ async def test_a_thousand_reloads_leave_nothing_behind(tmp_path: Path) -> None:
         assert second[:3] == first[:3]
         assert abs(second[3] - first[3]) < 500  # objects; an app alone has more
         assert grown < 1_000_000
+
+
+TIMER = """
+import anyio
+from homebot import App
+
+class Timer(App):
+    async def run(self):
+        self.after(DELAY, self.off, name="off", durable=True, catch_up=CATCH_UP)
+        await anyio.sleep_forever()
+
+    def off(self):
+        self.store["off"] = self.store.get("off", 0) + 1
+
+DELAY, CATCH_UP = "2h", "0s"
+"""
+
+
+def put_timer(folder: Path) -> Config:
+    """An app with a durable timer."""
+    (folder / "timer.py").write_text(TIMER)
+    return parse_config({"apps": {"timer": {"class": "timer:Timer"}}, "door": {"port": 0}}, "test")
+
+
+async def test_a_durable_timer_stays_over_a_reload_and_is_taken_over_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    async with Runtime(put_timer(tmp_path), with_door=False) as runtime:
+        runtime._apps.trial = 0.05
+        (before,) = runtime.app_host.running["timer"].jobs
+        for old, new in (('"2h"', '"4h"'), ("self.after(", "0 and self.after("), (', "0s"', ', "1s"')):
+            (tmp_path / "timer.py").write_text((tmp_path / "timer.py").read_text().replace(old, new))
+            await runtime._apps.reload("timer")
+            (job,) = runtime.app_host.running["timer"].jobs
+            assert (job.name, job is before) == ("off", False)
+            assert job.next is not None
+            assert before.next is not None
+            assert abs((job.next - before.next).total_seconds()) < 5
+        (tmp_path / "timer.py").write_text(TIMER.replace("self.after(", "0 and self.after(").replace("off", "on"))
+        with capture_logs() as lines:
+            await runtime._apps.reload("timer")
+        assert runtime.app_host.running["timer"].jobs == ()
+        assert "the job off is skipped: its method off is gone" in str(lines)
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize(
+    ("catch_up", "found"),
+    [
+        ("0s", [(12.0, 0, [2.0]), (15.0, 0, [2.0]), (15.5, 0, [1.5])]),
+        ("90m", [(12.0, 0, [2.0]), (15.0, 1, []), (15.5, 1, [2.0])]),
+    ],
+)
+async def test_a_durable_timer_that_was_due_while_homebot_was_stopped_is_called_if_it_catches_up_else_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catch_up: str, found: list[tuple[float, int, list[float]]]
+) -> None:
+    """For each start its hour, the calls so far, and the hours until the next."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "timer", raising=False)
+    config, index = put_timer(tmp_path), tmp_path / "index.sqlite"
+    (tmp_path / "timer.py").write_text(TIMER.replace('"0s"', f'"{catch_up}"'))
+    for hour, calls, left in found:
+        clock = LoopClock(1_780_000_000.0 + 3600 * hour)
+        async with Runtime(config, with_door=False, index_file=index, clock=clock) as runtime:
+            await anyio.sleep(1)
+            timer = runtime.app_host.running["timer"]
+            times = [job.next.timestamp() for job in timer.jobs if job.next is not None]
+            assert (timer.store.get("off", 0), [round((at - clock.now()) / 3600, 2) for at in times]) == (calls, left)

@@ -100,13 +100,11 @@ class Interval(Job):
         due: When, on that clock.
         period: Seconds between two calls; None for one call.
         late: Seconds by which it was due while homebot was stopped.
-        is_missed: Whether that is too late for it.
     """
 
     due: float
     period: float | None = None
     late: float = 0.0
-    is_missed: bool = False
 
     def next_at(self) -> float | None:
         """See above."""
@@ -119,7 +117,7 @@ class Interval(Job):
             return None
         if self.period is not None:
             self.due += (over // self.period + 1) * self.period
-        return Due(self.late, self.is_missed)
+        return Due(self.late)
 
     def nap(self) -> float:
         """See above."""

@@ -94,17 +94,18 @@ class Schedule:
         return tuple(self._jobs.values())
 
     def resume(self) -> None:
-        """Take over the durable timers of an earlier run; one whose method is gone is dropped with a line."""
+        """Take over the durable timers of an earlier run; one too late or without its method is dropped with a line."""
         for name, kept in self._kept(_TIMERS).items():
             handler = getattr(self._app, str(kept.get("handler")), None)
-            if handler is None:
-                self._keep(_TIMERS, name, None)
-                self._skipped(name, f"its method {kept.get('handler')} is gone")
-                continue
             left = float(kept["due"]) - self._clock.now()
             late, delay = max(0.0, -left), min(max(0.0, left), float(kept["delay"]))
+            if handler is None or late > max(_GRACE, float(kept["catch_up"])):
+                self._keep(_TIMERS, name, None)
+                is_late = f"it was due {_duration(late)} ago"
+                self._skipped(name, is_late if handler else f"its method {kept.get('handler')} is gone")
+                continue
             job = self._interval(name, f"after {kept['delay']:g} s", handler, delay, None)
-            job.late, job.is_missed = late, late > max(_GRACE, float(kept["catch_up"]))
+            job.late = late
             self._resumed.add(name)
             self._add(job)
 

@@ -65,9 +65,11 @@ class AppsResponse(Message):
 
     Attributes:
         apps: Each, in the order of their start.
+        zone: The IANA name of the home's time zone; empty where that has none.
     """
 
     apps: tuple[AppInfo, ...] = ()
+    zone: ShortText = ""
 
 
 class ChangeAppRequest(Message):

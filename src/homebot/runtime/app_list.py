@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 from homebot.apps import App
 from homebot.apps.jobs import Job
+from homebot.clock import zone_name
 from homebot.devices.app_messages import AppInfo, AppJob, AppsRequest, AppsResponse, ListApps
 from homebot.devices.names import LIST_APPS
 from homebot.graph import Node
 from homebot.messages import Time
+from homebot.runtime.app_host import AppHost
 from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 
 __all__ = ["serve_app_list"]
 
 
-def serve_app_list(
-    node: Node, names: Callable[[], Iterable[str]], running: Mapping[str, App], supervisor: Supervisor
-) -> None:
+def serve_app_list(node: Node, names: Callable[[], Iterable[str]], host: AppHost, supervisor: Supervisor) -> None:
     """Serve it on *node*.
 
     Args:
         names: Returns the names of the apps.
-        running: Those that run.
+        host: Has those that run.
     """
 
     def answer(_request: AppsRequest) -> AppsResponse:
-        infos = (_info(name, running.get(name), supervisor.crashes.get(name)) for name in names())
-        return AppsResponse(apps=tuple(infos))
+        infos = (_info(name, host.running.get(name), supervisor.crashes.get(name)) for name in names())
+        return AppsResponse(apps=tuple(infos), zone=zone_name(host.context.zone_name))
 
     node.create_service(ListApps, LIST_APPS, answer)
 

@@ -302,7 +302,7 @@ class Runtime:
     def _serve_app_list(self, main: Node) -> None:
         from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
 
-        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host.running, self.supervisor)
+        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host, self.supervisor)
 
     def _serve_copies(self, main: Node) -> None:
         from homebot.runtime.kept_files import serve_copies  # noqa: PLC0415 - few runs are asked

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from datetime import UTC, datetime
+from datetime import datetime, tzinfo
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -13,10 +13,11 @@ from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, door_command, with_client
 from homebot.cli.terminal import print_table
+from homebot.clock import read_zone
 from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, iso, to_seconds
-from homebot.errors import PeerError
+from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -78,21 +79,30 @@ def _absolute(app: str) -> str:
 @door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the apps, each with its jobs below it."""
-    apps = cast("AppsResponse", JsonMessage(door.call(LIST_APPS, {}))).apps
+    answer = cast("AppsResponse", JsonMessage(door.call(LIST_APPS, {})))
+    apps = answer.apps
     if options.json:
         print(list_text([json_text(_json(one)) for one in apps]))
     elif apps:
-        now = house_time(door)
-        print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now)])
+        now, zone = house_time(door), _zone(answer.zone)
+        print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now, zone)])
     else:
         print("no app runs")
     return 0
 
 
-def _rows(app: AppInfo, now: float) -> list[tuple[str, ...]]:
+def _zone(name: str) -> tzinfo:
+    """Return the zone of the home; the computer's where that is not known here."""
+    try:
+        return read_zone(name)
+    except UsageError:
+        return read_zone("")
+
+
+def _rows(app: AppInfo, now: float, zone: tzinfo) -> list[tuple[str, ...]]:
     crashes = f", {app.crashes} crashes: {printable(app.last_crash, 60)}" if app.crashes else ""
     head = (printable(app.name), f"{app.state}{crashes}")
-    jobs = [(_job_text(job), *_times(job, now)) for job in app.jobs] or [("", "", "")]
+    jobs = [(_job_text(job), *_times(job, now, zone)) for job in app.jobs] or [("", "", "")]
     return [(*(head if number == 0 else ("", "")), *job) for number, job in enumerate(jobs)]
 
 
@@ -100,20 +110,20 @@ def _job_text(job: AppJob) -> str:
     return printable(job.name if job.text in job.name else f"{job.name} ({job.text})", 80)
 
 
-def _times(job: AppJob, now: float) -> tuple[str, str]:
+def _times(job: AppJob, now: float, zone: tzinfo) -> tuple[str, str]:
     notes = [printable(job.note, 200)] if job.note else []
     if job.running_since.sec:
-        notes.append(f"running since {_local(job.running_since)}")
+        notes.append(f"running since {_local(job.running_since, zone)}")
     if job.dropped:
         notes.append(f"{job.dropped} calls dropped")
     if not job.next.sec:
         return "", "; ".join(notes)
     left = age(cast("Time", JsonMessage({"sec": int(now), "nanosec": 0})), to_seconds(job.next))
-    return f"{_local(job.next)}, in {left}", "; ".join(notes)
+    return f"{_local(job.next, zone)}, in {left}", "; ".join(notes)
 
 
-def _local(time: Time) -> str:
-    return f"{datetime.fromtimestamp(to_seconds(time), UTC).astimezone():%a %d %b %H:%M}"
+def _local(time: Time, zone: tzinfo) -> str:
+    return f"{datetime.fromtimestamp(to_seconds(time), zone):%a %d %b %H:%M %Z}"
 
 
 def _json(app: AppInfo) -> dict[str, object]:
