@@ -48,7 +48,7 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot why 'Hall lamp'": (0, "hall_lamp is o"),
     "homebot why-not 'Hall lamp' on": (0, "hall_lamp is o"),
     "homebot token new agent --scope read --scope 'act: harmless'": (0, "the token is in agent.token"),
-    f"curl -s {TURN_ON} localhost:9090/api/command": (0, '{"id":"hall_lamp","name":"hall_lamp","outcome":"'),
+    f"curl -s {TURN_ON} localhost:9090/api/command": (0, '{"id":"hall_lamp","outcome":"'),
     "curl -s localhost:9090/api/home": (0, '{"home":"home425","devices":2,"rooms":{"hall":{"'),
     "curl -s 'localhost:9090/api/devices?q=light&limit=50'": (0, '{"devices":[{"id":"hall_lamp","type":"light"'),
     "curl -s localhost:9090/api/devices/hall_lamp": (0, '{"id":"hall_lamp","type":"light","room":"hall"'),

@@ -13,7 +13,7 @@ from anyio.streams.buffered import BufferedByteReceiveStream
 from tests.bridges.home_api.api import Api, running_api
 from tests.patience import PATIENCE
 
-from homebot.bridges.home_api.openapi import openapi_text
+from homebot.bridges.home_api.routes import openapi_text
 
 FOUR_LAMPS = 440  # bytes
 

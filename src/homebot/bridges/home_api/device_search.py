@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
-from homebot.bridges.home_api.problem import ProblemError
+from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
 from homebot.devices.query.terms import FactIs, NameIs, Or, query_terms
 from homebot.devices.services import MOST_LISTED

@@ -9,9 +9,8 @@ from urllib.parse import parse_qsl, unquote, urlsplit
 from pydantic import BaseModel, ValidationError
 
 from homebot.bridges.home_api.device_search import HomeCalls
-from homebot.bridges.home_api.problem import PROBLEMS, ProblemError
-from homebot.bridges.home_api.routes import ROUTES, ApiRoute
-from homebot.bridges.home_api.shapes import Problem
+from homebot.bridges.home_api.routes import ROUTES, ApiRoute, openapi_text
+from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
 from homebot.errors import HomebotError, UsageError
 
 __all__ = ["ApiRequest", "HttpAnswer", "answer", "problem_body"]
@@ -24,11 +23,7 @@ _OPENAPI: Final = "/api/openapi.json"
 
 
 class ApiRequest(NamedTuple):
-    """A request as it came.
-
-    Attributes:
-        target: Path and query.
-    """
+    """A request as it came; its target is path and query."""
 
     method: str
     target: str
@@ -40,13 +35,11 @@ async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
     """Return status, content type and body of the answer to *request*; never raises an error of homebot."""
     try:
         if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
-            from homebot.bridges.home_api.openapi import openapi_text  # noqa: PLC0415 - few ask for it
-
             return HTTPStatus.OK, _JSON, openapi_text()
         route, question = _question(request)
         found = await route.handle(home, question)
     except ProblemError as exc:
-        return problem_body(exc.status, str(exc), exc.policy)
+        return problem_body(exc.status, str(exc))
     except UsageError as exc:
         return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
     except HomebotError as exc:
@@ -54,9 +47,9 @@ async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
     return HTTPStatus.OK, _JSON, _text(found)
 
 
-def problem_body(status: HTTPStatus, detail: str, policy: str = "") -> HttpAnswer:
+def problem_body(status: HTTPStatus, detail: str) -> HttpAnswer:
     """Return status, content type and body of an error."""
-    problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail, policy=policy)
+    problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail)
     return status, "application/problem+json", _text(problem)
 
 
@@ -86,12 +79,8 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     except ValidationError as exc:
         first = exc.errors()[0]
         where = ".".join(map(str, first["loc"])) or "body"
-        known = (
-            f"; known are {', '.join(route.question.model_fields) or 'none'}"
-            if first["type"] == "extra_forbidden"
-            else ""
-        )
-        raise ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}{known}") from None
+        known = ", ".join(route.question.model_fields) or "none"
+        raise ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}") from None
 
 
 def _fits(pattern: str, path: str) -> bool:

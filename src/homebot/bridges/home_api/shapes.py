@@ -1,40 +1,45 @@
-"""Questions and answers of the HTTP API. A field that is empty, or as it mostly is, is left out of an answer."""
+"""Questions, answers and problems of the HTTP API. A field that is empty, or as it mostly is, is left out."""
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.bridges.home_api.problem import ProblemOutcome
 from homebot.devices.command_messages import OutcomeKind
 from homebot.devices.services import MOST_LISTED
 from homebot.devices.value import ShortText
-
-__all__ = [
-    "CommandQuestion",
-    "DeviceDetails",
-    "DeviceLine",
-    "DeviceList",
-    "DeviceQuestion",
-    "HistoryAnswer",
-    "HistoryQuestion",
-    "HomeAnswer",
-    "ListQuestion",
-    "NoQuestion",
-    "OutcomeAnswer",
-    "PartOutcome",
-    "Problem",
-    "ShortValue",
-    "ValueSeries",
-    "WhyAnswer",
-    "WhyQuestion",
-]
+from homebot.errors import HomebotError
 
 ShortValue: TypeAlias = bool | int | float | str | list[float]
 """A value; numbers have two decimal places."""
 
+ProblemOutcome: TypeAlias = Literal["refused", "not_found", "several", "invalid", "failed"]
+
+PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
+    HTTPStatus.BAD_REQUEST: "invalid",
+    HTTPStatus.UNAUTHORIZED: "refused",
+    HTTPStatus.FORBIDDEN: "refused",
+    HTTPStatus.NOT_FOUND: "not_found",
+    HTTPStatus.METHOD_NOT_ALLOWED: "invalid",
+    HTTPStatus.CONFLICT: "several",
+    HTTPStatus.UNSUPPORTED_MEDIA_TYPE: "invalid",
+    HTTPStatus.TOO_MANY_REQUESTS: "refused",
+    HTTPStatus.SERVICE_UNAVAILABLE: "failed",
+}
+"""The word for each status."""
+
 _Name: TypeAlias = Annotated[ShortText, Field(min_length=1)]
+
+
+class ProblemError(HomebotError):
+    """A request that cannot be carried out, with the status of its answer."""
+
+    def __init__(self, status: HTTPStatus, detail: str) -> None:
+        super().__init__(detail)
+        self.status = status
 
 
 class _Question(BaseModel):
@@ -125,37 +130,27 @@ class HomeAnswer(_Answer):
     waiting_for_approval: tuple[str, ...] = ()
 
 
-class PartOutcome(_Answer):
-    """The outcome of a command for one part of a device."""
-
-    part: str
-    outcome: OutcomeKind
-    text: str
-
-
 class OutcomeAnswer(_Answer):
     """The outcome of a command, the worst of all parts, with its evidence or reason."""
 
     id: str
-    name: str
     outcome: OutcomeKind
     text: str
     evidence: str = ""
     policy: str = ""
     reason: str = ""
     command_id: str = ""
-    parts: tuple[PartOutcome, ...] = ()
+    parts: dict[str, str] = {}
 
 
 class WhyAnswer(_Answer):
-    """The reason for a state and the steps that led to it; `is_so` and `asked` where a state was named."""
+    """The reason for a state and the newest steps that led to it; where a state was named, the commands for that."""
 
     id: str
     state: str
     since: str = ""
     why: str
     is_so: bool | None = None
-    asked: tuple[str, ...] = ()
     steps: tuple[str, ...] = ()
     more: int = 0
 
@@ -185,4 +180,3 @@ class Problem(_Answer):
     status: int
     outcome: ProblemOutcome
     detail: str
-    policy: str = ""

@@ -11,7 +11,7 @@ from urllib.parse import unquote
 import anyio
 
 from homebot.bridges.home_api.http_answers import ApiRequest, HttpAnswer, answer, problem_body
-from homebot.bridges.home_api.problem import ProblemError
+from homebot.bridges.home_api.shapes import ProblemError
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
@@ -32,12 +32,7 @@ _MOST_ADDRESSES = 1000
 
 
 class HttpRequests:
-    """Answers requests, of one address no more in a second than a client may send frames.
-
-    Args:
-        shared: State shared with other clients.
-        home: The name of the home, quoted.
-    """
+    """Answers requests, of one address no more in a second than a client may send frames."""
 
     def __init__(self, shared: SharedState, home: str) -> None:
         self._shared = shared
@@ -64,21 +59,12 @@ class HttpRequests:
         *,
         is_page: bool,
     ) -> HttpAnswer:
-        """Return status, content type and body of the answer; a request whose client leaves is given up.
-
-        Args:
-            connection: The connection of the client, with its request.
-            name: The name of its token.
-            rights: The rights of that token.
-            client: Name of the client in the log.
-            is_page: Whether it is homebot's own page without a token.
-        """
+        """Return status, content type and body of the answer; a request whose client leaves is given up."""
         connection.has_arrived()
         posted, owners = connection.posted, self._shared.owners()
         access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
-        asked = ApiRequest("GET", connection.target)
-        if posted is not None:
-            asked = ApiRequest(posted.method, connection.target, posted.content_type, posted.body)
+        more = () if posted is None else (posted.content_type, posted.body)
+        asked = ApiRequest("GET" if posted is None else posted.method, connection.target, *more)
         with anyio.CancelScope() as scope:
             self._asking[connection] = scope
             connection.connection_lost_waiter.add_done_callback(lambda _: scope.cancel())
