@@ -56,13 +56,7 @@ def house_server(api: ApiClient) -> MCPServer:
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
     async def sure(device: str, do: str, context: Context) -> Sure | Elicit[Sure]:
-        found = json.loads(await api.read("/api/devices/", device.partition("#")[0]))
-        if not (reason := found.get("always_asks")):
-            return Sure(confirm=True)
-        can = context.client_capabilities
-        if can is None or can.elicitation is None:
-            return Sure(confirm=False)
-        return Elicit(f"{found['id']}: {do}? It always asks: {reason}.", Sure)
+        return _question(await api.read("/api/devices/", device.partition("#")[0]), do, context)
 
     async def command(device: str, do: str, sure: Annotated[ElicitationResult[Sure], Resolve(sure)]) -> str:
         """Command one device: `on`, `off`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
@@ -75,3 +69,13 @@ def house_server(api: ApiClient) -> MCPServer:
         server.add_tool(tool, annotations=_READS, structured_output=False)
     server.add_tool(command, annotations=_ACTS, structured_output=False)
     return server
+
+
+def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
+    """Return the question to a person before *do* reaches the device of *details*, or an answer where none is asked."""
+    device, can = json.loads(details), context.client_capabilities
+    if not (reason := device.get("always_asks")):
+        return Sure(confirm=True)
+    if can is None or can.elicitation is None:
+        return Sure(confirm=False)
+    return Elicit(f"{device['id']}: {do}? It always asks: {reason}.", Sure)
