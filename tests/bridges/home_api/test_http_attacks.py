@@ -99,6 +99,12 @@ async def test_a_request_is_what_it_should_be_or_is_refused(open_house: Any, req
         assert (await answer(house, request_text))[0] == status
 
 
+async def test_a_body_that_is_too_long_is_told_the_limit(open_house: Any) -> None:
+    async with open_house() as house:
+        _, told = await answer(house, f"{CHUNKED}10001\r\n{'x' * 0x10001}\r\n")
+    assert told.endswith("the body of an HTTP request has more than 65,536 bytes\n")
+
+
 async def test_a_request_comes_in_time_or_not_at_all(open_house: Any) -> None:
     async with open_house(open_timeout=0.3) as house, AsyncExitStack() as slow:
         begun = (

@@ -33,7 +33,6 @@ _READ = 2048
 
 _GET: Final = b"GET "
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
-_BAD_REQUEST: Final = b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
 
 _MOST_ARRIVING = 64
 """Connections without a request yet; one more ends the oldest."""
@@ -185,7 +184,8 @@ class DoorConnection(ServerConnection):
             head = posted.receive(data)
         except WireError as exc:
             self.logger.error("bad HTTP request", exc_info=exc)
-            self.transport.write(_BAD_REQUEST)
+            problem = http_response(HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", f"{exc}\n".encode())
+            self.transport.write(problem.serialize())
             self.transport.close()
             return b""
         if posted.waits_for_go_ahead:
