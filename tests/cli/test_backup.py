@@ -101,6 +101,7 @@ def rows(file: Path, query: str) -> list[Any]:
 
 def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, SqliteFile], capsys: Text) -> None:
     close(files)
+    Path("homebot.toml").chmod(mode := 0o644)
     assert main(["backup", "villa.tar"]) == 0
     assert "left out, as they hold secrets: password; --with-tokens takes them" in capsys.readouterr().out
     assert Path("villa.tar").stat().st_mode & 0o777 == 0o600
@@ -117,10 +118,20 @@ def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, Sqlite
     assert out.startswith("restored villa, as it was on ")
     assert out.count("moved aside: ") == 2
     assert Path("homebot.toml").read_text() == CONFIG
+    assert Path("homebot.toml").stat().st_mode & 0o777 == mode
     assert rows(data / "apps.sqlite", "SELECT * FROM store") == rows_before == [("mine", "count", "7")]
     assert rows(data / "index.sqlite", "SELECT id FROM devices") == [("lamp",)]
     assert data.stat().st_mode & 0o077 == 0
     assert sorted(one.name for one in data.parent.parent.iterdir()) == ["villa"]  # nothing is left of it
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root gives files away")
+def test_what_root_restores_belongs_to_the_user_of_the_data(data: Path, files: dict[str, SqliteFile]) -> None:
+    close(files)
+    assert main(["backup", "villa.tar"]) == 0
+    os.chown("data", 1000, 1000)
+    assert main(["restore", "villa.tar"]) == 0
+    assert {one.stat().st_uid for one in (data.parent, data, *data.iterdir())} == {1000}
 
 
 def test_secrets_go_along_only_when_asked_for(files: dict[str, SqliteFile], capsys: Text) -> None:

@@ -32,6 +32,7 @@ class ArchivedFile(BaseModel):
 
     Attributes:
         version: That of its schema; None if it has none.
+        mode: Its permissions.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -39,6 +40,7 @@ class ArchivedFile(BaseModel):
     size: Annotated[int, Field(ge=0)]
     sha256: _Digest
     version: int | None = None
+    mode: Annotated[int, Field(ge=0, le=0o777)] = 0o600
 
 
 class Manifest(BaseModel):
@@ -67,7 +69,7 @@ def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -
     Raises:
         UsageError: It is there already, or cannot be written.
     """
-    sums = {name: file.model_copy(update=_size_and_sum(files[name])) for name, file in manifest.files.items()}
+    sums = {name: file.model_copy(update=_facts_of(files[name])) for name, file in manifest.files.items()}
     text = manifest.model_copy(update={"files": sums}).model_dump_json(indent=2).encode()
     try:
         descriptor = os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
@@ -161,6 +163,8 @@ def _add(tar: tarfile.TarFile, name: str, size: int, content: IO[bytes]) -> None
     tar.addfile(member, content)
 
 
-def _size_and_sum(path: Path) -> dict[str, object]:
+def _facts_of(path: Path) -> dict[str, object]:
     with path.open("rb") as file:
-        return {"size": path.stat().st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
+        found = os.fstat(file.fileno())
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return {"size": found.st_size, "sha256": digest, "mode": found.st_mode & 0o777}

@@ -17,6 +17,7 @@ from homebot.cli.door_client import DoorClient, with_client
 from homebot.config import load_config, load_tables
 from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError
+from homebot.log import configure_logging
 from homebot.runtime.kept_files import KEPT_FILES, copy_kept_files
 from homebot.runtime.plan import index_place
 from homebot.version import __version__
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _back_up(options: argparse.Namespace) -> int:
     """Write the archive."""
+    configure_logging()
     path = Path(options.config)
     tables = load_tables(path)
     config = with_tokens(load_config(path))

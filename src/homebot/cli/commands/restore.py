@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import filecmp
+import os
 import shutil
 import sqlite3
 import time
@@ -18,6 +19,9 @@ from homebot.runtime.kept_files import KEPT_FILES
 from homebot.support.sqlite_file import why_not_readable
 
 __all__ = ["add_arguments"]
+
+_MODE = 0o755
+"""The permissions that a restored file may have: none for others to write."""
 
 _EXAMPLES = """\
   homebot restore villa.tar
@@ -97,16 +101,23 @@ def _check_stopped(folder: Path) -> None:
 def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list[Path]:
     """Return the files and folders that were moved aside."""
     ending, aside = f".before-restore-{time.time():.0f}", []
-    for name in (one.removeprefix("config/") for one in manifest.files if one.startswith("config/")):
-        new, old = staged / "config" / name, into / name
+    for one, file in manifest.files.items():
+        if not one.startswith("config/"):
+            continue
+        new, old = staged / one, into / one.removeprefix("config/")
         if old.exists() and not filecmp.cmp(new, old, shallow=False):
             aside.append(old.rename(old.with_name(old.name + ending)))
         if not old.exists():
             old.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(new, old)
+            old.chmod(file.mode & _MODE)
     if folder.exists():
         aside.append(folder.rename(folder.with_name(folder.name + ending)))
     (staged / "data").mkdir(exist_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
+    if os.name == "posix" and os.geteuid() == 0:  # the user of a service must be able to write them
+        owner = data_directory().stat()
+        for path in (folder.parent, folder, *folder.iterdir()):
+            os.chown(path, owner.st_uid, owner.st_gid)
     return aside
