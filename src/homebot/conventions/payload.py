@@ -85,13 +85,17 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
-    if not unique and _recorded.get() is None:
+    if not unique:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
         except ValueError:
             pass  # invalid JSON is refused below, with the reason
         else:
-            if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
+            if _recorded.get() is not None:
+                text = payload.decode() if isinstance(payload, bytes) else payload
+                if text.count("[") + text.count("{") <= MAX_DEPTH and _is_as_written(value, text):
+                    return value
+            elif _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
     return _parse_slowly(payload, unique=unique)
 
@@ -245,18 +249,24 @@ def decode_json(text: str, at: int) -> tuple[object, int]:
         ValueError: There is none.
     """
     value, end = _DECODER.raw_decode(text, at)
-    if _recorded.get() is None:
+    if _recorded.get() is None or _is_as_written(value, text, at, end):
         return value, end
-    # A hook for each object would take as long as all the rest: no key was lost if there are as many as were written.
+    return _RECORDING_DECODER.raw_decode(text, at)
+
+
+def _is_as_written(value: object, text: str, at: int = 0, end: int | None = None) -> bool:
+    """Return whether *value* has all keys of *text*, and only finite numbers; False where that is hard to tell.
+
+    A hook for each object would take as long as all the rest: there are as many keys as were written.
+    """
     for doubtful in _DOUBTFUL:
         if text.find(doubtful, at, end) >= 0:
-            return _RECORDING_DECODER.raw_decode(text, at)
+            return False
     try:
-        if text.count('":', at, end) == to_json_bytes(value).count(b'":'):
-            return value, end
-    except ValueError:
-        pass  # nested too deeply, which is found later
-    return _RECORDING_DECODER.raw_decode(text, at)
+        written = to_json_bytes(value)
+    except ValueError:  # nested too deeply, which is found later
+        return False
+    return text.count('":', at, end) == written.count(b'":') and b"Infinity" not in written
 
 
 _DOUBTFUL = ('\\":', " :", "\t:", "\n:", "\r:", "\\u")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from itertools import permutations
 
@@ -292,6 +293,29 @@ def test_random_announcements_of_three_conventions_have_one_result_in_every_orde
             for part in device.parts:
                 assert len({way.convention for way in part.routes}) == len(part.routes)
     assert made_of[0] == made_of[1]
+
+
+def test_parts_that_their_ids_decide_are_compared_once() -> None:
+    """A house of 4,478 Zigbee models has 36,685 parts that two programs announce."""
+    names = [f"value_{number}" for number in range(30)]
+    own = candidates([setting(name, "number", name=name, writes=SET) for name in names], (IEEE,))
+    others = candidates([foreign(name, "number", "x_setting", "number", name=name) for name in names], FOREIGN)
+    found: dict[int, int] = {}
+    assert calls(lambda: found.update(match([[one] for one in own], others))) < 40 * len(names)
+    assert found == {number: number for number in range(len(names))}
+    assert calls(lambda: match((), others)) < 10
+
+
+def calls(work: Callable[[], object]) -> int:
+    """Count the calls that *work* causes."""
+    counted: list[str] = []
+    before = sys.getprofile()
+    sys.setprofile(lambda _frame, event, _argument: counted.append(event))
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return sum(event in {"call", "c_call"} for event in counted)
 
 
 def sighting(key: str, convention: str, *told: Part) -> Sighting:

@@ -90,6 +90,7 @@ class _PartsBuilder:
     def __init__(self, device: BridgeDevice, topics: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> None:
         self._device = device
         self._topics = topics
+        self._shape = replace(topics, state="")
         self._exposes = exposes
         self._names = {expose.name for expose in exposes}
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
@@ -132,7 +133,7 @@ class _PartsBuilder:
     def _moved_parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Return :meth:`_parts_of`, described once for all devices that have the expose."""
         own = topics.below()
-        shape = replace(topics, state="")
+        shape = self._shape.of(expose)
         if shape not in expose.shapes:
             parts = tuple(self._parts_of(shape, expose))
             if len(expose.shapes) >= _MOST_SHAPES or not all(is_movable(part, own) for part in parts):
@@ -201,8 +202,7 @@ class _PartsBuilder:
 
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
-    return replace(described, part=part)
+    return replace(described, part=described.part.with_checked(payloads=payload_digest(announced)))
 
 
 def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:

@@ -36,6 +36,7 @@ class Candidate(NamedTuple):
 
     Attributes:
         part: The part.
+        abilities: Its capabilities, by name.
         name: Its name, folded.
         words: Its id in words.
         prefix: How many of them, from the first, all ids of its source begin with.
@@ -45,6 +46,7 @@ class Candidate(NamedTuple):
     """
 
     part: Part
+    abilities: Mapping[str, Capability]
     name: str
     words: tuple[str, ...]
     prefix: int
@@ -63,20 +65,21 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     ids = [tuple(fold(part.id).split()[:MAX_WORDS]) for part in parts]
     known = frozenset(chain.from_iterable(fold(one.partition(":")[2]).split() for one in identifiers))
     prefix, suffix = _shared_ends(set(ids))
-    writes = Counter(topic for part in parts for topic in part.writes)
-    reads = Counter(topic for part in parts for topic in part.reads)
-    types = Counter(part.service_type for part in parts if not part.category)
+    writes = Counter(chain.from_iterable([part.writes for part in parts]))
+    reads = Counter(chain.from_iterable([part.reads for part in parts]))
+    types = Counter([part.service_type for part in parts if not part.category])
     found = []
     for part, words in zip(parts, ids, strict=True):
         used = writes if part.writes else reads
         found.append(
             Candidate(
                 part=part,
+                abilities={one.name: one for one in part.capabilities},
                 name=fold(part.name),
                 words=words,
                 prefix=max(prefix, _leading(words, known)),
                 suffix=max(suffix, _leading(words[::-1], known)),
-                topics=frozenset(topic for topic in part.writes or part.reads if used[topic] == 1),
+                topics=frozenset([topic for topic in part.writes or part.reads if used[topic] == 1]),
                 is_alone=not part.category and types[part.service_type] == 1,
             )
         )
@@ -90,30 +93,37 @@ def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) ->
         groups: Parts of the device; each as the sources before describe it, one or more.
         others: The parts of a further source.
     """
-    levels: defaultdict[_Level, set[_Pair]] = defaultdict(set)
-    for level, pair in chain(
-        _by_id(groups, others), _by_topic(groups, others), _by_name(groups, others), _by_type(groups, others)
-    ):
-        levels[level].add(pair)
     found: dict[int, int] = {}
-    taken: set[int] = set()
-    for level in sorted(levels, reverse=True):
-        pairs = [pair for pair in levels[level] if pair[0] not in taken and pair[1] not in found]
-        fits = Counter(group for group, _ in pairs), Counter(other for _, other in pairs)
-        for group, other in pairs:
-            if fits[0][group] == fits[1][other] == 1:
-                found[other] = group
-                taken.add(group)
+    for pairs_of in (_by_id, _by_topic, _by_name, _by_type):  # the surest first, weaker ones for what that leaves open
+        taken = set(found.values())
+        mine = [(number, one) for number, group in enumerate(groups) if number not in taken for one in group]
+        theirs = [(number, other) for number, other in enumerate(others) if number not in found]
+        if not mine or not theirs:
+            break
+        levels: defaultdict[int, set[_Pair]] = defaultdict(set)
+        for letters, pair in pairs_of(mine, theirs):
+            levels[letters].add(pair)
+        for letters in sorted(levels, reverse=True):
+            found |= _unambiguous(levels[letters], found)
     return found
 
-
-_Level: TypeAlias = tuple[int, int]
-"""How sure it is: the kind of evidence, then how many letters say so."""
 
 _Pair: TypeAlias = tuple[int, int]
 """Numbers of a group and of a part of the further source."""
 
-_BY_TYPE, _BY_NAME, _BY_TOPIC, _BY_ID = range(4)
+_Pairs: TypeAlias = Iterator[tuple[int, _Pair]]
+"""Pairs that may be one part, each with how many letters say so; 0 where these do not count."""
+
+_Numbered: TypeAlias = Sequence[tuple[int, Candidate]]
+"""Candidates, each with the number of its group, or with its own."""
+
+
+def _unambiguous(pairs: Iterable[_Pair], found: Mapping[int, int]) -> dict[int, int]:
+    """Return those of *pairs* that nothing was *found* for before, and that fit no other of them."""
+    taken = set(found.values())
+    open_pairs = [pair for pair in pairs if pair[0] not in taken and pair[1] not in found]
+    groups, others = Counter([group for group, _ in open_pairs]), Counter([other for _, other in open_pairs])
+    return {other: group for group, other in open_pairs if groups[group] == others[other] == 1}
 
 
 class _Members(NamedTuple):
@@ -123,20 +133,19 @@ class _Members(NamedTuple):
     lengths: list[int]
 
 
-def _by_id(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
-    members = [(number, one) for number, group in enumerate(groups) for one in group]
-    mine, theirs = _by_words(members), _by_words(enumerate(others))
-    for number, other in enumerate(others):
-        for group, one, start in _inside(mine, other.words, at_most=len(other.words)):
-            if level := _id_level(one, other, start):
-                yield level, (group, number)
-    for group, one in members:
-        for number, other, start in _inside(theirs, one.words, at_most=len(one.words) - 1):
-            if level := _id_level(other, one, start):
-                yield level, (group, number)
+def _by_id(mine: _Numbered, theirs: _Numbered) -> _Pairs:
+    my_members, their_members = _by_words(mine), _by_words(theirs)
+    for number, other in theirs:
+        for group, one, start in _inside(my_members, other.words, at_most=len(other.words)):
+            if letters := _letters_of_id(one, other, start):
+                yield letters, (group, number)
+    for group, one in mine:
+        for number, other, start in _inside(their_members, one.words, at_most=len(one.words) - 1):
+            if letters := _letters_of_id(other, one, start):
+                yield letters, (group, number)
 
 
-def _by_words(numbered: Iterable[tuple[int, Candidate]]) -> _Members:
+def _by_words(numbered: _Numbered) -> _Members:
     found: defaultdict[tuple[str, ...], list[tuple[int, Candidate]]] = defaultdict(list)
     for number, one in numbered:
         if one.words:
@@ -154,13 +163,13 @@ def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator
                 yield number, one, start
 
 
-def _id_level(short: Candidate, long: Candidate, start: int) -> _Level | None:
-    if not _can_be_one(short.part, long.part):
-        return None
-    letters = sum(map(len, short.words))
+def _letters_of_id(short: Candidate, long: Candidate, start: int) -> int:
+    """Return how many letters say that the id of *short* is that of *long*, which contains it; 0 if it is not."""
+    if not _can_be_one(short, long):
+        return 0
     before, behind = start, len(long.words) - start - len(short.words)
     is_whole = behind <= long.suffix and (before <= long.prefix or before - _named_by_type(long, start) <= long.prefix)
-    return (_BY_ID, letters) if is_whole else None
+    return sum(map(len, short.words)) if is_whole else 0
 
 
 def _named_by_type(long: Candidate, start: int) -> int:
@@ -172,49 +181,46 @@ def _named_by_type(long: Candidate, start: int) -> int:
     return 0
 
 
-def _by_topic(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+def _by_topic(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     by_topic = defaultdict(list)
-    for number, other in enumerate(others):
+    for number, other in theirs:
         for topic in other.topics:
             by_topic[topic, bool(other.part.writes)].append((number, other))
-    for number, group in enumerate(groups):
-        for one in group:
-            for topic in one.topics:
-                for other_number, other in by_topic.get((topic, bool(one.part.writes)), ()):
-                    if _is_equal(one.part, other.part) and _can_be_one(one.part, other.part):
-                        yield (_BY_TOPIC, 0), (number, other_number)
+    for group, one in mine:
+        for topic in one.topics:
+            for number, other in by_topic.get((topic, bool(one.part.writes)), ()):
+                if one.abilities.keys() == other.abilities.keys() and _can_be_one(one, other):
+                    yield 0, (group, number)
 
 
-def _by_name(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+def _by_name(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     named = defaultdict(list)
-    for number, other in enumerate(others):
+    for number, other in theirs:
         if other.name:
             named[other.name].append((number, other))
-    for number, group in enumerate(groups):
-        for one in group:
-            for other_number, other in named.get(one.name, ()) if one.name else ():
-                if _can_be_one(one.part, other.part):
-                    yield (_BY_NAME, 0), (number, other_number)
+    for group, one in mine:
+        for number, other in named.get(one.name, ()) if one.name else ():
+            if _can_be_one(one, other):
+                yield 0, (group, number)
 
 
-def _by_type(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
-    alone = {other.part.service_type: (number, other) for number, other in enumerate(others) if other.is_alone}
-    for number, group in enumerate(groups):
-        for one in group:
-            other_number, other = alone.get(one.part.service_type, (0, None))
-            if other is not None and one.is_alone and _is_one_of_its_type(one, other):
-                yield (_BY_TYPE, 0), (number, other_number)
+def _by_type(mine: _Numbered, theirs: _Numbered) -> _Pairs:
+    alone = {other.part.service_type: (number, other) for number, other in theirs if other.is_alone}
+    for group, one in mine:
+        number, other = alone.get(one.part.service_type, (0, None))
+        if other is not None and one.is_alone and _is_one_of_its_type(one, other):
+            yield 0, (group, number)
 
 
 def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
     """Return whether both are one part by their type: loads are; sensors where neither has a name of its own."""
-    if one.part.service_type.startswith("x_") or not _can_be_one(one.part, other.part):
+    if one.part.service_type.startswith("x_") or not _can_be_one(one, other):
         return False
     if _are_told_apart(one.part, other.part):
         return False
     if one.part.writes or other.part.writes:
         return True
-    return _is_equal(one.part, other.part) and (
+    return one.abilities.keys() == other.abilities.keys() and (
         one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
     )
 
@@ -234,30 +240,23 @@ def _is_of_one_program(topics: tuple[str, ...], others: tuple[str, ...]) -> bool
 
 
 def _is_plain(one: Candidate) -> bool:
-    return one.name in {fold(capability.name) for capability in one.part.capabilities}
+    return one.name in set(map(fold, one.abilities))
 
 
-def _can_be_one(one: Part, other: Part) -> bool:
+def _can_be_one(one: Candidate, other: Candidate) -> bool:
     """Return whether nothing contradicts in the capabilities and functions of the two."""
-    mine, theirs = _abilities(one), _abilities(other)
+    mine, theirs = one.abilities, other.abilities
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
         return False
-    is_settable = bool(one.writes or other.writes)
-    if one.service_type != other.service_type:
-        is_setting = SETTING in (one.service_type, other.service_type)
+    part, its_part = one.part, other.part
+    is_settable = bool(part.writes or its_part.writes)
+    if part.service_type != its_part.service_type:
+        is_setting = SETTING in (part.service_type, its_part.service_type)
         return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_settable)
-    if one.service_type.startswith("x_") or not is_settable:
+    if part.service_type.startswith("x_") or not is_settable:
         return mine.keys() <= theirs.keys() or theirs.keys() <= mine.keys()
-    return (not one.category) == (not other.category)
-
-
-def _is_equal(one: Part, other: Part) -> bool:
-    return _abilities(one).keys() == _abilities(other).keys()
-
-
-def _abilities(part: Part) -> dict[str, Capability]:
-    return {one.name: one for one in part.capabilities}
+    return (not part.category) == (not its_part.category)
 
 
 def _agree(one: Capability, other: Capability) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.discovery.source_record import SourceKey
-from homebot.discovery.topics.use import TopicUse, aliases_of, is_called, place_of
+from homebot.discovery.topics.use import TopicUse, aliases_of, is_called
 
 __all__ = [
     "TopicNode",
@@ -182,8 +182,7 @@ def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[Sou
     found: dict[SourceKey, str] = {}
     for use in users:
         own = [one for one in owners if one.device == use.device]
-        place = place_of(use.announced_on)
-        if not any(is_called(place, aliases_of(one.owns, one.identifiers)) for one in own):
+        if not any(is_called(use.announced_on, aliases_of(one.owns, one.identifiers)) for one in own):
             found[use.key] = (own or owners)[0].device
     return found
 

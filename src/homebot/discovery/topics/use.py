@@ -85,9 +85,10 @@ def names(place: Place) -> frozenset[str]:
     return place.levels | place.leads
 
 
-def is_called(place: Place, aliases: frozenset[str]) -> bool:
-    """Return whether *place* has one of these names of a device; see :func:`aliases_of`."""
-    return not aliases.isdisjoint(place.levels) or not aliases.isdisjoint(place.numbers)
+def is_called(topic: str, aliases: frozenset[str]) -> bool:
+    """Return whether the place *topic* has one of these names of a device; see :func:`aliases_of`."""
+    is_level = any(level in aliases and _is_name(level) for level in topic.casefold().split("/"))
+    return is_level or not aliases.isdisjoint(place_of(topic).numbers)
 
 
 def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:

@@ -233,7 +233,6 @@ class StoredAnnouncement:
             described.name,
             described.area,
             described.identifiers,
-            tuple(described.facts.items()),
             described.convention if text is None else "",
             described.native or text is not None,
             described.whole_device,
@@ -243,6 +242,7 @@ class StoredAnnouncement:
             address=endpoint.address,
             command_address=endpoint.command_address,
             parts=parts,
+            metadata=_metadata(tuple(described.facts.items())),
             owns=described.owns,
             announced_on=announced_on,
         )
@@ -254,7 +254,6 @@ def _sighting_of_device(
     name: str,
     area: str,
     identifiers: tuple[str, ...],
-    facts: tuple[tuple[str, str], ...],
     convention: str,
     native: bool,  # noqa: FBT001 - only called above
     whole_device: bool,  # noqa: FBT001 - likewise
@@ -273,7 +272,7 @@ def _sighting_of_device(
         service_type="",
         address="",
         command_address="",
-        metadata=tuple(starmap(_fact, facts)),
+        metadata=(),
         convention=convention,
         native=native,
         whole_device=whole_device,
@@ -283,6 +282,11 @@ def _sighting_of_device(
         expires_at=_NEVER,
         confirmed=False,
     ).slimmed()
+
+
+@lru_cache(maxsize=5000)  # likewise: one tuple for all of a device
+def _metadata(facts: tuple[tuple[str, str], ...]) -> tuple[KeyValue, ...]:
+    return tuple(starmap(_fact, facts))
 
 
 @lru_cache(maxsize=10_000)
