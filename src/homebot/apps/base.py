@@ -221,6 +221,16 @@ class App(ABC, Generic[SettingsT]):
         """
         return self._jobs().at(event, handler, offset, jitter, name, catch_up, mode)
 
+    def sun_is_up(self) -> bool:
+        """Return whether the sun is above the horizon of the home.
+
+        Raises:
+            UsageError: The place of the home is not known.
+        """
+        from homebot.apps.sun import is_sun_up  # noqa: PLC0415 - astral is for apps that ask
+
+        return is_sun_up(self.clock.now(), self.context.latitude, self.context.longitude)
+
     def _jobs(self) -> Schedule:
         if self._schedule is None:
             from homebot.apps.schedule import Schedule  # noqa: PLC0415 - few apps have one

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import date, datetime, tzinfo
+from datetime import UTC, date, datetime, tzinfo
 from typing import Final, final
 
 import astral
@@ -13,7 +13,9 @@ from astral import sun
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["SunTime", "sun_time"]
+__all__ = ["SunTime", "is_sun_up", "sun_time"]
+
+_HORIZON: Final = -0.833  # degrees: the upper limb, with refraction, as at sunrise and sunset
 
 _EVENTS: Final[Mapping[str, Callable[..., datetime]]] = {
     "dawn": sun.dawn,
@@ -51,6 +53,20 @@ def sun_time(event: str, latitude: float | None, longitude: float | None, offset
     if event not in _EVENTS:
         hint = did_you_mean(event, _EVENTS, f"events are {', '.join(_EVENTS)}; for a time of day use daily()")
         raise UsageError(f"there is no event {event!r} of the sun; {hint}")
+    return SunTime(event, _observer(event, latitude, longitude), offset)
+
+
+def is_sun_up(now: float, latitude: float | None, longitude: float | None) -> bool:
+    """Return whether the sun is up *now*, in seconds since the Unix epoch.
+
+    Raises:
+        UsageError: The place is not known.
+    """
+    place = _observer("sun_is_up", latitude, longitude)
+    return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False) > _HORIZON
+
+
+def _observer(asked: str, latitude: float | None, longitude: float | None) -> astral.Observer:
     if latitude is None or longitude is None:
-        raise UsageError(f"{event} needs the place of the home: set latitude and longitude in the table [home]")
-    return SunTime(event, astral.Observer(latitude, longitude), offset)
+        raise UsageError(f"{asked} needs the place of the home: set latitude and longitude in the table [home]")
+    return astral.Observer(latitude, longitude)

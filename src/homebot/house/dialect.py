@@ -14,6 +14,7 @@ from typing import NamedTuple, final
 
 from homebot.errors import UsageError
 from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice, number
 
 __all__ = ["Bridge", "BridgeDialect", "DeviceState", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo", "state_of"]
@@ -31,6 +32,7 @@ class DeviceState:
         position: Of a motor: 0 is closed, 1 is open.
         way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
         value: The number that a sensor reports; 0 where it reports none.
+        kilowatt_hours: Of a power meter: the energy counted.
         celsius: Of a thermostat: the room's temperature.
         target: Setpoint of a thermostat.
         heats: Of a thermostat: whether it heats.
@@ -43,6 +45,7 @@ class DeviceState:
     position: float = 0.0
     way: int = 0
     value: float = 0.0
+    kilowatt_hours: float = 0.0
     celsius: float = 20.0
     target: float = 20.0
     heats: bool = False
@@ -61,7 +64,8 @@ def state_of(device: SimulatedDevice, text: str) -> DeviceState:
         return _motor(device, text)
     if isinstance(device, SimulatedThermostat):
         return DeviceState(text=text, celsius=device.celsius, target=device.target, heats=device.heats)
-    return DeviceState(text=text, value=number(text, float("-inf"), float("inf")) or 0.0)
+    counted = device.kilowatt_hours if isinstance(device, PowerMeter) else 0.0
+    return DeviceState(text=text, value=number(text, float("-inf"), float("inf")) or 0.0, kilowatt_hours=counted)
 
 
 def _lamp(lamp: SimulatedLamp, text: str) -> DeviceState:

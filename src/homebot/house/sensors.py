@@ -178,6 +178,7 @@ class PowerMeter(_MeasuringSensor):
 
     Attributes:
         total: The last report, in watts.
+        kilowatt_hours: The energy counted since the start.
         step: The change in watts that is worth a report.
         of: The name of the measured device; empty for the whole house.
     """
@@ -187,7 +188,17 @@ class PowerMeter(_MeasuringSensor):
     total: float = 0.0
     step: float = 1.0
     of: str = ""
+    kilowatt_hours: float = field(default=0.0, kw_only=True)
     service_type: str = field(default="power_meters", kw_only=True)
+
+    def advance(self, now: float) -> tuple[str, ...]:
+        """Count the energy until *now*."""
+        self.kilowatt_hours += self.total * max(0.0, now - self.now) / 3.6e6
+        return super().advance(now)
+
+    def heartbeat(self) -> tuple[str, ...]:
+        """Return the last power anew: its message has the energy counted since."""
+        return (self.state(),)
 
     def state(self) -> str:
         """Return watts as text."""

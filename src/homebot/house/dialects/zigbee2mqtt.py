@@ -89,7 +89,7 @@ EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
         "contact": (_binary("contact", PUBLISHED, on=False, off=True),),
         "motion": (_binary("occupancy", PUBLISHED, on=True, off=False),),
         "lux": (_numeric("illuminance", PUBLISHED, "lx"),),
-        "power_meter": (_numeric("power", PUBLISHED, "W"),),
+        "power_meter": (_numeric("power", PUBLISHED, "W"), _numeric("energy", PUBLISHED, "kWh")),
         "thermostat": (
             {
                 "type": "climate",
@@ -241,7 +241,7 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
         "contact": lambda door: {"contact": door.text != "open"},
         "motion": lambda room: {"occupancy": room.text == "motion"},
         "lux": lambda lux: {"illuminance": lux.value},
-        "power_meter": lambda meter: {"power": meter.value},
+        "power_meter": lambda meter: {"power": meter.value, "energy": round(meter.kilowatt_hours, 3)},
         "thermostat": _thermostat_state,
     }
 )
