@@ -25,12 +25,13 @@ def test_a_new_folder_passes_and_runs(tmp_path: Path) -> None:
     assert main(["new", str(tmp_path / "Hall-Light")]) == 0
     folder = tmp_path / "Hall-Light"
     found = sorted(path.name for path in folder.iterdir())
-    assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "test_hall_light.py"]
+    assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "house.toml", "test_hall_light.py"]
     _passes(folder, "pytest", "-q", "-p", "no:cacheprovider")
     _passes(folder, "homebot", "config", "check")
     door = f"127.0.0.1:{reserve_port()}"
-    said = _passes(folder, "homebot", "run", "--for", "1", "--ephemeral", "--door", door)
+    said = _passes(folder, "homebot", "run", "--house", "house.toml", "--for", "2", "--door", door)
     assert "running the app hall_light" in said
+    assert "lights/hall on mqtt" in said
     unit = (folder / "hall_light.service").read_text()
     assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
 

@@ -18,14 +18,15 @@ from homebot.errors import UsageError
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
-  homebot new hall_light          hall_light/ with an app HallLight, its test, homebot.toml and a unit for systemd
-  cd hall_light && pytest && homebot config check && homebot run
+  homebot new hall_light          hall_light/ with an app HallLight, its test, configuration, house and service
+  cd hall_light && pytest && homebot config check && homebot run --house house.toml
 """
 
 _FILES: Final = {
     "app.py.template": "$module.py",
     "test.py.template": "test_$module.py",
     "homebot.toml.template": "homebot.toml",
+    "house.toml.template": "house.toml",
     "service.template": "$module.service",
 }
 
@@ -56,7 +57,7 @@ def _new(options: argparse.Namespace) -> int:
     except OSError as exc:
         raise UsageError(f"{folder} cannot be written: {exc.strerror}") from exc
     print(f"made {options.folder} with {', '.join(path.name for path in texts)}")
-    print(f"try it: cd {options.folder} && pytest && homebot config check && homebot run")
+    print(f"try it: cd {options.folder} && pytest && homebot config check && homebot run --house house.toml")
     return 0
 
 
