@@ -32,7 +32,7 @@ test: $(VENV)/.dev
 coverage:
 	@$(MAKE) test ARGS="--cov --cov-report=term $(ARGS)"
 
-## Runs the quick tests (no other programs, no load, no generated cases): about a minute.
+## Runs the quick tests (no other programs, no load, no generated cases): four minutes of one processor.
 test-fast: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist worksteal -m "not slow and not system and not peers" $(ARGS)
 

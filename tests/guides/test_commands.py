@@ -1,0 +1,134 @@
+"""Every command of the guides for the first day runs, in the house of a new app."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import chdir
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from tests.ports import reserve_door
+from tests.test_readme import environment
+
+from homebot.cli.main import main
+from homebot.house import World
+from homebot.house.description import load_world
+from homebot.testing import virtual_house_of
+
+pytestmark = pytest.mark.slow
+
+DOCS = Path(__file__).parents[2] / "docs"
+FIRST_APP, YOUR_HOUSE, TROUBLESHOOT = (
+    (DOCS / f"{name}.md").read_text("utf-8") for name in ("first-app", "your-house", "troubleshoot")
+)
+COMMANDS = [
+    *re.findall(r"^\$ (.*)$", FIRST_APP + YOUR_HOUSE, re.MULTILINE),
+    *re.findall(r"^\| [^|]+ \| `(.*?)` \|", TROUBLESHOOT, re.MULTILINE),
+]
+RUN_OTHERWISE = {
+    "homebot new hall_light",
+    "cd hall_light",
+    "pytest",
+    "homebot run --house house.toml",
+    "homebot run",
+    "homebot doctor --offline --reach",
+}
+"""By the fixture, and by tests of their own: here is no broker of a house."""
+ASKED = [command for command in dict.fromkeys(COMMANDS) if command not in RUN_OTHERWISE]
+HOUSE = """
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+dialect = "zigbee2mqtt"
+[devices.front_door]
+kind = "lock"
+room = "hall"
+dialect = "zigbee2mqtt"
+"""
+
+
+@dataclass
+class Folder:
+    """The folder of a new app, in which a homebot runs at *door*."""
+
+    path: Path
+    door: str
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Folder]:
+    made = tmp_path_factory.mktemp("home")
+    with chdir(made):
+        assert main(["new", "hall_light"]) == 0
+    path, door = made / "hall_light", reserve_door()
+    house = path / "house.toml"
+    house.write_text(house.read_text() + HOUSE)
+    command = ["homebot", "run", "--house", "house.toml"]
+    with subprocess.Popen(command, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=path) as process:
+        assert process.stderr is not None
+        waited_for = {"lights/hall on mqtt", "found hall_lamp", "found front_door", "running the app hall_light"}
+        for line in process.stderr:
+            waited_for -= {one for one in waited_for if one in line}
+            if not waited_for:
+                break
+        yield Folder(path, door)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=120)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("command", ASKED)
+def test_a_command_of_the_guides_runs(
+    folder: Folder, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each prints something and succeeds."""
+    monkeypatch.chdir(folder.path)
+    monkeypatch.setenv("HOMEBOT_DOOR", folder.door)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(folder.path / "settings"))
+    monkeypatch.setenv("HOMEBOT_DATA", str(folder.path / "data"))
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    program, *words = shlex.split(command)
+    assert program == "homebot"
+    assert main(words) == 0, capsys.readouterr()
+    assert capsys.readouterr().out
+    sys.modules.pop("hall_light", None)  # loaded by the check of its configuration
+
+
+def test_the_configuration_of_the_house_passes_its_check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (shown,) = re.findall(r"```toml\n(.*?)```", YOUR_HOUSE, re.DOTALL)
+    (tmp_path / "homebot.toml").write_text(shown)
+    assert main(["config", "check", "--config", str(tmp_path / "homebot.toml")]) == 0
+    assert "is valid: home villa" in capsys.readouterr().out
+
+
+@pytest.fixture
+def changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
+    """Change a new app as the guide says, and return the house beside it."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "shining_hall"]) == 0
+    folder = tmp_path / "shining_hall"
+    app = folder / "shining_hall.py"
+    import_line, new_class = re.findall(r"```python\n(from.*?)\n+(class.*?)```", FIRST_APP, re.DOTALL)[0]
+    head = app.read_text().partition("class HallLight")[0].partition("class ShiningHall")[0]
+    app.write_text(f"{import_line}\n{head}{new_class}")
+    monkeypatch.syspath_prepend(str(folder))
+    __import__("shining_hall")
+    return load_world(folder / "house.toml")
+
+
+@pytest.mark.virtual_time
+async def test_the_change_of_the_first_app_passes_the_test_of_its_guide(changed: World) -> None:
+    """Its steps are those shown."""
+    (steps,) = re.findall(r"(    await house\.press.*?)```", FIRST_APP, re.DOTALL)
+    shown: dict[str, object] = {}
+    exec(f"async def test(house):\n{steps}", shown)  # noqa: S102 - our own guide
+    test = shown["test"]
+    assert callable(test)
+    async with virtual_house_of("shining_hall:HallLight", world=changed) as house:
+        await test(house)
