@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pty
 import select
 import shutil
+import socket
 import subprocess
 import sys
 import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 
+import anyio
 import pytest
 from tests.patience import PATIENCE
+
+from homebot.cli.main import main
+from homebot.testing import house_of
 
 pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
 
@@ -43,7 +51,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("homebot --door localhost:9090 ser", {"service"}),
         ("homebot devices --js", {"--json"}),
         ("homebot run --log-format ", {"console", "json"}),
-        ("homebot --print-completion ", {"bash", "zsh"}),
+        ("homebot --print-completion ", {"bash", "fish", "zsh"}),
         ("homebot run --config ho", {"home.toml"}),
         ("homebot import ho", {"home.toml"}),
         ("homebot devices --td ", {"things"}),
@@ -84,6 +92,80 @@ def _read_until(terminal: int, end: bytes) -> None:
         ready, _, _ = select.select([terminal], [], [], max(0.0, until - time.monotonic()))
         assert ready, f"only this was shown: {shown!r}"
         shown += os.read(terminal, 1000)
+
+
+NAMES = ("Hall lamp", "Hall light 2", "Küche", "Wohnzimmer's Lampe", "$(touch spoilt)")
+
+
+@asynccontextmanager
+async def lamps() -> AsyncIterator[dict[str, str]]:
+    """Let lamps announce themselves; yield the environment in which commands reach their homebot."""
+    async with house_of() as homebot:
+        for number, name in enumerate(NAMES):
+            light = {"name": None, "unique_id": f"id{number}", "command_topic": f"x/{number}/set", "state_topic": "x"}
+            text = json.dumps(light | {"device": {"identifiers": [f"id{number}"], "name": name}})
+            await homebot.says(f"homeassistant/light/id{number}/config", text)
+        await homebot.says("x", "ON")
+        for name in NAMES:
+            await homebot.becomes(name, on=True)
+        assert homebot.runtime.door is not None
+        path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        door = f"127.0.0.1:{homebot.runtime.door.port}"
+        yield os.environ | {"HOMEBOT_DOOR": door, "PATH": path, "LC_ALL": "C.UTF-8"}
+
+
+async def completed(words: list[str], environment: dict[str, str], folder: Path) -> str:
+    """Return what a program prints that completes, asked again as long as the computer is too busy for it."""
+    found = ""
+    with anyio.move_on_after(PATIENCE):
+        while not found.strip():
+            done = await anyio.run_process(words, env=environment, cwd=folder)
+            assert done.stderr == b""
+            found = done.stdout.decode()
+    return found
+
+
+async def test_bash_completes_names_of_devices_quoted(script: Path, tmp_path: Path) -> None:
+    async with lamps() as environment:
+        for line, found in (
+            (("why", "Hall"), {r"Hall\ lamp", r"Hall\ light\ 2"}),
+            (("do", r"Hall\ la"), {r"Hall\ lamp"}),
+            (("show", '"Hall la'), {"Hall lamp"}),
+            (("show", r"hall\ la"), {r"Hall\ lamp"}),
+            (("show", "K"), {"Küche"}),
+            (("show", "W"), {r"Wohnzimmer\'s\ Lampe"}),
+            (("show", r"\$"), {r"\$\(touch\ spoilt\)"}),
+        ):
+            words = ["bash", "--norc", "-c", _TAB, "bash", str(script), "homebot", *line]
+            assert set((await completed(words, environment, tmp_path)).splitlines()) == found
+        assert list(tmp_path.iterdir()) == []
+
+
+async def test_without_a_homebot_or_with_one_that_is_silent_nothing_is_completed(
+    tmp_path: Path,
+) -> None:
+    async with lamps() as environment:
+        words = [sys.executable, "-m", "homebot", "--complete-devices"]
+        assert await completed([*words, "show", "K"], environment, tmp_path) == "Küche\n"
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            for door in ("localhost:1", f"localhost:{silent.getsockname()[1]}", "no address"):
+                done = await anyio.run_process([*words, "--door", door, "show", "K"], env=environment)
+                assert (done.stdout, done.stderr) == (b"", b"")
+
+
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_the_scripts_of_other_shells_ask_for_devices(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--print-completion", shell])
+    assert " --complete-devices " in capsys.readouterr().out
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="fish is not installed")
+async def test_fish_completes_names_of_devices(tmp_path: Path) -> None:
+    async with lamps() as environment:
+        program = "homebot --print-completion fish | source; complete --do-complete 'homebot show Hall'"
+        found = await completed(["fish", "--no-config", "-c", program], environment, tmp_path)
+        assert {one.partition("\t")[0] for one in found.splitlines()} == {"Hall lamp", "Hall light 2"}
 
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")

@@ -143,6 +143,10 @@ def _needed_commands(argv: Sequence[str] | None) -> Sequence[str]:
 
 
 def _run(argv: Sequence[str]) -> int:
+    if argv[:1] == ["--complete-devices"]:
+        from homebot.cli.device_completion import print_devices  # noqa: PLC0415 - asked by shells alone
+
+        return print_devices(argv[1:])
     try:
         options = make_parser(argv).parse_args(argv)
         if problem := unused_option(options):

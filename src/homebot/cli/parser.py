@@ -11,7 +11,7 @@ from homebot.support.similar import similar_to
 
 __all__ = ["SHELLS", "CommandParser", "PrintCompletion"]
 
-SHELLS: Final = ("bash", "zsh")
+SHELLS: Final = ("bash", "zsh", "fish")
 
 SYNONYMS: Final = {
     "list": "devices",
@@ -144,11 +144,13 @@ class PrintCompletion(argparse.Action):
         """Print it."""
         import shtab  # noqa: PLC0415 - used here alone
 
+        from homebot.cli.device_completion import DEVICE_NAMES  # noqa: PLC0415 - likewise
+
+        kinds = {"FILE": shtab.FILE, "DIR": shtab.DIRECTORY, "DEVICE": DEVICE_NAMES, "QUERY": DEVICE_NAMES}
         whole = self._whole_parser()
         for action in _actions(whole):
-            if action.metavar in {"FILE", "DIR"}:
-                kind = shtab.FILE if action.metavar == "FILE" else shtab.DIRECTORY
-                action.complete = kind  # type: ignore[attr-defined]  # where shtab looks
+            if action.metavar in kinds:
+                action.complete = kinds[str(action.metavar)]  # type: ignore[attr-defined]  # where shtab looks
         print(shtab.complete(whole, str(values)))
         parser.exit()
 

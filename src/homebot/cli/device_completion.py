@@ -1,0 +1,87 @@
+"""Names of devices for the completion of a shell, from the homebot that runs."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import signal
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, Final, cast
+
+from homebot.cli.arguments import add_global_options
+from homebot.cli.door_address import door_of
+from homebot.cli.door_client import open_door
+from homebot.devices.names import LIST_DEVICES
+
+__all__ = ["DEVICE_NAMES", "print_devices"]
+
+COMPLETE_DEVICES: Final = "--complete-devices"
+_LIMIT: Final = 0.3
+"""Seconds: a person who presses Tab waits no longer."""
+
+_MOST: Final = 2000
+_BASH: Final = f"""\
+_homebot_devices() {{
+  local name
+  "${{COMP_WORDS[0]}}" {COMPLETE_DEVICES} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null | while IFS= read -r name; do
+    case $1 in [\\"\\']*) printf '%s\\n' "$name" ;; *) printf '%q\\n' "$name" ;; esac
+  done
+}}
+"""
+_ZSH: Final = f"""\
+_homebot_devices() {{
+  local -a names
+  names=(${{(f)"$(homebot {COMPLETE_DEVICES} "${{words[@]}}" "$PREFIX" 2>/dev/null)"}})
+  compadd -a names
+}}
+"""
+DEVICE_NAMES: Final = {
+    "bash": "_homebot_devices",
+    "zsh": "_homebot_devices",
+    "fish": f"(homebot {COMPLETE_DEVICES} (commandline -opc)[2..-1] (commandline -ct) 2>/dev/null)",
+    "preamble": {"bash": _BASH, "zsh": _ZSH},
+}
+"""How each shell asks for the names of devices, for shtab."""
+
+
+def print_devices(words: Sequence[str]) -> int:
+    """Print the names, or else the ids, of devices that begin as the last of *words* does; nothing after 0.3 s.
+
+    Args:
+        words: Those of the command line after the program; they may name the homebot.
+    """
+    with suppress(Exception):  # a shell that completes has no place for errors
+        signal.signal(signal.SIGALRM, lambda *_: os._exit(0))
+        signal.setitimer(signal.ITIMER_REAL, _LIMIT)
+        print(*_names(words), sep="\n")
+    return 0
+
+
+def _names(words: Sequence[str]) -> list[str]:
+    parser = argparse.ArgumentParser(add_help=False, exit_on_error=False)
+    add_global_options(parser)
+    address = door_of(parser.parse_known_args(words[:-1])[0])
+    begin = _unquoted(words[-1])
+    devices: list[dict[str, Any]] = []  # as they come
+    with open_door(address.host, address.port, address.token) as door:
+        while page := cast("list[dict[str, Any]]", door.call(LIST_DEVICES, {"offset": len(devices)})["devices"]):
+            devices += page
+            if len(devices) >= _MOST:
+                break
+    names = [*dict.fromkeys(one["name"] for one in devices if str(one["name"]).isprintable())]
+    fits = (
+        [one for one in names if one.startswith(begin)],
+        [one for one in names if one.casefold().startswith(begin.casefold())],
+        [one["id"] for one in devices if one["id"].startswith(begin)],
+    )
+    return next(filter(None, fits), [])
+
+
+def _unquoted(word: str) -> str:
+    """Return *word* as the shell reads it, the end of a quotation or not."""
+    for end in ("", "'", '"'):
+        with suppress(ValueError):
+            return next(iter(shlex.split(word + end)), "")
+    return word
