@@ -5,6 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 
+from homebot import App
 from homebot.config import parse_config
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.errors import ServiceTimeoutError
@@ -47,3 +48,26 @@ async def test_a_handler_that_does_not_end_is_a_problem() -> None:
         assert (await health.call(HealthRequest())).troubles == (
             "a handler of /stuck has been at work for 6 minutes: its caller gave up, and later calls may wait for it",
         )
+
+
+class Clumsy(App):
+    """Has a job that fails each time."""
+
+    async def run(self) -> None:
+        self.every("1s", self.tick, name="tick")
+        await anyio.sleep_forever()
+
+    def tick(self) -> None:
+        raise ValueError("tock")
+
+
+@pytest.mark.virtual_time
+async def test_a_job_that_was_given_up_is_a_failure_with_that_outcome() -> None:
+    config = parse_config({"apps": {"clumsy": {"class": f"{__name__}:Clumsy"}}}, "test")
+    async with Runtime(config, with_door=False) as runtime, Node(runtime.graph, "node") as node:
+        health = node.create_client(GetHealth, "/homebot/health")
+        await anyio.sleep(2.5)
+        assert [one.outcome for one in (await health.call(HealthRequest())).failures] == [""]
+        await anyio.sleep(10)
+        (failure,) = (await health.call(HealthRequest())).failures
+        assert (failure.part, failure.what, failure.outcome) == ("clumsy", "the job tick failed", "given up")

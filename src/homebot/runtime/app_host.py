@@ -110,6 +110,11 @@ class AppHost:
         for name, app in self.running.items():
             yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
 
+    def given_up(self) -> set[tuple[str, str]]:
+        """Return the node and the callback of each job that apps have given up."""
+        apps = self.running.values()
+        return {(app.node.full_name, f"job {job.name}") for app in apps for job in app.jobs if job.runs.trouble}
+
     async def _notify(self, message: str, title: str, app: str) -> bool:
         return await self.notifier.send(message, title, app, self.context.zone)
 

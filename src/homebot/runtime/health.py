@@ -80,8 +80,10 @@ class RuntimeHealth:
     def _failures(self) -> Iterator[PartFailure]:
         for name, crash in sorted(self._supervisor.crashes.items()):
             yield _failure(name, "crashed", crash.count, crash.at, crash.last, crash.state)
+        given_up = self._apps.given_up()
         for one in self._graph.failures:
-            yield _failure(one.node.lstrip("/"), f"the {one.callback} failed", one.count, one.at, one.last)
+            outcome = "given up" if (one.node, one.callback) in given_up else ""
+            yield _failure(one.node.lstrip("/"), f"the {one.callback} failed", one.count, one.at, one.last, outcome)
         now, watch = self._graph.clock.now(), self._watch
         if watch is not None and watch.blocks:
             at = now - watch.seconds_since_block()

@@ -101,6 +101,15 @@ def test_the_doctor_names_what_failed(still: StillHouse, still_homebot: Homebot,
     check("doctor_failures", capsys.readouterr().out)
 
 
+def test_a_count_is_said_once(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+    still.is_well = True
+    still.counted = {"commands_failed": 3}
+    assert main(["--door", still_homebot.door, "doctor", "--json"]) == 1
+    found = {one["code"]: one["rows"] for one in json.loads(capsys.readouterr().out)["findings"]}
+    assert found["HB204"] == [{"what": "commands failed", "why": "3"}]
+    assert found["HB207"] == [{"what": "announcements rejected", "why": "7"}]
+
+
 def test_the_doctor_asks_for_no_more_devices_than_it_names(
     still: StillHouse, still_homebot: Homebot, capsys: Text
 ) -> None:

@@ -120,6 +120,7 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _show(title: str, facts: Mapping[str, object], findings: Sequence[Finding], options: argparse.Namespace) -> int:
     """Print *findings*; return the exit code."""
+    findings = sorted(findings, key=lambda one: one.kind.is_problem)  # what matters is above the prompt
     is_well = not any(one.kind.is_problem for one in findings)
     if options.json:
         print(json.dumps({**facts, "is_well": is_well, "findings": finding_json(findings)}, indent=2))
@@ -167,8 +168,9 @@ def health_findings(name: str, health: HealthResponse, now: float, *, everything
     """
     given_up = [one for one in health.failures if one.outcome == "given up"]
     failures = [one for one in health.failures if one.outcome != "given up"]
-    ills = [one for one in health.counts if one.count and _is_one_of(_ILLS, one.name)]
-    others = [one for one in health.counts if one not in ills and (everything or _is_fault(one))]
+    counts = [one for one in health.counts if everything or _is_fault(one)]
+    ills = [one for one in counts if _is_ill(one)]
+    others = [one for one in counts if not _is_ill(one)]
     for kind, rows in (
         (FindingKind.TROUBLE, [FindingRow("", one) for one in health.troubles]),
         (FindingKind.NOTE, [FindingRow("", one) for one in health.notes]),
@@ -185,6 +187,10 @@ def health_findings(name: str, health: HealthResponse, now: float, *, everything
 
 def _is_fault(one: Count) -> bool:
     return bool(one.count) and _is_one_of(_FAULTS, one.name)
+
+
+def _is_ill(one: Count) -> bool:
+    return bool(one.count) and _is_one_of(_ILLS, one.name)
 
 
 def _count(one: Count) -> FindingRow:
