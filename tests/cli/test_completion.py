@@ -46,7 +46,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("line", "found"),
     [
-        ("homebot to", {"token", "topic"}),
+        ("homebot to", {"token", "top", "topic"}),
         ("homebot topic ", {"echo", "find", "hz", "info", "list", "pub", "type"}),
         ("homebot --door localhost:9090 ser", {"service"}),
         ("homebot devices --js", {"--json"}),

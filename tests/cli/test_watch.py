@@ -144,3 +144,34 @@ def test_a_change_without_a_reason_waits_for_the_journal_and_no_longer() -> None
     assert [line.why for line in lines.pop(11.0)] == [""]
     lines.add_change(change, 12.0)
     assert list(lines.pop(20.0)) == []  # the same value is no change
+
+
+def test_top_prints_one_table_into_a_pipe_and_a_line_a_sample_as_json(door: str) -> None:
+    top = [*HOMEBOT, "top"]
+    table = subprocess.run(top, env=_environment(door), capture_output=True, text=True, timeout=60, check=True).stdout
+    assert table.startswith("TOPIC ")
+    assert "/discovery/states" in table
+    assert "loop lag" in table.splitlines()[-1]
+    with subprocess.Popen([*top, "--json"], env=_environment(door), stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        found = [json.loads(process.stdout.readline()) for _ in range(2)]
+        process.send_signal(signal.SIGINT)
+    assert all({"/rosout", "/discovery/states"} <= {one["topic"] for one in load["topics"]} for load in found)
+
+
+def test_top_takes_the_whole_terminal_and_gives_it_back(door: str) -> None:
+    ours, theirs = os.openpty()
+    environment = {**_environment(door), "TERM": "xterm", "LINES": "12", "COLUMNS": "90"}
+    process = subprocess.Popen([*HOMEBOT, "top"], env=environment, stdin=theirs, stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    shown = ""
+    while shown.count("loop lag") < 2:
+        shown += os.read(ours, 65536).decode()
+    process.send_signal(signal.SIGINT)
+    while "\x1b[?1049l" not in shown:
+        shown += os.read(ours, 65536).decode()
+    process.wait(60)
+    os.close(ours)
+    assert shown.startswith("\x1b[?1049h")
+    frame = shown.split("loop lag")[1]
+    assert frame.count("\r\n") < 12

@@ -46,6 +46,7 @@ COMMANDS: Final = {
     "places": "list, export and import the rooms of the house",
     "import": "add a device from a W3C Thing Description",
     "watch": "print each change and each command as it happens",
+    "top": "show rates, queues and losses of topics, and the slowest handlers, live",
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import groupby
 from typing import Final, TextIO, final
 
 from rich.console import Console
+from rich.live import Live
 from rich.padding import Padding
 from rich.progress import Progress
 from rich.table import Table
@@ -19,6 +20,7 @@ from homebot.support.printable import printable
 __all__ = ["RichTerminal"]
 
 _GAP: Final = 2
+_OTHER_LINES: Final = 4
 _STYLES: Final = (
     ("unreachable", "red"),
     ("stale", "yellow"),
@@ -76,6 +78,17 @@ class RichTerminal:
     def print_line(self, text: str, style: str) -> None:
         """Print *text* in a *style* of rich's."""
         self._console.print(_text(text, style), soft_wrap=True)
+
+    def show_live(self, head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
+        """Show each of *frames*, as many rows as fit; without a thread of rich's."""
+        with Live(console=self._console, auto_refresh=False, screen=True, vertical_overflow="crop") as live:
+            for title, rows in frames:
+                table = Table(box=None, pad_edge=False, expand=True, title_justify="left", title=_text(title))
+                for name in head:
+                    table.add_column(name, no_wrap=True, overflow="ellipsis")
+                for row in rows[: max(1, self._console.height - _OTHER_LINES)]:
+                    table.add_row(*map(_text, row))
+                live.update(table, refresh=True)
 
     @contextmanager
     def progress(self, what: str, total: int) -> Iterator[Callable[[int], None]]:

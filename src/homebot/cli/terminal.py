@@ -6,7 +6,7 @@ rich is loaded for a terminal alone: it costs a command that is piped nothing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, TextIO
 
@@ -15,7 +15,7 @@ from homebot.cli.table import to_lines, to_table, without_empty
 if TYPE_CHECKING:
     from homebot.cli.rich_terminal import RichTerminal
 
-__all__ = ["is_terminal", "print_line", "print_rows", "print_table", "progress"]
+__all__ = ["is_terminal", "print_line", "print_rows", "print_table", "progress", "show_live"]
 
 _INDENT: Final = "  "
 
@@ -82,6 +82,11 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
             yield update
     else:
         yield lambda done: None  # noqa: ARG005 - no terminal
+
+
+def show_live(head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
+    """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back."""
+    _terminal(sys.stdout).show_live(head, frames)
 
 
 def _terminal(stream: TextIO) -> RichTerminal:

@@ -21,7 +21,7 @@ The class is long because it offers all operations of a node, as rclpy's does; e
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from functools import partial
 from types import TracebackType
 from typing import Literal, Self, TypeVar
@@ -322,14 +322,10 @@ class Node:
         """Return the full name of *name*, as seen from this node."""
         return expand_name(name, self.name, self.namespace, kind)
 
-    def lost_messages(self) -> Iterator[tuple[str, int]]:
-        """Yield topics with messages of open subscriptions that were lost or expired unread, and their number.
-
-        Messages replaced by newer ones on a topic of depth 1 are outdated, not lost.
-        """
-        for entity in self._entities.values():
-            if isinstance(entity, Subscription) and entity.wants_all and (lost := entity.lost + entity.expired):
-                yield entity.topic_name, lost
+    @property
+    def entities(self) -> tuple[GraphEntity, ...]:
+        """Its open publishers, subscriptions, services and actions."""
+        return tuple(self._entities.values())
 
     @property
     def is_closed(self) -> bool:
@@ -365,7 +361,7 @@ class Node:
             self.close()
 
     def _cancel_handlers(self) -> None:
-        entities = tuple(self._entities.values())
+        entities = self.entities
         for entity in entities:
             if entity.info.kind in _ACTION_ENDS:
                 entity.close()  # first, so that those that wait for results receive them

@@ -46,6 +46,7 @@ class Publisher(Generic[MessageT]):
     Attributes:
         subscription_count: The number of matched subscriptions.
         incompatible_qos_count: The number of subscriptions that requested more than it offers.
+        published: The number of published messages.
     """
 
     def __init__(
@@ -64,6 +65,7 @@ class Publisher(Generic[MessageT]):
         self.qos = qos
         self.subscription_count = 0
         self.incompatible_qos_count = 0
+        self.published = 0
         self._on_close: Callable[[], None] | None = on_close
         self._message_type = message_type
         self._clock = clock
@@ -108,6 +110,7 @@ class Publisher(Generic[MessageT]):
         """
         if type(message) is not self._message_type:
             self._reject(message)
+        self.published += 1
         if not self._is_plain:
             self._publish_watched(message)
             return

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Hashable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar, final
 
@@ -64,6 +65,7 @@ class Subscription(Generic[MessageT]):
         incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
         unbegun: The number of received messages without a started task.
+        slowest: Seconds that its callback, one at a time, needed at most, waiting included; None if not measured.
     """
 
     def __init__(
@@ -85,6 +87,7 @@ class Subscription(Generic[MessageT]):
         self.incompatible_qos_count = 0
         self.expired = 0
         self.unbegun = 0
+        self.slowest: float | None = None
         self._is_keyed = message_type.key_field is not None
         self._on_close: Callable[[], None] | None = on_close
         self.on_failure = on_failure
@@ -177,6 +180,7 @@ class Subscription(Generic[MessageT]):
         try:
             while True:
                 await mailbox.wait()
+                call = callback if self.slowest is None else partial(self._time, callback)
                 for _ in range(TURN):
                     if not waiting:
                         break
@@ -190,7 +194,7 @@ class Subscription(Generic[MessageT]):
                     else:
                         message = item
                     try:
-                        result = callback(message)
+                        result = call(message)
                         if result is not None:
                             await result
                     except BaseException as exc:  # every failure but the end of this task
@@ -203,6 +207,14 @@ class Subscription(Generic[MessageT]):
             return
         finally:
             self._abandon()
+
+    async def _time(self, callback: Callback[MessageT], message: MessageT) -> None:
+        began = self._clock.monotonic()
+        result = callback(message)
+        if result is not None:
+            await result
+        if self.slowest is not None:
+            self.slowest = max(self.slowest, self._clock.monotonic() - began)
 
     async def run_concurrently(self, callback: Callback[MessageT]) -> None:
         """Call *callback* in one task for each message, at most ``depth`` of them at a time."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import RUNTIME_HEALTH
-from homebot.graph import Graph, Node
+from homebot.graph import Graph, Node, Subscription
 from homebot.messages.builtin_interfaces import Time
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.supervisor import Supervisor
@@ -101,7 +101,9 @@ class RuntimeHealth:
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
             if node is not None and not name.endswith("/rosbridge_websocket"):
-                yield from ((name, topic, count) for topic, count in node.lost_messages())
+                for one in node.entities:
+                    if isinstance(one, Subscription) and one.wants_all and (lost := one.lost + one.expired):
+                        yield name, one.topic_name, lost
 
 
 def _failure(part: str, what: str, count: int, at: float, why: str, outcome: str = "") -> PartFailure:

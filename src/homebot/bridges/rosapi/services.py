@@ -190,7 +190,8 @@ _OTHER_NAMES: Final = {"action_servers": "GetActionServers", "get_ros_version": 
 class RosApi:
     """Offers the rosapi services on *node*, and the definition of types; they go with it.
 
-    Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints``, which is ours, shows them too.
+    Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints`` and ``/rosapi/load``, which are
+    ours, show them too.
 
     Args:
         node: The node that serves; its name should be ``rosapi``, though the services have that name in any case.
@@ -202,12 +203,19 @@ class RosApi:
             _serve(node, name, error_log)
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         node.offer_service("homebot/srv/FindEndpoints", "/rosapi/endpoints", partial(_serve_endpoints, node))
+        node.offer_service("homebot/srv/MeasureLoad", "/rosapi/load", partial(_serve_load, node))
 
 
 def _serve_endpoints(node: Node) -> None:
     from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints  # noqa: PLC0415 - few runs are asked
 
     node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
+
+
+def _serve_load(node: Node) -> None:
+    from homebot.bridges.rosapi.load import LoadMeter, MeasureLoad  # noqa: PLC0415 - as above
+
+    node.create_service(MeasureLoad, "/rosapi/load", LoadMeter(node).measure)
 
 
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
