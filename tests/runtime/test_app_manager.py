@@ -185,7 +185,7 @@ async def test_an_app_of_homebot_is_reloaded_with_its_settings_alone(tmp_path: P
         assert runtime._apps.apps[0].settings.model_dump()["quiet_after"] == 1700
         assert sys.modules["homebot.apps.lights_out"] is before
         config.write_text("[apps.lights_out]\nact = 'light in hall'\n")
-        with pytest.raises(HomebotError, match=r"apps\.lights_out\.act: has changed, which takes a restart of homebot"):
+        with pytest.raises(HomebotError, match=r"apps\.lights_out\.act: has changed; reload the configuration first"):
             await runtime._apps.reload("lights_out")
 
 

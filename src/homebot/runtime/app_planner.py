@@ -22,7 +22,7 @@ class AppPlanner:
 
     Args:
         read_config: Returns the configuration as it is now.
-        grants: The scopes of apps by their nodes, which stay until a restart.
+        grants: The scopes of apps by their nodes, replaced when the configuration is reloaded.
     """
 
     def __init__(self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]]) -> None:
@@ -66,5 +66,9 @@ class AppPlanner:
     ) -> PlannedComponent[App]:
         planned = planned_app(name, table, config, load)
         if scope_of(f"apps.{name}", table, config) != self._grants.get(f"/{name}"):
-            raise ConfigError(config.source, f"apps.{name}.act", "has changed, which takes a restart of homebot")
+            raise ConfigError(
+                config.source,
+                f"apps.{name}.act",
+                "has changed; reload the configuration first: kill -HUP, or systemctl reload homebot",
+            )
         return planned
