@@ -34,16 +34,6 @@ def test_the_program_in_the_guide_runs() -> None:
     assert "living_lamp told on" in printed[0]
 
 
-def test_the_day_in_the_guide_runs() -> None:
-    """On the wire, in virtual time."""
-    found = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)[1]
-    printed: list[str] = []
-    root = Path(__file__).parents[2]
-    exec(found.replace('Path("examples', f'Path({str(root)!r}, "examples'), {"print": printed.append})  # noqa: S102  # as above
-    assert "07:00:00.000 mqtt home425/lights/bath_lamp/in off" in printed[0]
-    assert "0 07:00:00.000 bath_lamp switch on" in printed[0]
-
-
 def test_the_guide_lists_every_kind_and_fault_with_its_settings() -> None:
     """As they can be told."""
     for name, model in (KINDS | FAULTS).items():
