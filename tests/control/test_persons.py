@@ -157,3 +157,23 @@ async def test_a_report_of_a_motion_sensor_is_no_wish_of_a_person(open_home: Ope
         await home.report("motion", "occupancy", True)
         await anyio.sleep(1)
         assert outcomes == ["Refused"]
+
+
+async def test_a_motion_sensor_that_was_away_does_not_prove_that_nobody_came_meanwhile(open_home: OpenHome) -> None:
+    """It reports the same value as before, and what it reported while it was away was lost."""
+    async with open_home(presence_guard={"absent_after": 300.0}) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        await home.report("lamp", "on_off", True)
+        for value in (True, False):
+            await home.report("motion", "occupancy", value)
+            await anyio.sleep(600)
+        home.gateway.devices.report_reachable("motion", reachable=False)
+        await anyio.sleep(600)
+        home.gateway.devices.report_reachable("motion", reachable=True)
+        await home.report("motion", "occupancy", False)
+        lamp = await home.handle(Light, "lamp")
+        await anyio.sleep(60)
+        assert "motion has been heard for only 60 s" in (await lamp.turn_off()).text
+        await anyio.sleep(300)
+        assert isinstance(await lamp.turn_off(), Confirmed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Final, NamedTuple, final
 
@@ -24,11 +25,13 @@ class SensorReading(NamedTuple):
         sensor: The id of the device, with ``#`` and the id of the part if it has one.
         value: The value; None if the sensor reported nothing live, or has been silent for too long.
         since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
+        heard_since: The end of the last silence of the sensor, in which it may have had another value; 0 for none.
     """
 
     sensor: str
     value: PlainValue
     since: float = 0.0
+    heard_since: float = 0.0
 
 
 @final
@@ -50,10 +53,15 @@ class House:
         self._rooms: dict[str, dict[str, DeviceView]] = {}
         self._room_of: dict[str, str] = {}
         self._detected_since: dict[str, float] = {}
+        self._heard_since: dict[str, float] = {}  # of devices that were silent
 
     def put(self, view: DeviceView) -> None:
         """Add a device, or update its room."""
         device = view.device
+        if not _is_heard(device):
+            self._heard_since[device.id] = math.inf
+        elif self._heard_since.get(device.id) == math.inf:
+            self._heard_since[device.id] = device.last_seen.to_seconds()
         self._leave_room(device.id)
         self._devices[device.id] = view
         room = self._room_of[device.id] = fold(device.area)
@@ -64,6 +72,7 @@ class House:
         """Forget a device."""
         if (view := self._devices.pop(device_id, None)) is not None:
             self._leave_room(device_id)
+            self._heard_since.pop(device_id, None)
             for part in view.device.parts:
                 self.detections.forget(_sensor(device_id, part.id))
                 self._detected_since.pop(_sensor(device_id, part.id), None)
@@ -76,7 +85,7 @@ class House:
     def readings(self, room: str, capability: str) -> list[SensorReading]:
         """Return the values of all sensors of *capability* in *room*, which is not empty."""
         return [
-            _reading(view, part.id, capability)
+            self._reading(view, part.id, capability)
             for view in self._rooms.get(fold(room), {}).values()
             for part in view.device.parts
             if any(one.name == capability and one.readable for one in part.part.capabilities)
@@ -85,7 +94,7 @@ class House:
     def reading_of(self, name: str, capability: str) -> SensorReading | None:
         """Return the value of the only sensor of *capability* of a device with the id or the name *name*."""
         found = [
-            _reading(view, part.id, capability)
+            self._reading(view, part.id, capability)
             for view in self._devices.values()
             if view.device.id == name or fold(name) in map(fold, (view.device.name, *view.device.names))
             for part in view.device.parts
@@ -109,6 +118,14 @@ class House:
         """Return the devices in *room*, or all."""
         return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
 
+    def _reading(self, view: DeviceView, part: str, capability: str) -> SensorReading:
+        device = view.device
+        name = _sensor(device.id, part)
+        state = view.state(part, capability)
+        if state is None or not state.live or not _is_heard(device) or part in device.offline_parts:
+            return SensorReading(name, None)
+        return SensorReading(name, state.value.plain(), state.since.to_seconds(), self._heard_since.get(device.id, 0.0))
+
     def _record_detections(self, device_id: str, states: Iterable[State]) -> None:
         for state in states:
             if state.capability == OCCUPANCY and state.value.plain() is True:
@@ -128,14 +145,8 @@ class House:
                 del self._rooms[room]
 
 
-def _reading(view: DeviceView, part: str, capability: str) -> SensorReading:
-    device = view.device
-    name = _sensor(device.id, part)
-    state = view.state(part, capability)
-    is_away = device.reachable.state == "no" or part in device.offline_parts
-    if state is None or not state.live or device.freshness != "fresh" or is_away:
-        return SensorReading(name, None)
-    return SensorReading(name, state.value.plain(), state.since.to_seconds())
+def _is_heard(device: Device) -> bool:
+    return device.freshness == "fresh" and device.reachable.state != "no"
 
 
 def _sensor(device_id: str, part: str) -> str:

@@ -89,16 +89,17 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     """Return whether *room* is occupied, and the readings behind it.
 
     Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
-    silent, has never detected motion, or first reported within these seconds. Absent otherwise.
+    silent, has never detected motion, or was first heard within these seconds, or again. Absent otherwise.
     """
     found: list[FactUsed] = []
     doubtful: list[FactUsed] = []
     house = facts.house
     for one in house.readings(room, OCCUPANCY):
-        used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, one.since)
+        used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, max(one.since, one.heard_since))
         is_proven = one.value is False and one.sensor in house.detections
-        is_recent = is_proven and facts.age(one.since) < absent_after
-        if one.value is True or (is_recent and house.detected_since(one.sensor) is not None):
+        is_recent = is_proven and facts.age(used.since) < absent_after
+        is_seen = one.since >= one.heard_since and house.detected_since(one.sensor) is not None
+        if one.value is True or (is_recent and is_seen):
             return "present", (used,)
         (found if is_proven and not is_recent else doubtful).append(used)
     if doubtful or not found:
