@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, final
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
 from homebot.history.buckets import COUNTERS
+from homebot.history.sealing import MASK
 
 if TYPE_CHECKING:
     from homebot.clock import Clock
@@ -52,7 +53,7 @@ class Collector:
 
     Args:
         clock: The clock.
-        most: The number of series at most.
+        most: The number of series at most, without those of devices that were not seen in this run.
         known: The series of earlier runs.
         last: The last value of each counter in earlier runs, by the number of its series.
 
@@ -69,6 +70,7 @@ class Collector:
         self._most = most
         self._last = last
         self._followed: dict[str, dict[tuple[str, str], _CollectedValue]] = {}
+        self._count = 0
         self._units: dict[str, dict[tuple[str, str], str]] = {}
         self.series: dict[Place, Series] = dict(known)
         self.batch = Batch()
@@ -245,15 +247,16 @@ class Collector:
         """Return the series of *place*, a new one where there is room for it."""
         series = self.series.get(place)
         if series is None:
-            if len(self.series) >= self._most:
+            number = 1 + max((one.number for one in self.series.values()), default=0)
+            if self._count >= self._most or number > MASK:
                 self.left_out += 1
                 return None
             device, part, capability = place
             known = CAPABILITIES.get(capability)
             unit = self._units.get(device, {}).get((part, capability)) or (known.unit if known else "")
-            number = 1 + max((one.number for one in self.series.values()), default=0)
             series = self.series[place] = Series(number, place, unit)
             self.batch.new.append(series)
+        self._count += 1
         followed = _CollectedValue(series, self._last.get(series.number))
         self._followed.setdefault(place[0], {})[place[1], place[2]] = followed
         return followed

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Self
+from typing import Final, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from homebot.config import value_errors
-from homebot.units import Seconds, parse_duration
+from homebot.units import Seconds
 
 __all__ = ["HistorySettings", "KeepSettings"]
 
 _DAY: Final = 86_400.0
-
-
-def _read_duration(value: object) -> object:
-    with value_errors():
-        return parse_duration(value) if isinstance(value, str) else value
-
-
-_Duration = Annotated[Seconds, BeforeValidator(_read_duration)]
 
 
 class KeepSettings(BaseModel):
@@ -33,9 +24,9 @@ class KeepSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    values: _Duration = 2 * _DAY
-    five_minutes: _Duration = 30 * _DAY
-    states: _Duration = 365 * _DAY
+    values: Seconds = 2 * _DAY
+    five_minutes: Seconds = 30 * _DAY
+    states: Seconds = 365 * _DAY
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
@@ -51,12 +42,13 @@ class HistorySettings(BaseModel):
         enabled: Whether to keep a history; by default where devices are remembered, and of a simulated house.
         keep: How long.
         batch: Time in which values are gathered, which a power cut loses: a disk writes whole blocks each time.
-        series: The number of values of devices at most, of which each has a history.
+        series: The number of values of devices at most, of which each has a history; those of devices that were gone at
+            the start do not count.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     enabled: bool | None = None
     keep: KeepSettings = KeepSettings()
-    batch: _Duration = 300.0
+    batch: Seconds = 300.0
     series: int = Field(default=1000, ge=1, le=20_000)

@@ -1,0 +1,129 @@
+"""Limits of the history: a full disk, too many values, years that pass, and an event loop that goes on."""
+
+from __future__ import annotations
+
+import random
+import sqlite3
+import time
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.history.conftest import MIDNIGHT, MakeHouse
+
+from homebot.clock import LoopClock
+from homebot.devices.health import HealthRequest
+from homebot.graph import Graph, Node
+from homebot.history.batch import Batch, Series
+from homebot.history.collector import MOST_WAITING, Collector
+from homebot.history.history import HistoryKeeper
+from homebot.history.history_file import HistoryFile
+from homebot.history.settings import HistorySettings, KeepSettings
+from homebot.history.store import HistoryStore
+
+HOUR = 3_600_000
+START = round(MIDNIGHT * 1000)
+LONGEST_TURN = 0.05
+"""Seconds of processor time."""
+
+
+def counts(history: HistoryKeeper) -> dict[str, int]:
+    return {one.name: one.count for one in history.health(HealthRequest()).counts}
+
+
+def fill(connection: sqlite3.Connection) -> None:
+    """Let the file have no page more, as on a full disk."""
+    connection.execute("PRAGMA max_page_count = 1")
+
+
+@pytest.mark.virtual_time
+async def test_on_a_full_disk_values_wait_and_are_written_when_there_is_room_again(kept: MakeHouse) -> None:
+    async with kept() as house:
+        connection = house.history._store._file.connection
+        fill(connection)
+        chance = random.Random(1)  # noqa: S311 - values that take room
+        values = [chance.uniform(10, 30) for _ in range(900)]
+        for value in values:
+            await house.report("thermometer", temperature=value)
+            await anyio.sleep(2)
+        health = house.history.health(HealthRequest())
+        assert "database or disk is full" in health.troubles[0]
+        assert counts(house.history)["history_failures"] > 1
+        connection.execute("PRAGMA max_page_count = 1000000")
+        await anyio.sleep(600)
+        assert house.history.health(HealthRequest()).troubles == ()
+        assert counts(house.history)["history_lost"] == 0
+        series = await house.read("thermometer", since=3000, points=5000)
+    assert {round(one, 3) for one in values} == {round(one, 3) for one in series.values}
+
+
+@pytest.mark.virtual_time
+async def test_of_more_values_than_may_wait_the_oldest_are_lost_and_counted(kept: MakeHouse) -> None:
+    async with kept() as house:
+        fill(house.history._store._file.connection)
+        collector = house.history._collector
+        await house.report("thermometer", temperature=1.0)
+        followed = collector._followed["thermometer"]["", "temperature"]
+        for number in range(2 * MOST_WAITING):
+            collector._add(followed, START + number, float(number))
+        await anyio.sleep(600)
+        assert len(collector.batch.times) <= MOST_WAITING
+        assert MOST_WAITING < counts(house.history)["history_lost"] < 1.1 * MOST_WAITING
+        assert max(collector.batch.values) == 2 * MOST_WAITING - 1
+        assert collector.batch.values[0] > MOST_WAITING - 1  # the newest are there
+
+
+def test_after_a_month_only_hours_become_more(tmp_path: Path) -> None:
+    """Values of two days, summaries of thirty; a row a day for ever; words of a year."""
+    file = HistoryFile(tmp_path / "history.sqlite", KeepSettings())
+    file.open(0.0)
+    file.load()
+    batch = Batch(new=[Series(1, ("meter", "", "power"), "W")])
+    for hour in range(40 * 24):
+        at = START + hour * HOUR
+        batch.add(1, at, float(hour))
+        file.write(batch, at + HOUR - 1)
+        batch = Batch()
+    rows = {table: _count(file.connection, table) for table in ("recent", "raw", "five", "day")}
+    (free,) = file.connection.execute("PRAGMA freelist_count").fetchone()
+    (pages,) = file.connection.execute("PRAGMA page_count").fetchone()
+    file.close()
+    assert rows == {"recent": 1, "raw": 48, "five": 30 * 24, "day": 39}
+    assert free <= pages / 4
+
+
+def _count(connection: sqlite3.Connection, table: str) -> int:
+    return int(connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0])  # noqa: S608 - our own names
+
+
+async def test_the_loop_goes_on_while_a_hundred_thousand_values_are_written(tmp_path: Path) -> None:
+    """Measured by the processor time of its own thread; the clock of the wall would be that of a busy machine."""
+    async with Node(Graph(), "history") as node:
+        store = HistoryStore(node, tmp_path / "history.sqlite", HistorySettings())
+        assert await store.open() is not None
+        collector = Collector(LoopClock(), 1000, {}, {})
+        now = round(LoopClock().now() * 1000)
+        collector.batch.new += [Series(one, (f"s{one}", "", "power"), "W") for one in range(100)]
+        for number in range(MOST_WAITING):
+            collector.batch.add(number % 100, now - 7 * HOUR + number, float(number % 977))
+        longest, turns = 0.0, 0
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(store.write, collector)
+            before = time.thread_time()
+            while collector.batch.new:
+                await anyio.sleep(0.001)
+                longest, before, turns = max(longest, time.thread_time() - before), time.thread_time(), turns + 1
+        assert store.problem == ""
+        assert turns > 5
+        assert longest < LONGEST_TURN
+        await store.close()
+
+
+async def test_devices_that_are_gone_leave_room_for_new_ones() -> None:
+    """Their history stays."""
+    gone = {(f"gone{one}", "", "power"): Series(one, (f"gone{one}", "", "power"), "W") for one in range(1, 11)}
+    collector = Collector(LoopClock(), 10, gone, {})
+    for one in range(12):
+        collector._record(f"new{one}", "", "power", 1.0, START)
+    assert (len(collector.series), collector.left_out) == (20, 2)
+    assert sorted(one.number for one in collector.series.values()) == list(range(1, 21))
