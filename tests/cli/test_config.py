@@ -67,6 +67,16 @@ def test_an_empty_file_is_a_home_with_nothing_in_it(capsys: Text) -> None:
     )
 
 
+def test_the_address_is_that_of_the_environment_where_the_file_has_none(
+    capsys: Text, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOMEBOT_DOOR", "127.0.0.1:9191")
+    for text, port in (("", 9191), ("[door]\nport = 9292\n", 9292)):
+        Path("homebot.toml").write_text(text)
+        assert main(["config", "check"]) == 0
+        assert f"  rosbridge: 127.0.0.1:{port}\n" in capsys.readouterr().out
+
+
 def test_the_directory_of_things_is_told_where_there_is_one(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("homebot.toml").write_text("[thing_directory]\n")
     assert main(["config", "check"]) == 0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from homebot.cli.commands.run import with_tokens
+from homebot.cli.commands.run import with_environment
 from homebot.config import parse_config
 from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.errors import ConfigError
@@ -40,7 +40,7 @@ def test_the_token_of_the_environment_is_not_one_more_beside_named_ones(
     """There it is that of the command line: it must not get every right by that."""
     monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
     tables = {"robot": {"token_file": secret_file(tmp_path), "scope": ["read"]}}
-    config = with_tokens(parse_config({"door": {"tokens": tables}}, "homebot.toml", tmp_path))
+    config = with_environment(parse_config({"door": {"tokens": tables}}, "homebot.toml", tmp_path))
     assert set(make_plan(config).door.rights(LOCAL_RIGHTS)) == {"local", "robot"}
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from homebot.bridges.admission import AccessSettings
 from homebot.cli.commands.config import config_errors
-from homebot.cli.commands.run import with_tokens
+from homebot.cli.commands.run import with_environment
 from homebot.cli.findings import Finding, FindingKind, FindingRow
 from homebot.config import load_config, load_tables
 from homebot.errors import ConfigError
@@ -48,7 +48,7 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
         yield Finding(FindingKind.SECRET, "", secrets)
     if errors:
         return
-    settings = with_tokens(load_config(path))
+    settings = with_environment(load_config(path))
     plan = make_plan(settings)
     checks = [(FindingKind.PORT, _taken_ports(plan))]
     if plan.discovery.persist:

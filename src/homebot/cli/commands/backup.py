@@ -12,7 +12,7 @@ from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
 from homebot.cli.backup_archive import ArchivedFile, Manifest, write_archive
-from homebot.cli.commands.run import with_tokens
+from homebot.cli.commands.run import with_environment
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.config import load_config, load_tables
 from homebot.devices.names import COPY_FILES
@@ -52,7 +52,7 @@ def _back_up(options: argparse.Namespace) -> int:
     configure_logging()
     path = Path(options.config)
     tables = load_tables(path)
-    config = with_tokens(load_config(path))
+    config = with_environment(load_config(path))
     folder = index_place(config).parent
     files, secrets = _config_files(path, tables, with_secrets=options.with_tokens)
     copies = _copies(folder, options)

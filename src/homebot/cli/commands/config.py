@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from homebot.cli.arguments import add_verb, add_verbs, set_command
-from homebot.cli.commands.run import with_tokens
+from homebot.cli.commands.run import with_environment
 from homebot.config import load_config, load_tables, parse_config
 from homebot.errors import ConfigError
 from homebot.gateways import Gateway
@@ -40,7 +40,7 @@ def _check(options: argparse.Namespace) -> int:
             print(f"homebot: {error}", file=sys.stderr)
         return 1
     config = load_config(path)
-    plan = make_plan(with_tokens(config))
+    plan = make_plan(with_environment(config))
     print(f"{config.source} is valid: home {plan.home}")
     print(f"  gateways:  {_list(map(_gateway_text, plan.gateways))}")
     print(f"  apps:      {_list(app.name for app in plan.apps)}")
@@ -54,7 +54,7 @@ def _check(options: argparse.Namespace) -> int:
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
     """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
     try:
-        return plan_errors(with_tokens(parse_config(tables, str(path), path.parent)))
+        return plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
     except ConfigError as exc:
         found = (exc, *exc.others)
         wrong = {error.key.partition(".")[0] for error in found}

@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from homebot.apps import App
 from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.first_connection import FirstConnection
 
-__all__ = ["add_arguments", "configuration", "run", "with_tokens"]
+__all__ = ["add_arguments", "configuration", "run", "with_environment"]
 
 _WRONG_CONFIGURATION = 2
 """Exit code of a service whose configuration is wrong: to start it again does not help."""
@@ -223,23 +223,18 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
         tables["gateways"].setdefault("mqtt", {}).update(stated)
     for name in options.app:
         _add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
-    if door := _door(options, tables["door"]):
-        tables["door"].update(host=door[0], port=door[1])
+    if options.door:
+        tables["door"].update(host=options.door[0], port=options.door[1])
     is_changed = bool(stated or options.app)
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
-    return with_tokens(parse_config(tables, source, base.folder)), house
+    return with_environment(parse_config(tables, source, base.folder)), house
 
 
-def _door(options: argparse.Namespace, in_file: Table) -> tuple[str, int] | None:
-    """Return the address to listen on, from the command line or else the environment; None if the file has it."""
-    if options.door:
-        return cast("tuple[str, int]", options.door)
-    return None if in_file.keys() & {"host", "port"} else door_of_environment()
-
-
-def with_tokens(config: Config) -> Config:
-    """Return *config* with the tokens of its servers from the environment, where the file has none."""
+def with_environment(config: Config) -> Config:
+    """Return *config* with the door's address and the tokens of its servers from the environment, if it has none."""
     tables = {"door": config.door}
+    if not config.door.keys() & {"host", "port"} and (address := door_of_environment()):
+        tables["door"] = {**config.door, "host": address[0], "port": address[1]}
     if config.thing_directory is not None:
         tables["thing_directory"] = config.thing_directory
     return config.model_copy(update={name: _with_token(table, _TOKENS[name]) for name, table in tables.items()})

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from homebot.bridges.rosbridge.settings import check_token_name
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
-from homebot.cli.commands.run import with_tokens
+from homebot.cli.commands.run import with_environment
 from homebot.config import parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.runtime.plan import make_plan
@@ -68,7 +68,7 @@ def _new(options: argparse.Namespace) -> int:
     try:
         token_file.write_text(f"{secrets.token_urlsafe(32)}\n", encoding="ascii")
         tables = parse_toml(f"{before}\n{table}", str(config))
-        make_plan(with_tokens(parse_config(tables, str(config), config.parent)))
+        make_plan(with_environment(parse_config(tables, str(config), config.parent)))
         if config.exists():
             with config.open("a", encoding="utf-8") as file:
                 file.write(f"\n{table}")
