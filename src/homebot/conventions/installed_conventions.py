@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 
-from homebot.conventions.convention import Convention, TextConvention
+from homebot.conventions.convention import Convention, SlicedConvention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
 from homebot.support.similar import unknown_key
@@ -18,8 +18,6 @@ __all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "fi
 GROUP = "homebot.mqtt_conventions"
 
 _ALL = ("thesis", "zigbee2mqtt", "homeassistant", "tasmota", "shelly", "homie", "thing")
-"""In the order in which their announcements are asked for: a list of all devices takes seconds to read, in which
-nothing is announced. Were it last, all devices would be described before it, and again with it."""
 
 
 def default_conventions() -> tuple[str, ...]:
@@ -33,7 +31,10 @@ def any_announcing(names: Iterable[str]) -> bool:
 
 
 def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> tuple[Convention, ...]:
-    """Load and create the conventions *names*.
+    """Load and create the conventions *names*, in the order in which their announcements are to be asked for.
+
+    Those with lists of all devices come first: a list takes seconds to read, in which nothing is announced. Were it
+    last, all devices would be described before it, and again with it.
 
     Args:
         names: Entry-point names, or ``module:Class``.
@@ -51,7 +52,7 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
         if "root" in kind.Settings.model_fields and isinstance(table, dict):
             table = {"root": root, **table}
         conventions.append(kind(_checked(kind.Settings, table)))
-    return tuple(conventions)
+    return tuple(sorted(conventions, key=lambda one: not isinstance(one, SlicedConvention)))
 
 
 def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
