@@ -1,44 +1,39 @@
 """The door itself: listens, lets clients in, gives each a session, and closes them cleanly.
 
-With :mod:`homebot.bridges.rosbridge.connection` the only file that imports the WebSocket server.
+With the modules ``connection`` and ``entrance`` beside it the only file that imports the WebSocket server.
 """
 
 from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Final, TypeAlias, cast
+from typing import TYPE_CHECKING, Final, cast
 from urllib.parse import quote
-from weakref import WeakKeyDictionary
 
 import anyio
 from anyio.abc import TaskStatus
 from websockets.asyncio.server import Server, ServerConnection, serve
-from websockets.datastructures import Headers
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
-from websockets.typing import Subprotocol
 
-from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
+from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
 from homebot.bridges.rosbridge.library_log import LibraryLog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
-from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.client_rights import LOCAL_CLIENT, LOCAL_RIGHTS, ClientRights
+from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.network_service import NetworkService
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import UsageError
 from homebot.graph import Node
-from homebot.support.addresses import is_loopback
 from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
@@ -56,18 +51,8 @@ _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
 
-_API: Final = "/api/"
 _FULL: Final = "too many clients are connected"
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
-LOG_IN: Final = Subprotocol("homebot.log_in")
-"""The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
-
-_OWN_SITE: Final = frozenset({"same-origin", "none"})
-_PAGE: Final = ""  # the name of a page that has yet to show its token
-
-Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
-"""Returns status, headers and body for a path and an ``If-None-Match`` header; None where it has no such page."""
-
 
 _log = get_logger(node="/rosbridge_websocket")
 
@@ -102,21 +87,15 @@ class Door:
         open_timeout: float = 10.0,
         site: Site | None = None,
     ) -> None:
-        self._local_rights = local_rights
-        self._rights = settings.rights(local_rights)
-        if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
-            raise ConfigError(
-                "door",
-                "host",
-                f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
-            )
         self._settings = settings
         self._error_log = ClientErrorLog(node)
         self._counters = DoorCounters()
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
         self._turns = ServerTurns()
         self._expected = ExpectedTopics(node.graph)
-        self._tokens = TokenCheck(settings.all_tokens(), node.graph.clock)
+        self._entrance = Entrance(
+            settings, local_rights, node.graph.clock, self._counters, self._error_log, site, open_timeout
+        )
         self._shared = SharedState(
             node,
             settings,
@@ -127,15 +106,13 @@ class Door:
             self._error_log,
             owners or settings.robot_owners,
         )
-        self._sessions: dict[ServerConnection, ClientSession] = {}
-        self._names: WeakKeyDictionary[ServerConnection, str] = WeakKeyDictionary()
+        self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arriving: dict[DoorConnection, None] = {}
         self._api: HttpRequests | None = None
         self._port = settings.port
         self._announce = announce
         self._home = quote(home)
         self._open_timeout = open_timeout
-        self._site = site
 
     @property
     def port(self) -> int:
@@ -151,26 +128,20 @@ class Door:
         """Return the counters and guessing addresses; the answer of the service ``health``."""
         counts = {
             **asdict(self._counters),
-            "wrong_tokens": self._tokens.wrong,
+            "wrong_tokens": self._entrance.tokens.wrong,
             "messages_lost": self._backlog.lost,
             "clients_now": self.client_count,
         }
         return HealthResponse(
             counts=Count.each(counts),
-            troubles=self._tokens.problems(),
+            troubles=self._entrance.tokens.problems(),
         )
 
     def update_tokens(self, settings: DoorSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect each client whose token or rights changed."""
-        rights, tokens = settings.rights(self._local_rights), settings.all_tokens()
-        old, old_tokens = self._rights, self._settings.all_tokens()
-        self._rights, self._tokens = rights, TokenCheck(tokens, self._shared.node.graph.clock)
-        self._settings = self._settings.model_copy(
-            update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
-        )
+        changed = self._entrance.update_tokens(settings)
         for connection in self._sessions:
-            name = self._names[connection]
-            if rights.get(name) != old.get(name) or tokens.get(name) != old_tokens.get(name):
+            if self._entrance.name_of(connection) in changed:
                 connection.transport.abort()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -254,118 +225,36 @@ class Door:
         response.headers[HOME_HEADER] = self._home
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
-        settings, headers = self._settings, request.headers
         arriving = cast("DoorConnection", connection)
         arriving.has_asked()
-        if self.client_count >= settings.max_clients:
-            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
-        problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
-        if problem is not None:
-            return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
-        is_api = request.path.startswith(_API)
-        if arriving.posted is not None and not is_api:
-            return self._turn_away(connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there is only GET outside {_API}")
-        is_websocket = any("websocket" in value.lower() for value in headers.get_all("Upgrade"))
-        if not is_websocket and not is_api and (file := await self._file(request)) is not None:
-            return file
-        if LOG_IN in headers.get("Sec-WebSocket-Protocol", "") and is_same_origin(
-            headers["Host"], headers.get("Origin", "")
-        ):
-            self._names[connection] = _PAGE
-            return None
-        shown = token_of("" if is_api else request.path, headers.get_all("Authorization"))
-        response = await self._check_token(connection, shown) or self._check_page(connection, request)
-        if response is not None:
+        if self.client_count >= self._settings.max_clients:
+            return self._entrance.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
+        if (response := await self._entrance.admit(arriving, request)) is not None:
             return response
-        if is_api:
+        if is_for_api(request):
             return await self._answer(arriving, request)
-        if not is_websocket:
+        if not is_for_websocket(request):
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
             return response
         return None
-
-    def _check_page(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Return the response to a web page of another server that may not speak to this one."""
-        headers, problem = request.headers, ""
-        if (page := self._unnamed_page(request, connection)) and not is_same_origin(headers["Host"], page):
-            problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
-        elif request.path.startswith(_API) and not set(headers.get_all("Sec-Fetch-Site")) <= _OWN_SITE:
-            problem = "web pages of other servers may not use the HTTP API"
-        return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem) if problem else None
 
     async def _answer(self, connection: DoorConnection, request: Request) -> Response:
         """Answer a request to the HTTP API."""
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
         if self.client_count >= self._settings.max_clients:  # several were let in at the same time
-            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
+            return self._entrance.turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home)
-        name, is_page = self._names[connection], bool(self._unnamed_page(request, connection))
+        name, is_page = self._entrance.name_of(connection), self._entrance.is_unnamed_page(connection, request)
         self._counters.clients += 1
-        call = self._api.answer(connection, name, self._rights[name], _address_of(connection), is_page=is_page)
+        rights = self._entrance.rights[name]
+        call = self._api.answer(connection, name, rights, address_of(connection), is_page=is_page)
         return http_response(*await call)
 
-    async def _file(self, request: Request) -> Response | None:
-        """Return the file of the page that *request* asks for; None where it has no such file."""
-        found = self._site and await self._site(request.path, request.headers.get("If-None-Match", ""))
-        if not found:
-            return None
-        status, headers, body = found
-        return Response(status.value, status.phrase, Headers(headers), body)
-
-    async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
-        """Check the token of the client; return the response to a refused one."""
-        if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
-            self._names[connection] = LOCAL_CLIENT
-            return None
-        name = await self._tokens.check(_address_of(connection).rpartition(":")[0], token)
-        if name is None:
-            problem = "too many wrong tokens from this address; try again in a second"
-            return self._turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
-        if not name:
-            return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
-        self._names[connection] = name
-        return None
-
-    def _unnamed_page(self, request: Request | None, connection: ServerConnection) -> str:
-        """Return the origin of a web page without a token that the settings do not name; empty for other clients."""
-        origin = request.headers.get("Origin", "") if request is not None else ""
-        is_local = self._names[connection] == LOCAL_CLIENT
-        return origin if is_local and origin not in self._settings.allowed_origins else ""
-
-    async def _log_in(self, connection: ServerConnection, texts: AsyncIterator[str]) -> bool:
-        """Return whether the first frame of homebot's own page shows a token, or needs none; else close it."""
-        from homebot.bridges.rosbridge.log_in import token_in  # noqa: PLC0415 - loaded with the first page
-
-        token = None
-        with anyio.move_on_after(self._open_timeout):
-            token = token_in(await anext(texts, ""))
-        problem: Response | None = None
-        if token is None or (problem := await self._check_token(connection, token)) is not None:
-            reason = "the first frame must be an auth" if problem is None else problem.body.decode().strip()
-            await connection.close(CloseCode.POLICY_VIOLATION, reason)
-            return False
-        return True
-
-    def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
-        client = _address_of(connection)
-        self._counters.turned_away += 1
-        self._error_log.log(
-            f"rejected {client.rpartition(':')[0]}",
-            "door.turned_away",
-            f"{client} was rejected: {problem}",
-            client=client,
-            problem=problem,
-        )
-        if cast("DoorConnection", connection).target.startswith(_API):
-            from homebot.bridges.rosbridge.http_requests import problem_body  # noqa: PLC0415 - loaded with the first
-
-            return http_response(*problem_body(status, problem))
-        return connection.respond(status, f"{problem}\n")
-
-    async def _serve(self, connection: ServerConnection) -> None:
+    async def _serve(self, opened: ServerConnection) -> None:
+        connection, entrance = cast("DoorConnection", opened), self._entrance
         if self.client_count >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
             return
@@ -376,25 +265,24 @@ class Door:
             connection.transport.abort()
 
         texts = client_frames(connection)
-        if self._names[connection] == _PAGE and not await self._log_in(connection, texts):
+        if not await entrance.log_in(connection, texts):
             return
         self._counters.clients += 1
-        made, stall = cast("DoorConnection", connection), self._settings.stall_timeout
-        made.has_arrived()
-        name = self._names[connection]
-        rights, is_page = self._rights[name], bool(self._unnamed_page(connection.request, connection))
-        address, send = _address_of(connection), partial(made.send_in_time, stall, cut)
-        link = sessions.DoorLink(send, cut, made.round_trip, made.is_excused)
+        connection.has_arrived()
+        name, is_page = entrance.name_of(connection), entrance.is_unnamed_page(connection, connection.request)
+        send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
+        link = sessions.DoorLink(send, cut, connection.round_trip, connection.is_excused)
         session = sessions.ClientSession(
-            self._shared, name, rights, address, link, is_page=is_page, is_roslibpy=is_roslibpy(connection)
+            self._shared,
+            name,
+            entrance.rights[name],
+            address_of(connection),
+            link,
+            is_page=is_page,
+            is_roslibpy=is_roslibpy(connection),
         )
         self._sessions[connection] = session
         try:
             await session.run(texts)
         finally:
             del self._sessions[connection]
-
-
-def _address_of(connection: ServerConnection) -> str:
-    host, port = (connection.remote_address or ("unknown", 0))[:2]
-    return f"{host}:{port}"

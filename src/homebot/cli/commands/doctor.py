@@ -166,23 +166,38 @@ def health_findings(name: str, health: HealthResponse, now: float, *, everything
     Args:
         everything: Whether counts are told that are no fault.
     """
-    given_up = [one for one in health.failures if one.outcome == "given up"]
-    failures = [one for one in health.failures if one.outcome != "given up"]
-    counts = [one for one in health.counts if everything or _is_fault(one)]
-    ills = [one for one in counts if _is_ill(one)]
-    others = [one for one in counts if not _is_ill(one)]
-    for kind, rows in (
-        (FindingKind.TROUBLE, [FindingRow("", one) for one in health.troubles]),
-        (FindingKind.NOTE, [FindingRow("", one) for one in health.notes]),
-        (FindingKind.COUNT, [_count(one) for one in others]),
-        (FindingKind.LOSS, [_count(one) for one in ills]),
-        (FindingKind.GIVEN_UP, [_failure(one, now) for one in given_up]),
-        (FindingKind.FAILURE, [_failure(one, now) for one in failures]),
-        (FindingKind.QUARANTINE, [_quarantine(one, now) for one in health.quarantined]),
-    ):
+    found: dict[FindingKind, list[FindingRow]] = {kind: [] for kind in _OF_A_NODE}
+    for kind, row in _health_rows(health, now, everything=everything):
+        found[kind].append(row)
+    for kind, rows in found.items():
         if rows:
-            is_cut = kind in {FindingKind.FAILURE, FindingKind.QUARANTINE}
-            yield Finding(kind, name, tuple(rows[:_MOST] if is_cut else rows), len(rows))
+            yield Finding(kind, name, tuple(rows[:_MOST] if kind in _CUT else rows), len(rows))
+
+
+_OF_A_NODE = (
+    FindingKind.TROUBLE,
+    FindingKind.NOTE,
+    FindingKind.COUNT,
+    FindingKind.LOSS,
+    FindingKind.GIVEN_UP,
+    FindingKind.FAILURE,
+    FindingKind.QUARANTINE,
+)
+_CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}
+
+
+def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Iterator[tuple[FindingKind, FindingRow]]:
+    for text in health.troubles:
+        yield FindingKind.TROUBLE, FindingRow("", text)
+    for text in health.notes:
+        yield FindingKind.NOTE, FindingRow("", text)
+    for count in health.counts:
+        if everything or _is_fault(count):
+            yield FindingKind.LOSS if _is_ill(count) else FindingKind.COUNT, _count(count)
+    for failure in health.failures:
+        yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
+    for one in health.quarantined:
+        yield FindingKind.QUARANTINE, _quarantine(one, now)
 
 
 def _is_fault(one: Count) -> bool:

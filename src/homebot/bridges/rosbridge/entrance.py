@@ -1,0 +1,208 @@
+"""The entrance of the door: refuses requests, and tells the clients of the others by their tokens."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from http import HTTPStatus
+from typing import Final, TypeAlias
+from weakref import WeakKeyDictionary
+
+import anyio
+from websockets.datastructures import Headers
+from websockets.frames import CloseCode
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from homebot.bridges.admission import is_same_origin, refusal, token_of
+from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.rosbridge.connection import DoorConnection, http_response
+from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.shared_state import DoorCounters
+from homebot.bridges.token_check import TokenCheck
+from homebot.clock import Clock
+from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
+from homebot.errors import ConfigError
+from homebot.support.addresses import is_loopback
+
+__all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket"]
+
+LOG_IN: Final = Subprotocol("homebot.log_in")
+"""The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
+
+_API: Final = "/api/"
+_OWN_SITE: Final = frozenset({"same-origin", "none"})
+_PAGE: Final = ""  # the name of a page that has yet to show its token
+
+Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
+"""Returns status, headers and body for a path and an ``If-None-Match`` header; None where it has no such page."""
+
+
+class Entrance:
+    """Checks Host, Origin and token of each request, and sends browsers the files of the page.
+
+    Args:
+        settings: Address and access rules.
+        local_rights: The rights of clients without a token, where the settings have no scope for them.
+        site: The files that browsers are sent.
+        open_timeout: Seconds that a page has to log in.
+
+    Attributes:
+        rights: The rights of each client, by the name of its token.
+        tokens: The check of tokens.
+
+    Raises:
+        ConfigError: The host is not a loopback one and there is no token.
+    """
+
+    def __init__(
+        self,
+        settings: DoorSettings,
+        local_rights: ClientRights,
+        clock: Clock,
+        counters: DoorCounters,
+        error_log: ClientErrorLog,
+        site: Site | None,
+        open_timeout: float,
+    ) -> None:
+        self.rights = settings.rights(local_rights)
+        if LOCAL_CLIENT in self.rights and not is_loopback(settings.host):
+            raise ConfigError(
+                "door",
+                "host",
+                f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
+            )
+        self.tokens = TokenCheck(settings.all_tokens(), clock)
+        self._settings = settings
+        self._local_rights = local_rights
+        self._clock = clock
+        self._counters = counters
+        self._error_log = error_log
+        self._site = site
+        self._open_timeout = open_timeout
+        self._names: WeakKeyDictionary[DoorConnection, str] = WeakKeyDictionary()
+
+    def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
+        """Use the tokens and rights of *settings*; return the names of those that changed."""
+        old, old_tokens = self.rights, self._settings.all_tokens()
+        new, tokens = settings.rights(self._local_rights), settings.all_tokens()
+        self.rights, self.tokens = new, TokenCheck(tokens, self._clock)
+        self._settings = self._settings.model_copy(
+            update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
+        )
+        return frozenset(name for name in old if new.get(name) != old[name] or tokens.get(name) != old_tokens.get(name))
+
+    def name_of(self, connection: DoorConnection) -> str:
+        """Return the name of the token of an admitted client."""
+        return self._names[connection]
+
+    async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
+        """Return the answer that ends *request*: a refusal, or a file of the page; None for an admitted client."""
+        headers, is_api = request.headers, is_for_api(request)
+        if (problem := refusal(self._settings, headers.get_all("Host"), headers.get_all("Origin"))) is not None:
+            return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        if not is_api:
+            if connection.posted is not None:
+                return self.turn_away(connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there is only GET outside {_API}")
+            if is_for_websocket(request):
+                if _is_of_own_page(headers):
+                    self._names[connection] = _PAGE
+                    return None
+            elif (file := await self._file(request)) is not None:
+                return file
+        token = token_of("" if is_api else request.path, headers.get_all("Authorization"))
+        return await self._check_token(connection, token) or self._check_page(connection, request)
+
+    async def log_in(self, connection: DoorConnection, texts: AsyncIterator[str]) -> bool:
+        """Return whether a client may go on; one of homebot's own page must show a token first, if one is needed."""
+        if self._names[connection] != _PAGE:
+            return True
+        from homebot.bridges.rosbridge.log_in import token_in  # noqa: PLC0415 - loaded with the first page
+
+        token = None
+        with anyio.move_on_after(self._open_timeout):
+            token = token_in(await anext(texts, ""))
+        problem: Response | None = None
+        if token is None or (problem := await self._check_token(connection, token)) is not None:
+            reason = "the first frame must be an auth" if problem is None else problem.body.decode().strip()
+            await connection.close(CloseCode.POLICY_VIOLATION, reason)
+            return False
+        return True
+
+    def is_unnamed_page(self, connection: DoorConnection, request: Request | None) -> bool:
+        """Return whether a client is a web page without a token that the settings do not name."""
+        return bool(self._unnamed_page(connection, request))
+
+    def turn_away(self, connection: DoorConnection, status: HTTPStatus, problem: str) -> Response:
+        """Count and log a refusal, and return its response."""
+        client = address_of(connection)
+        self._counters.turned_away += 1
+        self._error_log.log(
+            f"rejected {client.rpartition(':')[0]}",
+            "door.turned_away",
+            f"{client} was rejected: {problem}",
+            client=client,
+            problem=problem,
+        )
+        if connection.target.startswith(_API):
+            from homebot.bridges.rosbridge.http_requests import problem_body  # noqa: PLC0415 - loaded with the first
+
+            return http_response(*problem_body(status, problem))
+        return connection.respond(status, f"{problem}\n")
+
+    async def _file(self, request: Request) -> Response | None:
+        """Return the file of the page that *request* asks for; None where it has no such file."""
+        found = self._site and await self._site(request.path, request.headers.get("If-None-Match", ""))
+        if not found:
+            return None
+        status, headers, body = found
+        return Response(status.value, status.phrase, Headers(headers), body)
+
+    async def _check_token(self, connection: DoorConnection, token: str) -> Response | None:
+        """Check the token of the client; return the response to a refused one."""
+        if LOCAL_CLIENT in self.rights and (not token or len(self.rights) == 1):
+            self._names[connection] = LOCAL_CLIENT
+            return None
+        name = await self.tokens.check(address_of(connection).rpartition(":")[0], token)
+        if name is None:
+            problem = "too many wrong tokens from this address; try again in a second"
+            return self.turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
+        if not name:
+            return self.turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
+        self._names[connection] = name
+        return None
+
+    def _check_page(self, connection: DoorConnection, request: Request) -> Response | None:
+        """Return the response to a web page of another server that may not speak to this one."""
+        headers, problem = request.headers, ""
+        if (page := self._unnamed_page(connection, request)) and not is_same_origin(headers["Host"], page):
+            problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
+        elif is_for_api(request) and not set(headers.get_all("Sec-Fetch-Site")) <= _OWN_SITE:
+            problem = "web pages of other servers may not use the HTTP API"
+        return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem) if problem else None
+
+    def _unnamed_page(self, connection: DoorConnection, request: Request | None) -> str:
+        """Return the origin of a web page without a token that the settings do not name; empty for other clients."""
+        origin = request.headers.get("Origin", "") if request is not None else ""
+        is_local = self._names[connection] == LOCAL_CLIENT
+        return origin if is_local and origin not in self._settings.allowed_origins else ""
+
+
+def is_for_api(request: Request) -> bool:
+    """Return whether *request* is for the HTTP API."""
+    return request.path.startswith(_API)
+
+
+def is_for_websocket(request: Request) -> bool:
+    """Return whether *request* asks for a WebSocket."""
+    return any("websocket" in value.lower() for value in request.headers.get_all("Upgrade"))
+
+
+def address_of(connection: DoorConnection) -> str:
+    """Return the host and the port of a client."""
+    host, port = (connection.remote_address or ("unknown", 0))[:2]
+    return f"{host}:{port}"
+
+
+def _is_of_own_page(headers: Headers) -> bool:
+    is_same = is_same_origin(headers["Host"], headers.get("Origin", ""))
+    return LOG_IN in headers.get("Sec-WebSocket-Protocol", "") and is_same
