@@ -128,8 +128,8 @@ def running(given: Run) -> Iterator[Run]:
 def test_the_commands_of_the_guide_run_in_the_house_of_make_run(tmp_path: Path, given: Run) -> None:
     door = reserve_door()
     plain = Run(door, tmp_path, {**given.environment, "HOMEBOT_DOOR": door})
-    assert COMMANDS[0] == "make run"
-    with house(plain):
+    assert COMMANDS[0] == 'make run ARGS="--house thesis"'
+    with house(plain, "--house", "thesis"):
         for command in COMMANDS[1:]:
             if not command.startswith(BEFORE_IT_RUNS):
                 done = plain.run(*shlex.split(command))

@@ -19,6 +19,7 @@ from homebot.cli.watchdog import Watchdog
 from homebot.config import Config
 from homebot.errors import ConfigError
 from homebot.house import World
+from homebot.house.dialects import DIALECTS
 from homebot.runtime.plan import make_plan
 
 
@@ -41,12 +42,25 @@ def house_of(*arguments: str) -> World | None:
     return configuration(make_parser().parse_args(["run", *arguments]))[1]
 
 
-def test_without_anything_it_is_the_thesis_house() -> None:
+def test_without_anything_it_is_the_family_house() -> None:
     config = config_of()
+    assert config.home.name == "family"
+    assert {*config.apps} == {"follow_me", "lights_out", "window_heating"}
+    house = house_of()
+    assert house is not None
+    assert "kitchen_lamp" in house.devices
+    assert house.time.pace == 60.0
+    speech = {placed.dialect for placed in house.devices.values()}
+    assert speech == {*DIALECTS}
+
+
+@pytest.mark.parametrize("option", [("--house", "thesis"), ("--root", "home425")])
+def test_the_thesis_house_is_named_or_found_by_its_root(option: tuple[str, str]) -> None:
+    config = config_of(*option)
     assert config.home.name == "home425"
     assert config.gateways == {"mqtt": {"root": "home425"}}
     assert config.apps == {"light_service": {}}
-    assert has_house()
+    assert has_house(*option)
 
 
 def test_a_broker_of_your_own_is_no_simulated_house() -> None:
@@ -293,7 +307,7 @@ def _logging_as_before() -> Iterator[None]:
 
 @pytest.mark.usefixtures("_logging_as_before")
 def test_it_runs_for_the_time_it_is_given(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "--for", "0.2", "--door", "127.0.0.1:0"]) == 0
+    assert main(["run", "--house", "thesis", "--for", "0.2", "--door", "127.0.0.1:0"]) == 0
     assert "home425 is running" in capsys.readouterr().err
 
 

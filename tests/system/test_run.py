@@ -113,7 +113,7 @@ def is_free(port: int) -> bool:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
     """Exit code 0, no traceback, and nothing is left that could hold a port."""
-    run = start()
+    run = start("--house", "thesis")
     run.until("roomlights405 → off")
     assert not is_free(run.port)
     assert not run.has_left_nothing()
@@ -196,7 +196,7 @@ def test_a_service_without_a_configuration_runs_no_simulated_house(start: Start)
 def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> None:
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # which a program hands on to those that it starts
     try:
-        run = start()
+        run = start("--house", "thesis")
     finally:
         signal.signal(signal.SIGHUP, before)
     run.until("roomlights405 → off")
@@ -252,7 +252,7 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
     with subprocess.Popen([program, "-c", str(tmp_path / "mosquitto.conf")], stderr=subprocess.DEVNULL) as broker:
         while is_free(port) and broker.poll() is None:
             time.sleep(0.01)
-        run = start()
+        run = start("--house", "thesis")
         line = run.until("cannot connect to")
         assert run.stop() == 0
         broker.terminate()

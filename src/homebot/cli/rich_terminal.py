@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import groupby
-from typing import Final, TextIO, final
+from typing import TYPE_CHECKING, Final, TextIO, final
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
 from rich.padding import Padding
 from rich.progress import Progress
@@ -15,6 +15,9 @@ from rich.table import Table
 from rich.text import Text
 
 from homebot.support.output import CleanText
+
+if TYPE_CHECKING:
+    from homebot.cli.house_picture import Line
 from homebot.support.printable import printable
 
 __all__ = ["RichTerminal"]
@@ -89,6 +92,19 @@ class RichTerminal:
                 for row in rows[: max(1, self._console.height - _OTHER_LINES)]:
                     table.add_row(*map(_text, row))
                 live.update(table, refresh=True)
+
+    @contextmanager
+    def screen(self) -> Iterator[Callable[[Callable[[int, int], Sequence[Line]]], None]]:
+        """Show a full screen during the block; yield the function that draws the lines for its width and height."""
+        with Live(console=self._console, auto_refresh=False, screen=True, vertical_overflow="crop") as live:
+
+            def draw(lines_for: Callable[[int, int], Sequence[Line]]) -> None:
+                lines = [
+                    Text.assemble(*line, no_wrap=True, overflow="ellipsis") for line in lines_for(*self._console.size)
+                ]
+                live.update(Group(*lines), refresh=True)
+
+            yield draw
 
     @contextmanager
     def progress(self, what: str, total: int) -> Iterator[Callable[[int], None]]:

@@ -59,6 +59,7 @@ def run(
     options.config, options.house = config, house
     options.mqtt, options.root, options.act = mqtt, root, act
     options.ephemeral, options.seconds = ephemeral, seconds
+    options.plain = True
     if structlog.is_configured():
         options.log_format = None
     return run_command(options)

@@ -5,6 +5,8 @@
     [house]
     seed = 1
     dialect = "thesis"                      # how devices speak; a device may have a dialect of its own
+    pace = 60.0                             # so many times as fast as the clock, from a time of day on
+    begins = "06:30"
 
     [rooms.hall]
     doors = ["outside", "kitchen"]          # each door once, on either side
@@ -24,14 +26,16 @@
 
     [[errands]]
     at = "22:00"
+    every = "30m"                           # again until midnight
     device = "kitchen_lamp"
     command = "off"
 """
 
 from __future__ import annotations
 
+import math
 import random
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterator, Mapping
 from datetime import time
 from pathlib import Path
 from typing import Annotated
@@ -45,7 +49,7 @@ from homebot.house.faults import unwrap
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.network import FAMILIES, kinds_of
-from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, WorldTime
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.house.world import World
@@ -90,7 +94,11 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         meter = unwrap(item.device)
         if isinstance(meter, PowerMeter) and meter.of and meter.of not in known:
             raise ConfigError(source, f"devices.{meter.device_id}.of", f"there is no device {meter.of!r}")
-    errands = [_scheduled(f"errands.{number}", table, known, source) for number, table in enumerate(parts.errands)]
+    errands = [
+        one
+        for number, table in enumerate(parts.errands)
+        for one in _scheduled(f"errands.{number}", table, known, source)
+    ]
     return World(
         rooms,
         placed,
@@ -101,14 +109,18 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         latitude=house.latitude,
         by_hand=house.by_hand,
         forgetful=house.forgetful,
+        time=WorldTime(house.pace, None if house.begins is None else _seconds(house.begins)),
     )
 
 
-def _scheduled(key: str, table: Table, known: Container[str], source: str) -> ScheduledCommand:
+def _scheduled(key: str, table: Table, known: Container[str], source: str) -> Iterator[ScheduledCommand]:
     scheduled = parse_settings(_ScheduledCommandTable, table, source, key)
     if scheduled.device not in known:
         raise ConfigError(source, f"{key}.device", f"there is no device {scheduled.device!r}")
-    return ScheduledCommand(_seconds(scheduled.at), scheduled.device, scheduled.command)
+    at = _seconds(scheduled.at)
+    times = math.ceil((DAY - at) / scheduled.every) if scheduled.every else 1
+    for number in range(times):
+        yield ScheduledCommand(at + number * scheduled.every, scheduled.device, scheduled.command)
 
 
 class _Strict(BaseModel):
@@ -134,6 +146,8 @@ class _HouseTable(_Strict):
     by_hand: bool = True
     forgetful: bool = False
     dialect: str = "thesis"
+    pace: float = Field(default=1.0, gt=0.0, le=1000.0)
+    begins: time | None = None
 
 
 class _RoomTable(_Strict):
@@ -169,6 +183,7 @@ class _PersonTable(_Strict):
 
 class _ScheduledCommandTable(_Strict):
     at: time
+    every: Annotated[float, DURATION] = Field(default=0.0, ge=60.0, le=86_400.0)
     device: str
     command: str
 

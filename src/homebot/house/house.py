@@ -22,7 +22,6 @@ from homebot.house.event_log import Event
 from homebot.house.faults import unwrap
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
-from homebot.house.rooms import DAY
 from homebot.house.simulated_device import Placed
 from homebot.house.world import World
 from homebot.log import LogLimit
@@ -53,7 +52,8 @@ class SimulatedHouse:
     """Carries a world over a broker.
 
     The world's first day is the day, in UTC, on which the house is made: the world's time is the clock's since
-    that day's midnight. Events of the morning before are not published, but devices begin as it left them.
+    that day's midnight, or has a pace of its own (:class:`~homebot.house.rooms.WorldTime`). Events of the morning
+    before are not published, but devices begin as it left them.
     A world that has lived some days goes on with the next.
 
     Args:
@@ -108,7 +108,7 @@ class SimulatedHouse:
         self._heartbeat = heartbeat
         self._dialects = dialects
         self._lines = LogLimit(clock)
-        self._midnight = _first_midnight(clock.now(), world.now)
+        self._midnight = world.time.first_midnight(clock.now(), world.now)
         self._changed = anyio.Event()
         self._is_served = False
         infos = {name: self._device_info(placed) for name, placed in world.devices.items()}
@@ -172,7 +172,7 @@ class SimulatedHouse:
         while True:
             self.catch_up()
             self._changed = anyio.Event()
-            wait = self.world.next_event() - self._now()
+            wait = (self.world.next_event() - self._now()) / self.world.time.pace
             if wait > TICK:
                 alarm = asyncio.get_running_loop().call_later(wait, self._changed.set)
                 try:
@@ -194,11 +194,11 @@ class SimulatedHouse:
                         device.publish(self._state_of(name, text))
 
     def _now(self) -> float:
-        return self._clock.now() - self._midnight
+        return (self._clock.now() - self._midnight) * self.world.time.pace
 
     def _within_reach(self) -> float:
         now, due = self._now(), self.world.next_event()
-        return min(due if now < due <= now + TICK else now, self.world.now + STRIDE)
+        return min(due if now < due <= now + TICK * self.world.time.pace else now, self.world.now + STRIDE)
 
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
@@ -254,9 +254,3 @@ class SimulatedHouse:
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
         return MqttDevice(info, dialect, connection, partial(self.command, info.device_id), self.counters, self._lines)
-
-
-def _first_midnight(now: float, lived: float) -> float:
-    """Return the midnight from which the world's time counts, before all of *lived*."""
-    time_of_day = now % DAY
-    return now - time_of_day - DAY * max(0, math.ceil((lived - time_of_day) / DAY))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from homebot.errors import UsageError
 
-__all__ = ["DAY", "DOOR_WIDTH", "OUTSIDE", "Room", "Rooms", "daylight", "weather"]
+__all__ = ["DAY", "DOOR_WIDTH", "OUTSIDE", "REAL_TIME", "Room", "Rooms", "WorldTime", "daylight", "weather"]
 
 DAY = 86_400.0
 NOON_LUX = 100_000.0
@@ -38,6 +38,34 @@ def weather(now: float, first_day: int) -> float:
     season = math.cos(math.tau * (first_day + now / DAY - 205) / 365.25)
     hour = math.cos(math.tau * (now % DAY / DAY - 15 / 24))
     return 10.0 + 10.0 * season + 4.0 * hour
+
+
+class WorldTime(NamedTuple):
+    """The relation of a world's time to that of the clock.
+
+    Attributes:
+        pace: Seconds of the world that pass in a second of the clock, above 0. Only the world runs at it: messages,
+            commands and apps take their real time.
+        begins: The time of day, in seconds, at which the world begins; None for that of the clock, in UTC.
+    """
+
+    pace: float = 1.0
+    begins: float | None = None
+
+    @property
+    def is_real(self) -> bool:
+        """True for the time of the clock."""
+        return self == REAL_TIME
+
+    def first_midnight(self, now: float, lived: float) -> float:
+        """Return the midnight, as a time of the clock, from which the world's time counts, before all of *lived*."""
+        time_of_day = now % DAY if self.begins is None else self.begins
+        days = max(0, math.ceil((lived - time_of_day) / DAY))
+        return now - time_of_day / self.pace - DAY * days / self.pace
+
+
+REAL_TIME = WorldTime()
+"""The time of the clock."""
 
 
 OUTSIDE = "outside"

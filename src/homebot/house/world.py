@@ -19,7 +19,7 @@ from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.household import Household, Person
 from homebot.house.robot import Robot
-from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, daylight, weather
+from homebot.house.rooms import DAY, OUTSIDE, REAL_TIME, Room, Rooms, WorldTime, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.support.timer_queue import TimerQueue
@@ -76,6 +76,7 @@ class World:
         latitude: Degrees north.
         by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.
         forgetful: Whether they leave the lamps on where they leave or fall asleep.
+        time: How its time passes where it is carried over a network.
         capacity: Events the event log keeps.
 
     Attributes:
@@ -99,9 +100,10 @@ class World:
         latitude: float = 48.0,
         by_hand: bool = True,
         forgetful: bool = False,
+        time: WorldTime = REAL_TIME,
         capacity: int = 100_000,
     ) -> None:
-        self.now = 0.0
+        self.now, self.time = 0.0, time
         self.event_log = WorldLog(capacity)
         self.rooms = rooms
         self._entries: dict[str, _PlacedDevice] = {}

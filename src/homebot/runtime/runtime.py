@@ -270,10 +270,9 @@ class Runtime:
         home = "homebot" if self._plan.home == UNNAMED else self._plan.home
         if self.door is None:
             return f"{home} is running"
-        host = self._plan.door.host
-        where = f"{f'[{host}]' if ':' in host else host}:{self.door.port}"
-        note = " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
-        return f"{home} is running{note}; listening for rosbridge clients on ws://{where}; its page is http://{where}"
+        page, note = self.door.page, " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
+        door = page.replace("http", "ws", 1)
+        return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need once, unless it was given."""

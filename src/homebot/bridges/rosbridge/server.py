@@ -120,6 +120,11 @@ class Door:
         return self._port
 
     @property
+    def page(self) -> str:
+        """The address of its page."""
+        return self._settings.page(self._port)
+
+    @property
     def client_count(self) -> int:
         """Number of connected clients, requests that are being answered included."""
         return len(self._sessions) + (0 if self._api is None else self._api.count)

@@ -115,6 +115,10 @@ class DoorSettings(AccessSettings):
         named = {name: one.token for name, one in self.tokens.items()}
         return named if self.token is None else {OWNER_CLIENT: self.token, **named}
 
+    def page(self, port: int) -> str:
+        """Return the address of the page on *port*."""
+        return f"http://{f'[{self.host}]' if ':' in self.host else self.host}:{port}"
+
     def robots(self) -> tuple[str, ...]:
         """Return the names of the robots that tokens may be, each once."""
         named = (robot for one in self.tokens.values() for robot in read_scope(one.scope).robots)

@@ -12,9 +12,8 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
-from homebot.apps import App
 from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
@@ -23,15 +22,19 @@ from homebot.errors import UsageError
 from homebot.log import configure_logging
 from homebot.names import snake_case
 from homebot.plugins import check_extra, is_file, name_in_file
-from homebot.runtime import Runtime
-from homebot.runtime.plan import index_place
 from homebot.support.output import queued_output
 from homebot.support.production_loop import ProductionLoop
 
 if TYPE_CHECKING:
+    from contextlib import AbstractAsyncContextManager
+
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime import Runtime
     from homebot.runtime.first_connection import FirstConnection
+
+_View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
+"""Enters a runtime, and shows it or not."""
 
 __all__ = ["add_arguments", "configuration", "run", "with_environment"]
 
@@ -40,6 +43,10 @@ _WRONG_CONFIGURATION = 2
 
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"
+THESIS, FAMILY = "thesis", "family"
+"""The names of the simulated houses that come along."""
+
+_FAMILY_FOLDER: Final = Path(__file__).parents[2] / "house" / "family"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 """The apps of a simulated house. In a real house no app runs unasked: the light service switches off every lamp."""
 
@@ -56,12 +63,14 @@ million more have come to stay: four thousand devices, each announced in eight m
 
 
 _EXAMPLES = """\
-  homebot run                                     embedded broker, a small simulated house, the light service
+  homebot run                                     embedded broker, a simulated family's house, live in the terminal
+  homebot run --plain                             the same, with the log in place of the live view
+  homebot run --house thesis                      a small house of two lamps, in real time, with the light service
   homebot run --for 15                            the same, for 15 seconds
-  homebot run --house family.toml                 the same, with a house that you describe
+  homebot run --house villa.toml                  a house that you describe, with the light service
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
-  homebot run --app my_app.py                     an app of your own instead of the light service
+  homebot run --app my_app.py                     an app of your own in the small house
   homebot run --app my_app.py --reload            the same, reloaded each time that you save it
   homebot run --config homebot.toml --dry-run     what apps would command, with nothing sent to any device
   homebot run --config homebot.toml               all settings in a file
@@ -81,9 +90,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--house",
-        metavar="FILE",
-        help="simulated house in TOML, on the embedded broker (default: a small one if neither --config nor --mqtt is "
-        "given)",
+        metavar="NAME|FILE",
+        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, where neither "
+        "--config nor --mqtt is given: family; with --app or --root thesis)",
     )
     parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
     parser.add_argument(
@@ -109,6 +118,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=door_address,
         default=argparse.SUPPRESS,  # one that stands before the command counts as well
         help="address to listen on for rosbridge clients (default: [door], else HOMEBOT_DOOR, else 127.0.0.1:9090)",
+    )
+    parser.add_argument(
+        "--plain", action="store_true", help="print the log instead of a live view, as where there is no terminal"
     )
     parser.add_argument(
         "--log-format",
@@ -152,6 +164,9 @@ def run(options: argparse.Namespace) -> int:
     gc.set_threshold(*COLLECT_AFTER)
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
+    is_watched = not options.plain and options.log_format == "console" and _has_screen()
+    if is_watched and _is_simulated(options) and house_name(options) != THESIS:
+        print("homebot · a simulated house is starting …", flush=True)  # before all that takes time
     try:
         with gc_paused():
             config, house = configuration(options)
@@ -161,7 +176,14 @@ def run(options: argparse.Namespace) -> int:
         print(f"homebot: {exc}", file=sys.stderr)
         return _WRONG_CONFIGURATION
     with queued_output() as lost_lines, _recording(options.record) as record_into:
-        return _run_apart(options, config, house, lost_lines, record_into)
+        if house is None or house.time.is_real or not is_watched:
+            if options.log_format is not None:
+                configure_logging(options.log_format)
+            return _run_apart(options, config, house, lost_lines, record_into)
+        from homebot.cli.demo import quiet_log  # noqa: PLC0415 - for a terminal alone
+
+        with quiet_log():
+            return _run_apart(options, config, house, lost_lines, record_into, partial(_watched, house))
 
 
 @contextmanager
@@ -182,11 +204,14 @@ def _run_apart(
     house: World | None,
     lost_lines: Callable[[], int],
     record_into: LineSink | None,
+    view: _View | None = None,
 ) -> int:
     """Run without waiting for a reader of the log."""
-    if options.log_format is not None:
-        configure_logging(options.log_format)
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
+    with gc_paused():
+        from homebot.runtime import Runtime  # noqa: PLC0415 - most of the start, after the first line is shown
+        from homebot.runtime.plan import index_place  # noqa: PLC0415 - likewise
+
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
     index_file = index_place(config) if is_kept else None
@@ -202,7 +227,7 @@ def _run_apart(
         read_config=lambda: configuration(options)[0],
         watches_apps=options.reload,
     )
-    return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0]))
+    return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0], view))
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
@@ -213,9 +238,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     """
     base, house = _base(options)
     if options.house:
-        from homebot.house.description import load_world  # noqa: PLC0415 - a real house needs no simulated one
-
-        house = load_world(Path(options.house))
+        house = _house(options.house)
     tables = base.model_dump()
     stated = {"url": options.mqtt, "root": options.root, "act": options.act}
     stated = {key: value for key, value in stated.items() if value}
@@ -254,16 +277,43 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
     if is_service() and not options.house:
         raise UsageError(f"{path} does not exist, and a service runs no simulated house; give --config FILE")
+    if house_name(options) == FAMILY:
+        return load_config(_FAMILY_FOLDER / "homebot.toml"), _house(FAMILY)
     root = options.root or THESIS_ROOT
     apps: dict[str, object] = {} if options.app else {name: {} for name in APPS_OF_THE_SIMULATED_HOUSE}
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
-    from homebot.house import thesis_world  # noqa: PLC0415 - as above
+    return parse_config(tables, COMMAND_LINE), None if options.house else _house(THESIS)
 
-    return parse_config(tables, COMMAND_LINE), thesis_world()
+
+def _has_screen() -> bool:
+    """Return whether standard output is a terminal that can show a view."""
+    return sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in {"", "dumb", "unknown"}
+
+
+def _is_simulated(options: argparse.Namespace) -> bool:
+    return bool(options.house) or not (options.config or options.mqtt or DEFAULT_CONFIG.exists() or is_service())
+
+
+def house_name(options: argparse.Namespace) -> str:
+    """Return the house that runs without a configuration: a name, or a file; an app of your own gets the small one."""
+    return cast("str", options.house) or (THESIS if options.app or options.root else FAMILY)
+
+
+def _house(name: str) -> World:
+    """Return the simulated house of that *name*, or in the file *name*."""
+    if name == THESIS:
+        from homebot.house import thesis_world  # noqa: PLC0415 - a real house needs no simulated one
+
+        return thesis_world()
+    from homebot.house.description import load_world  # noqa: PLC0415 - likewise
+
+    return load_world(_FAMILY_FOLDER / "house.toml" if name == FAMILY else Path(name))
 
 
 def _with_its_class(file: str) -> str:
     """Return the app in *file* as ``FILE.py:Class``."""
+    from homebot.apps import App  # noqa: PLC0415 - few runs name a file
+
     return name_in_file(file, App)
 
 
@@ -283,13 +333,15 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(make_runtime: Callable[..., Runtime], seconds: float | None, read: Callable[[], Config]) -> int:
+async def _run(
+    make_runtime: Callable[..., Runtime], seconds: float | None, read: Callable[[], Config], view: _View | None = None
+) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # the plug-ins of the plan are loaded
         runtime = make_runtime(loop_watch=watch)
     reload, first = partial(runtime.reload, read), _first_connection(runtime)
-    await serve(_settled(runtime), seconds, runtime.cut_start_short, reload, first and first.wait_in_vain)
+    await serve((view or _settled)(runtime), seconds, runtime.cut_start_short, reload, first and first.wait_in_vain)
     return 1 if runtime.supervisor.given_up or (first and first.is_missing) else 0
 
 
@@ -299,6 +351,18 @@ def _first_connection(runtime: Runtime) -> FirstConnection | None:
     from homebot.runtime.first_connection import FirstConnection  # noqa: PLC0415 - for a service alone
 
     return FirstConnection(runtime.graph, runtime.config.gateways)
+
+
+@asynccontextmanager
+async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
+    """Enter *runtime*, and show its house on the terminal."""
+    async with _settled(runtime):
+        from homebot.cli.demo import hint_of, title_of  # noqa: PLC0415 - for a terminal alone
+        from homebot.cli.live_house import shown  # noqa: PLC0415 - likewise
+
+        page = "" if runtime.door is None else runtime.door.page
+        async with shown(runtime.graph, world, title_of(world, page), hint_of(world, page)):
+            yield
 
 
 @asynccontextmanager

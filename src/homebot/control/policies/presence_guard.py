@@ -69,7 +69,7 @@ class PresenceGuardSettings(PolicyTable):
             return Verdict(NAME, allowed=False, reason=reason)
         presence, used = presence_in(room, facts, self.absent_after)
         if presence == "absent" and (remaining := remaining_person(room, self, facts)) is not None:
-            detected = f"{remaining.name} was on {facts.age(remaining.since):.0f} s ago"
+            detected = f"{_shown(remaining)} was on {facts.age(remaining.since):.0f} s ago"
             reason = f"somebody is in {room}: {detected}, and no door has been opened since"
             return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
         if presence != "present" and (change := _person_at(command, facts, self.absent_after)) is not None:

@@ -102,8 +102,9 @@ def span(capability: Capability) -> str:
 
 
 def plain_value(value: Value) -> PlainValue:
-    """Return *value* of a message read as JSON, which has it plain; None if it is unknown."""
-    return cast("PlainValue", value)
+    """Return *value* of a message, or of one read as JSON, which has it plain; None if it is unknown."""
+    plain = value.plain() if hasattr(value, "plain") else value
+    return cast("PlainValue", list(plain) if isinstance(plain, tuple) else plain)
 
 
 def is_topic(address: str) -> bool:

@@ -1,0 +1,139 @@
+"""The live view of a simulated house in a terminal: messages on the graph, and the people that it alone knows."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import asynccontextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+from anyio import to_thread
+
+from homebot.cli.house_picture import HousePicture, Line, lines_of
+from homebot.cli.story import Story
+from homebot.devices.house_view import HouseView
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.wording.values import plain_value
+from homebot.graph import Node
+from homebot.house.rooms import DAY, OUTSIDE
+from homebot.support.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.cli.rich_terminal import RichTerminal
+    from homebot.devices import Device, DeviceChange, StateChange
+    from homebot.graph import Graph
+    from homebot.house import World
+
+__all__ = ["LiveHouse", "shown"]
+
+_EVERY: Final = 0.5
+"""Seconds between two pictures: one takes up to 40 ms of a processor."""
+
+_LAST_LINES: Final = 8
+_ENTRIES: Final = 1000
+
+
+@final
+class LiveHouse:
+    """The picture of a house and its story; a :class:`homebot.devices.house_view.HouseWatcher`.
+
+    Args:
+        node: Receives its devices and its journal.
+        world: The house.
+        title: The begin of the title.
+        hint: The line at the bottom.
+    """
+
+    def __init__(self, node: Node, world: World, title: str, hint: str) -> None:
+        self._clock = node.graph.clock
+        self._world = world
+        self._title, self._hint = title, hint
+        self._began, self._lived = self._clock.now(), world.now
+        self._devices: dict[str, Device] = {}
+        self._names: dict[str, str] = {}
+        self._view = HouseView.of(node)
+        self.story = Story(self._names, self._time)
+        node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.story.add_entry, _ENTRIES)
+        self._view.add(self)
+
+    def picture(self) -> HousePicture:
+        """Return the picture of this moment."""
+        views = [view for name in self._devices if (view := self._view.get(name)) is not None]
+        devices = [view.current() for view in views]
+        count = f"{len(devices)} of {len(self._world.devices)} devices found"
+        if len(devices) >= len(self._world.devices):
+            count = f"{len(devices)} devices"
+        return HousePicture(
+            f"{self._title} · {self._time()} · {count}",
+            self._hint,
+            devices,
+            self._beings(devices),
+            self.story.lines.copy(),
+        )
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Handle a device that appeared, changed or was removed."""
+        device = change.device
+        self._names[device.id] = device.name or device.id
+        self._devices[device.id] = device
+        if change.kind == "removed":
+            del self._devices[device.id]
+        self.story.add_change(change, self._clock.now())
+
+    def on_values(self, change: StateChange) -> None:
+        """Handle new values of a known device."""
+        if change.live and change.device in self._devices:
+            self.story.add_values(change, self._devices[change.device])
+
+    def on_event(self, change: StateChange) -> None:
+        """Pass over an event."""
+
+    def close(self) -> None:
+        """End with the node."""
+
+    def _time(self) -> str:
+        """Return the time of day in the house."""
+        passed = (self._clock.now() - self._began) * self._world.time.pace
+        minutes = int(max(self._lived + passed, self._world.now) % DAY) // 60
+        return f"{minutes // 60:02}:{minutes % 60:02}"
+
+    def _beings(self, devices: Sequence[Device]) -> dict[str, list[str]]:
+        """Return the people of the house, as the simulated world has them, and its robots, as they report."""
+        found = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
+        found.pop(OUTSIDE)
+        for one in devices:
+            if one.service_type == "robots":
+                for room in {str(plain_value(state.value)) for state in one.states} & found.keys():
+                    found[room].append(f"▣ {one.name}")
+        return found
+
+
+@asynccontextmanager
+async def shown(graph: Graph, world: World, title: str, hint: str) -> AsyncIterator[None]:
+    """Show the house on the terminal during the block; its last lines stay when it ends."""
+    terminal = await to_thread.run_sync(_terminal)  # loading rich takes a while
+    async with Node(graph, "live_view", namespace="/homebot") as node, anyio.create_task_group() as tasks:
+        house = LiveHouse(node, world, title, hint)
+        try:
+            with terminal.screen() as draw:
+                tasks.start_soon(run_as, node.full_name, partial(_redraw, house, draw))
+                yield
+                tasks.cancel_scope.cancel()
+        finally:
+            last = [f"{one.time} {one.sign} {one.text}" for one in house.story.lines][-_LAST_LINES:]
+            print("\n".join(last))
+
+
+async def _redraw(house: LiveHouse, draw: Callable[[Callable[[int, int], Sequence[Line]]], None]) -> None:
+    while True:
+        await to_thread.run_sync(draw, partial(lines_of, house.picture()))
+        await anyio.sleep(_EVERY)
+
+
+def _terminal() -> RichTerminal:
+    from homebot.cli.rich_terminal import RichTerminal  # noqa: PLC0415 - for a terminal alone
+
+    return RichTerminal(sys.stdout)

@@ -1,0 +1,158 @@
+"""The story of a house: what apps did in it and why, what was refused, disproved or lost, a line each. Pure."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final, NamedTuple, final
+
+from homebot.devices.wording.journal_words import issuer_text, name_text, settings_text, trigger_text
+from homebot.devices.wording.time_format import to_seconds
+from homebot.devices.wording.values import plain_value
+from homebot.support.printable import printable
+
+if TYPE_CHECKING:
+    from homebot.devices import Device, DeviceChange, StateChange
+    from homebot.devices.journal_messages import JournalEntry
+
+__all__ = ["Story", "StoryLine"]
+
+DARK: Final = 50.0
+"""Lux below which a room is dark, as for the app `follow_me`."""
+
+_MOST_LINES: Final = 50
+_MOST_COMMANDS: Final = 500
+_ONE_MOMENT: Final = 1.0
+"""Seconds in which the same, told of two devices, is one line."""
+
+_TOLD: Final = frozenset({"stale", "returned", "removed"})
+_CHANGED: Final = "·"
+_MOVED: Final = "→"
+_REPLACED: Final = frozenset({_CHANGED, _MOVED})
+"""Signs of lines that a further one about the same device replaces."""
+
+_OPPOSITE: Final = {"on": "off", "off": "on"}
+
+
+class StoryLine(NamedTuple):
+    """One line.
+
+    Attributes:
+        sign: One character for its kind, in the *style* of rich's.
+        devices: The names of the devices it is about.
+        words: The rest; the device is the subject of its sentence.
+        style: See above.
+        at: When, in seconds.
+        time: The same for people.
+        key: Equal for lines that say the same of different devices.
+    """
+
+    sign: str
+    devices: tuple[str, ...]
+    words: str
+    style: str
+    at: float
+    time: str
+    key: str
+
+    @property
+    def text(self) -> str:
+        """The line in words."""
+        return f"{', '.join(self.devices)} {self.words}"
+
+
+@final
+class Story:
+    """The newest lines, from messages on the graph alone.
+
+    Args:
+        names: The names of devices, by id; may grow.
+        time: Returns the time for people.
+
+    Attributes:
+        lines: The lines, oldest first.
+    """
+
+    def __init__(self, names: Mapping[str, str], time: Callable[[], str]) -> None:
+        self.lines: deque[StoryLine] = deque(maxlen=_MOST_LINES)
+        self._names = names
+        self._time = time
+        self._commands: dict[str, JournalEntry] = {}
+        self._is_dark: dict[str, bool] = {}
+        self._robots: dict[str, str] = {}
+
+    def add_entry(self, entry: JournalEntry) -> None:
+        """Add a line for the outcome of a command, or for a change that no command explains."""
+        match entry.kind:
+            case "requested":
+                if len(self._commands) >= _MOST_COMMANDS:
+                    del self._commands[next(iter(self._commands))]
+                self._commands[entry.command] = entry
+            case "outcome" | "reverted":
+                self._add_outcome(entry)
+            case "changed":
+                self._add(entry, _CHANGED, f"{settings_text(entry.settings)}, by hand or by itself", "dim")
+
+    def add_change(self, change: DeviceChange, at: float) -> None:
+        """Add a line for a device that went or came back."""
+        if change.kind in _TOLD:
+            device = change.device
+            is_back = change.kind == "returned"
+            words = f"is back: {change.why}" if is_back else f"is gone: {change.why}"
+            style = "green" if is_back else "red"
+            self._append("✓" if is_back else "✗", device.name or device.id, words, style, at)
+
+    def add_values(self, change: StateChange, device: Device) -> None:
+        """Add a line for a robot that sets out or arrives, and for a room that gets dark or light."""
+        at, name = to_seconds(change.told_at), device.name or device.id
+        for one in change.readings:
+            value = plain_value(one.value)
+            if one.capability == "illuminance" and isinstance(value, float):
+                is_dark = value < DARK
+                if self._is_dark.setdefault(device.id, is_dark) != is_dark:
+                    self._is_dark[device.id] = is_dark
+                    words = f"measures {value:.0f} lx: {device.area} gets {'dark' if is_dark else 'light'}"
+                    self._append("☾" if is_dark else "☀", name, words, "blue" if is_dark else "yellow", at)
+            elif device.service_type == "robots" and isinstance(value, str) and self._robots.get(device.id) != value:
+                self._robots[device.id] = value
+                words = "drives" if value == "moving" else f"is in the {printable(value, 40)}"
+                self._append(_MOVED, name, words, "cyan", at)
+
+    def _add_outcome(self, entry: JournalEntry) -> None:
+        result, asked = entry.results[0], self._commands.pop(entry.command, None)
+        if asked is None or result.outcome in {"already_so", "superseded"}:
+            return
+        wanted = settings_text(asked.settings)
+        match result.outcome:
+            case "confirmed":
+                seen = f", seen by {printable(result.witness, 40)}" if result.witness else ""
+                cause = self._cause(asked)
+                words = f"{wanted} in {result.latency * 1000:.0f} ms{seen} · {cause}"
+                self._add(entry, "✓", words, "green", f"{wanted} {cause}")
+            case "refused":
+                state = f"left {_OPPOSITE[wanted]}" if wanted in _OPPOSITE else f"not {wanted}"
+                self._add(entry, "-", f"{state}: {printable(result.reason)} ({printable(result.policy, 40)})", "yellow")
+            case "contradicted" if result.witness:
+                self._add(entry, "!", f"says {wanted}, but {printable(result.saw)}: not believed", "bold red")
+            case _:
+                self._add(entry, "!", f"should be {wanted}: {printable(result.text)}", "red")
+
+    def _cause(self, asked: JournalEntry) -> str:
+        """Return the app, and the trigger in short."""
+        cause = trigger_text(asked.trigger, self._names).replace(" reported ", " ")
+        return f"{issuer_text(asked.issuer)}{': ' if cause else ''}{cause}"
+
+    def _add(self, entry: JournalEntry, sign: str, words: str, style: str, key: str = "") -> None:
+        self._append(sign, name_text(entry.device, self._names, entry.part), words, style, to_seconds(entry.at), key)
+
+    def _append(self, sign: str, device: str, words: str, style: str, at: float, key: str = "") -> None:
+        """Append a line; it takes the place of one that says the same of another device, or before of this one."""
+        devices: tuple[str, ...] = (device,)
+        recent = (one for one in reversed(self.lines) if at - one.at <= _ONE_MOMENT)
+        same = next((one for one in recent if (one.sign, one.key) == (sign, key or words)), None)
+        if same is not None:
+            devices, words = tuple(dict.fromkeys((*same.devices, device))), same.words
+            self.lines.remove(same)
+        elif sign in _REPLACED and self.lines and (self.lines[-1].sign, self.lines[-1].devices) == (sign, devices):
+            self.lines.pop()  # a cover, or a robot, on its way
+        self.lines.append(StoryLine(sign, devices, words, style, at, self._time(), key or words))
