@@ -30,6 +30,7 @@ async def test_each_command_that_is_sent_is_one_line_with_its_outcome_and_issuer
             await lamp.turn_on()  # is on already: nothing is sent
             await lamp.set_level(40)
             await deaf.turn_on()
+            await anyio.sleep(1)
         assert told(lines) == [
             "lamp → on, by app: confirmed after (reported)",
             "lamp → level 40, by app: confirmed after (reported)",
@@ -68,5 +69,6 @@ async def test_a_flood_of_commands_leaves_a_line_a_second_and_their_number(open_
                 await anyio.sleep(0.1)
             await anyio.sleep(60)
             await lamp.turn_off()
+            await anyio.sleep(1)
         assert len(told(lines)) == 61
         assert told(lines)[-1].endswith("(and 240 more like this)")

@@ -13,7 +13,6 @@ from homebot.control.command import (
     KnownState,
     commanded_part,
     known_state,
-    label_of,
     no_such_part,
     order_of,
     zero_as_off,
@@ -139,8 +138,7 @@ class CommandExecutor:
         shown = request.settings
         if not MAY_BE_CODE.isdisjoint([one.capability for one in shown]):
             shown = () if device is None or part is None else without_codes(shown, device, part)
-        label = request.device if device is None else label_of(device, place[1])
-        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, label)
+        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
         if problem:
             outcome: Outcome = NoAnswer(0.0, problem, command_id=name)
         elif device is None or part is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final, Literal, final
 
-from homebot.control.command import IssuedCommand, label_of
+from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
@@ -84,9 +84,7 @@ class TextCommands:
         shown = Setting.of(capability, CODE_GIVEN) if is_code else _shown(capability, value, target.address)
         now = self._clock.now()
         command = IssuedCommand(
-            id=self._journal.requested(
-                request.issuer, (device.id, part.id), (shown,), request.trigger, now, label_of(device, part.id)
-            ),
+            id=self._journal.requested(request.issuer, (device.id, part.id), (shown,), request.trigger, now, device),
             device=device,
             part=part,
             settings={capability: value},
@@ -125,9 +123,7 @@ class TextCommands:
         is_code = device is not None and any(takes_code(device, one.part) for one in device.parts)
         shown = Setting.of(UNREAD, CODE_GIVEN) if is_code else _shown(UNREAD, request.payload, "")
         place = (request.device, "")
-        name = self._journal.requested(
-            request.issuer, place, (shown,), request.trigger, self._clock.now(), request.device
-        )
+        name = self._journal.requested(request.issuer, place, (shown,), request.trigger, self._clock.now(), device)
         return self._ended(request, "", replace(outcome, command_id=name))
 
     def _ended(self, request: SendTextRequest, part: str, outcome: Outcome) -> SendTextResponse:

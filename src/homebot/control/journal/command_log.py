@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections import deque
 from functools import partial
 from typing import Final, TypeAlias, final
 
@@ -10,6 +12,7 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.fights import Fights, Turn
 from homebot.control.journal.store import JournalNote
 from homebot.control.values import settings_text, value_text
+from homebot.devices import Device
 from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
 from homebot.devices.outcomes import AlreadySo, Gone, Refused, Superseded
@@ -17,7 +20,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
-from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["CommandLog"]
 
@@ -32,8 +34,14 @@ _LINES: Final = 60
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself"}
 
-_Asked: TypeAlias = tuple[JournalNote, str]
-"""The first entry of a command, and its part for people."""
+_Asked: TypeAlias = tuple[JournalNote, Device | None]
+"""The first entry of a command, and its device."""
+
+_DELAY: Final = 0.05
+"""Seconds after which the lines are written, so that commands do not wait for them."""
+
+ENDS: Final = frozenset({"would", "published", "outcome"})
+"""Kinds of entries that end a command."""
 
 
 @final
@@ -45,37 +53,42 @@ class CommandLog:
         lookup: Looks the devices up.
 
     Attributes:
+        open: The first entry, and the device, of each command without an end.
         fights: The fights of apps.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup) -> None:
         self._node = node
         self._lookup = lookup
-        self._open: BoundedMap[str, _Asked] = BoundedMap(_MOST_OPEN)
+        self.open: dict[str, _Asked] = {}
+        self._ended: deque[tuple[JournalNote, _Asked | None]] = deque()
         self._limit = LogLimit(node.graph.clock, _INTERVAL, _LINES)
         self.fights = Fights()
 
-    def begin(self, note: JournalNote, label: str) -> None:
-        """Record the first entry of a command, with its part for people."""
-        self._open[note.command] = note, label
+    def end(self, note: JournalNote) -> None:
+        """Log the command that ends with *note*, one of :data:`ENDS`, in a moment."""
+        if not self._ended:
+            asyncio.get_running_loop().call_later(_DELAY, self.write)
+        self._ended.append((note, self.open.pop(note.command, None)))
 
-    def add(self, note: JournalNote) -> None:
-        """Log the command that ends with *note*: its outcome is known, or its text was handed to the gateway."""
-        match note.kind:
-            case "would":  # is logged already
-                self._open.pop(note.command, None)
-            case "published":
-                asked = self._open.pop(note.command, None)
-                self._log(asked or (note, note.device), f"text {note.text!r}", "")
-                if asked is not None:
-                    self._add_turn(*asked)
-            case "outcome" if (asked := self._open.pop(note.command, None)) is not None:
-                outcome = note.outcome
-                if outcome is not None and not isinstance(outcome, AlreadySo):  # nothing was sent
-                    is_failure = not outcome.succeeded and not isinstance(outcome, Superseded)
-                    self._log(asked, _wanted_text(asked[0]), f": {outcome.text}", is_failure=is_failure)
-                if not isinstance(outcome, AlreadySo | Refused | Gone):
-                    self._add_turn(*asked)
+    def write(self) -> None:
+        """Write the lines that wait."""
+        while self._ended:
+            self._write(*self._ended.popleft())
+        while len(self.open) > _MOST_OPEN:
+            del self.open[next(iter(self.open))]
+
+    def _write(self, note: JournalNote, asked: _Asked | None) -> None:
+        if note.kind == "published":
+            self._log(asked or (note, None), f"text {note.text!r}", "")
+        if note.kind == "would" or asked is None:  # is logged already
+            return
+        outcome = note.outcome
+        if outcome is not None and not isinstance(outcome, AlreadySo):  # nothing was sent
+            is_failure = not outcome.succeeded and not isinstance(outcome, Superseded)
+            self._log(asked, _wanted_text(asked[0]), f": {outcome.text}", is_failure=is_failure)
+        if not isinstance(outcome, AlreadySo | Refused | Gone):
+            self._add_turn(*asked)
 
     def log_change(self, change: ChangedSetting, before: PlainValue, cause: str) -> None:
         """Log a change that no command explains."""
@@ -94,22 +107,28 @@ class CommandLog:
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
 
     def _log(self, asked: _Asked, what: str, end: str, *, is_failure: bool = False) -> None:
-        note, label = asked
+        note, device = asked
         if (held_back := self._limit.allows(note.issuer)) is None:
             return
         by = note.issuer.removeprefix("/").replace("client:", "client ") or "another program"
-        text = f"{label} → {what}, by {by}{end}{more_like_this(held_back)}"
+        text = f"{_label(note, device)} → {what}, by {by}{end}{more_like_this(held_back)}"
         log = self._node.log.warning if is_failure else self._node.log.info
         log(COMMAND, message=text, device=note.device, issuer=note.issuer, command=note.command)
 
-    def _add_turn(self, note: JournalNote, label: str) -> None:
+    def _add_turn(self, note: JournalNote, device: Device | None) -> None:
         """Record a command of an app, unless it carries out the wish of a person."""
         if not note.issuer or is_client(note.issuer) or is_by_hand(note.trigger, note.at):
             return
-        turn = Turn(note.at, note.issuer, {one.capability: one.value.plain() for one in note.settings}, label)
+        turn = Turn(
+            note.at, note.issuer, {one.capability: one.value.plain() for one in note.settings}, _label(note, device)
+        )
         fight = self.fights.add((note.device, note.part), turn)
         if fight is not None:
             self._node.log.warning(FIGHT, message=f"{fight.text}; see homebot why {fight.device}", device=note.device)
+
+
+def _label(note: JournalNote, device: Device | None) -> str:
+    return note.device if device is None else label_of(device, note.part)
 
 
 def _wanted_text(note: JournalNote) -> str:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.command_folding import CommandFolding
-from homebot.control.journal.command_log import CommandLog
+from homebot.control.journal.command_log import ENDS, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.store import JournalNote, with_newer
-from homebot.devices import RawCommand
+from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, KeyValue, part_names
@@ -99,6 +99,7 @@ class CommandJournal:
         """Write the last entries, cancelled or not."""
         for record in self._before_close:
             record()
+        self._log.write()
         for left in self._folding.close():
             self._store.add(left)
         await self._store.close()
@@ -142,7 +143,13 @@ class CommandJournal:
         return tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
 
     def requested(
-        self, issuer: str, place: _Part, settings: tuple[Setting, ...], trigger: Trigger, at: float, label: str
+        self,
+        issuer: str,
+        place: _Part,
+        settings: tuple[Setting, ...],
+        trigger: Trigger,
+        at: float,
+        device: Device | None,
     ) -> str:
         """Record a command to the part *place* at *at*, in seconds since the Unix epoch; return its new id.
 
@@ -152,11 +159,11 @@ class CommandJournal:
             settings: The wanted values, without codes.
             trigger: Its cause.
             at: The time.
-            label: The part for people.
+            device: The device, if it is known.
         """
         name = next(self._ids)
         note = JournalNote("requested", at, *place, name, issuer, trigger, settings)
-        self._log.begin(note, label)
+        self._log.open[name] = note, device
         self._add(note)
         return name
 
@@ -260,7 +267,8 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
 
     def _add(self, note: JournalNote) -> None:
-        self._log.add(note)
+        if note.kind in ENDS:
+            self._log.end(note)
         for kept in self._folding.add(note):
             self._store.add(kept)
         if self._entries.subscription_count:
