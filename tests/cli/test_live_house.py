@@ -33,7 +33,7 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 
 FAMILY = Path(homebot.__file__).parent / "house" / "family"
-CONFIG = load_config(FAMILY / "homebot.toml")
+CONFIG = load_config(FAMILY / "home.toml")
 HOUSE = tomllib.loads((FAMILY / "house.toml").read_text("utf-8"))
 README = (Path(__file__).parents[2] / "README.md").read_text()
 PATIENCE = 120.0

@@ -278,7 +278,7 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
     if is_service() and not options.house:
         raise UsageError(f"{path} does not exist, and a service runs no simulated house; give --config FILE")
     if house_name(options) == FAMILY:
-        return load_config(_FAMILY_FOLDER / "homebot.toml"), _house(FAMILY)
+        return load_config(_FAMILY_FOLDER / "home.toml"), _house(FAMILY)
     root = options.root or THESIS_ROOT
     apps: dict[str, object] = {} if options.app else {name: {} for name in APPS_OF_THE_SIMULATED_HOUSE}
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
