@@ -52,6 +52,18 @@ def test_two_apps_fight_if_they_command_in_turn_against_each_other_and_quickly(
     assert is_fight(turns(issuers, values, times)) is ((issuers, values, times) in FIGHTS)
 
 
+@pytest.mark.parametrize(
+    ("seen", "is_a_fight"), [((True, False, True, False), False), ((True, True, True, True), True)]
+)
+def test_two_apps_that_follow_one_sensor_do_not_fight(seen: tuple[bool, ...], *, is_a_fight: bool) -> None:
+    """One turns the light on where a room is occupied, the other off where it is clear."""
+    sensor = ("hall_motion", "", "occupied")
+    given = turns("abab", [ON, OFF, ON, OFF], (0, 10, 20, 30))
+    assert (
+        is_fight([one._replace(sensed={sensor: value}) for one, value in zip(given, seen, strict=True)]) is is_a_fight
+    )
+
+
 def test_a_fight_begins_once_counts_on_and_is_shown_for_an_hour() -> None:
     fights, begun = Fights(), list[DeviceFight]()
     for number in range(100):

@@ -119,9 +119,11 @@ class CommandLog:
         """Record a command of an app, unless it carries out the wish of a person."""
         if not note.issuer or is_client(note.issuer) or is_by_hand(note.trigger, note.at):
             return
-        turn = Turn(
-            note.at, note.issuer, {one.capability: one.value.plain() for one in note.settings}, _label(note, device)
-        )
+        wanted = {one.capability: one.value.plain() for one in note.settings}
+        sensor = note.trigger.device
+        readings = () if sensor == note.device else note.trigger.readings
+        sensed = {(sensor, one.part, one.capability): one.value.plain() for one in readings}
+        turn = Turn(note.at, note.issuer, wanted, _label(note, device), sensed)
         fight = self.fights.add((note.device, note.part), turn)
         if fight is not None:
             self._node.log.warning(FIGHT, message=f"{fight.text}; see homebot why {fight.device}", device=note.device)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.control.values import changes, related, settings_text
@@ -26,6 +27,7 @@ _SHOWN: Final = 3600.0
 _MOST: Final = 1000
 
 _Place: TypeAlias = tuple[str, str]
+_Sensed: TypeAlias = tuple[str, str, str]
 
 
 class Turn(NamedTuple):
@@ -36,12 +38,14 @@ class Turn(NamedTuple):
         issuer: The app.
         values: The wanted values by capability.
         label: The part for people.
+        sensed: The values of another device to which the app responds, by device, part and capability.
     """
 
     at: float
     issuer: str
     values: Mapping[str, PlainValue]
     label: str
+    sensed: Mapping[_Sensed, PlainValue] = MappingProxyType({})
 
 
 def is_fight(turns: Sequence[Turn]) -> bool:
@@ -54,8 +58,16 @@ def is_fight(turns: Sequence[Turn]) -> bool:
         quick >= _TURNS // 2
         and first != second
         and [one.issuer for one in turns] == [first, second] * 2
-        and all(_opposes(before.values, after.values) for before, after in pairwise(turns))
+        and all(
+            _opposes(before.values, after.values) and not _follows(before.sensed, after.sensed)
+            for before, after in pairwise(turns)
+        )
     )
+
+
+def _follows(before: Mapping[_Sensed, PlainValue], after: Mapping[_Sensed, PlainValue]) -> bool:
+    """Return whether both turns respond to one sensor, which changed between them, as motion sensors do often."""
+    return any(one in before and before[one] != value for one, value in after.items())
 
 
 def _opposes(before: Mapping[str, PlainValue], after: Mapping[str, PlainValue]) -> bool:
