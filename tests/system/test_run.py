@@ -250,12 +250,14 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
         f'[gateways.mqtt]\nurl = "mqtt://127.0.0.1:{port}"\nuser = "robot"\npassword_file = "secret"\n'
     )
     with subprocess.Popen([program, "-c", str(tmp_path / "mosquitto.conf")], stderr=subprocess.DEVNULL) as broker:
-        while is_free(port) and broker.poll() is None:
-            time.sleep(0.01)
-        run = start("--house", "thesis")
-        line = run.until("cannot connect to")
-        assert run.stop() == 0
-        broker.terminate()
+        try:
+            while is_free(port) and broker.poll() is None:
+                time.sleep(0.01)
+            run = start()
+            line = run.until("cannot connect to")
+            assert run.stop() == 0
+        finally:
+            broker.terminate()
     assert f"cannot connect to mqtt://127.0.0.1:{port}: the login was refused: " in line
     assert "; check user and password_file; trying again" in line
     assert "hunter2" not in run.text
