@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from tests.cli.conftest import Homebot
 
 Run = Callable[..., tuple[int, str, str]]
+
+LOG_LINE = re.compile(r"\[\w+ *\] ")
+"""The begin of a line in the log of the home, which runs in the same process."""
 
 HOLD = {
     "device": "lamp",
@@ -57,7 +61,8 @@ def run(door: str, capsys: pytest.CaptureFixture[str]) -> Run:
         capsys.readouterr()  # the log of what came before
         code = main(["--door", door, *arguments])
         out, err = capsys.readouterr()
-        return code, "\n".join(" ".join(line.split()) for line in out.splitlines()), err
+        lines = (line for line in out.splitlines() if not LOG_LINE.match(line))
+        return code, "\n".join(" ".join(line.split()) for line in lines), err
 
     return homebot
 

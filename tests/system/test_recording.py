@@ -98,7 +98,7 @@ def test_every_command_of_the_guide_is_run_here() -> None:
 
 def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
     """The light service turns off the lamp that is on at the start, and again when somebody turns it on."""
-    with running(tmp_path, "--record", "run.jsonl", until=f"{LAMP} → off") as shell:
+    with running(tmp_path, "--house", "thesis", "--record", "run.jsonl", until=f"{LAMP} → off") as shell:
         recorder = shell.begin(RUNS_HERE[0].replace("86400", "5"))
         while not (tmp_path / "day.jsonl.gz").exists():
             assert recorder.poll() is None
@@ -122,7 +122,7 @@ def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
 
 
 def test_a_recorder_that_is_stopped_by_ctrl_c_writes_a_whole_file(tmp_path: Path) -> None:
-    with running(tmp_path, until=f"{LAMP} → off") as shell:
+    with running(tmp_path, "--house", "thesis", until=f"{LAMP} → off") as shell:
         recorder = shell.begin("homebot record day.jsonl")
         file = tmp_path / "day.jsonl"
         while not file.exists() or not file.stat().st_size:
@@ -138,7 +138,7 @@ def test_a_recorder_that_is_stopped_by_ctrl_c_writes_a_whole_file(tmp_path: Path
 
 def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
     """It turns no lamp off that has the name of the one that is on."""
-    with running(tmp_path, "--record", "day.jsonl.gz", until=f"{LAMP} → off") as shell:
+    with running(tmp_path, "--house", "thesis", "--record", "day.jsonl.gz", until=f"{LAMP} → off") as shell:
         assert shell.run("homebot record other.jsonl --for 2").returncode == 0  # what is in the last second counts not
     source = Path(homebot.apps.light_service.__file__).read_text("utf-8")
     changed = source.replace("if lamp.on:", f'if lamp.on and "{LAMP}" not in lamp.device.id:')

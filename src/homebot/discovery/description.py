@@ -28,8 +28,6 @@ from homebot.places import NO_AREAS, HousePlan, OwnerFact, Position, read_positi
 __all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "position_of", "with_approvals", "with_stated_facts"]
 
 
-_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
-
 MAX_FACTS = 200
 """Facts of one device that are published; those of the preferred announcements first."""
 
@@ -292,11 +290,11 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return _fact_of(
+    return Fact(
         name=name,
         value=value,
         gateway=sighting.gateway,
         convention=sighting.convention,
         key=sighting.key,
         said_at=at if first_value == value else source.first_seen,
-    )
+    ).slimmed()

@@ -202,7 +202,8 @@ class _PartsBuilder:
 
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    return replace(described, part=described.part.with_checked(payloads=payload_digest(announced)))
+    part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
+    return replace(described, part=part)
 
 
 def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:
