@@ -128,6 +128,11 @@ $(VENV)/.peers: $(VENV)/.dev
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[peers]"
 	@touch $@
 
+# One installation for all targets of .ci/run, which is half a minute less than one after the other.
+$(VENV)/.all: pyproject.toml constraints.txt | $(VENV)/bin/python
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all,docs,peers]"
+	@touch $(VENV)/.run $(VENV)/.dev $(VENV)/.docs $(VENV)/.peers $@
+
 $(VENV)/.docs: $(VENV)/.dev
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	@touch $@
