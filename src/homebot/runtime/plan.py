@@ -344,19 +344,9 @@ def _history(config: Config) -> HistorySettings | None:
 def _notify(config: Config) -> NotifySettings | None:
     if config.notify is None:
         return None
-    from homebot.apps.notifier import NotifySettings  # noqa: PLC0415 - only with the table
+    from homebot.runtime.notify_table import read_notify  # noqa: PLC0415 - only with the table
 
-    settings = parse_settings(NotifySettings, config.notify, config.source, "notify", config.folder)
-    if settings.address and settings.gateway not in config.gateways:
-        problem = f"there is no gateway {settings.gateway!r} that could publish notifications"
-        hint = did_you_mean(settings.gateway, config.gateways, "name one, or give urls of apprise")
-        raise ConfigError(config.source, "notify.gateway", f"{problem}; {hint}")
-    if settings.urls:
-        try:
-            check_extra("[notify] with urls", "apprise", "apprise")
-        except UsageError as exc:
-            raise ConfigError(config.source, "notify.urls", str(exc)) from exc
-    return settings
+    return read_notify(config, config.notify)
 
 
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
