@@ -16,10 +16,12 @@ import pytest
 
 from homebot.apps.store_file import StoreFile
 from homebot.cli import main
+from homebot.cli.commands.backup import copies_in
 from homebot.control.journal.journal_file import JournalFile
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.record import Records
 from homebot.discovery.store import IndexFile, index_path
+from homebot.errors import LinkError
 from homebot.graph import Graph, Node
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
@@ -287,3 +289,13 @@ def test_files_of_a_newer_homebot_are_refused(data: Path, files: dict[str, Sqlit
     assert main(["backup", "villa.tar"]) == 0
     assert main(["restore", "villa.tar"]) == 1
     assert "journal.sqlite was written by a newer homebot (version 99" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("answer", ["{0}/..", "{0}/copies/..", "{0}", "{0}/../other/copies", "/", ""])
+def test_a_folder_that_is_none_of_copies_is_not_removed(tmp_path: Path, answer: str) -> None:
+    """The answer of a program that says it is homebot; what it names is removed once it was read."""
+    folder = tmp_path / "villa"
+    folder.mkdir()
+    with pytest.raises(LinkError, match="run this where it runs"):
+        copies_in(folder, answer.format(folder))
+    assert copies_in(folder, f"{folder}/copies") == folder / "copies"

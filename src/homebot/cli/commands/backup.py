@@ -22,7 +22,7 @@ from homebot.runtime.kept_files import KEPT_FILES, copy_kept_files
 from homebot.runtime.plan import index_place
 from homebot.version import __version__
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "copies_in"]
 
 _EXAMPLES = """\
   homebot backup villa.tar
@@ -91,8 +91,17 @@ def _copies(folder: Path, options: argparse.Namespace) -> Path:
     with_client(options, ask)
     if not answers[0]["success"]:
         raise RefusedError("a backup", str(answers[0]["message"]))
-    copies = Path(str(answers[0]["message"]))
-    if copies.parent != folder.absolute() and copies.parent != folder:
+    return copies_in(folder, str(answers[0]["message"]))
+
+
+def copies_in(folder: Path, answer: str) -> Path:
+    """Return the folder of copies that a homebot named, which is removed in the end.
+
+    Raises:
+        LinkError: It is not one in *folder*.
+    """
+    copies = Path(answer).resolve()
+    if copies.parent != folder.resolve():
         raise LinkError(f"that homebot keeps its files in {copies.parent}, not in {folder}; run this where it runs")
     return copies
 
