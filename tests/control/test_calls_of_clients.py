@@ -16,7 +16,8 @@ from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, read_scope
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
-from homebot.devices.names import READ_JOURNAL
+from homebot.devices.lease_messages import GetLeases, GetLeasesRequest
+from homebot.devices.names import GET_LEASES, READ_JOURNAL
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.wording.journal_words import trigger_text
 from homebot.graph import Node
@@ -82,3 +83,20 @@ async def test_the_journal_names_the_client_and_the_service(open_home: OpenHome)
         (asked,) = (one for one in entries if one.kind == "requested")
         assert asked.issuer == "/app"
         assert trigger_text(asked.trigger, {}) == "the client tablet called /app/dark"
+
+
+async def test_a_lease_names_the_client_whose_call_is_its_cause(open_home: OpenHome) -> None:
+    """So do the refusal of another command, and the commands and steps of the lease in the journal."""
+    async with open_home() as home:
+        leases = home.app.create_client(GetLeases, GET_LEASES)
+
+        async def hold(lamp: Light) -> str:
+            async with lamp.hold("on", by="party"):
+                ((holder,),) = (one.holders for one in (await leases.call(GetLeasesRequest())).parts)
+                return f"{trigger_text(holder.trigger, {})}; {(await lamp.turn_off()).text}"
+
+        cause = "the client tablet called /app/dark"
+        assert await call(home, dark=hold) == f"{cause}; refused (lease): held on by party ({cause}) for 10 s more"
+        entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
+        causes = [(one.kind, trigger_text(one.trigger, {})) for one in entries if one.trigger.kind]
+        assert causes == [("held", cause), ("requested", f"party ({cause}) holds it"), ("requested", cause)]

@@ -32,7 +32,7 @@ from homebot.devices.lease_messages import (
 )
 from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
-from homebot.devices.trigger import Trigger
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
@@ -43,6 +43,7 @@ __all__ = ["LeaseService"]
 _AGAIN: Final = 30.0
 """Seconds after a command without success in which the value is commanded again."""
 
+_LONGEST: Final = 200
 
 _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
@@ -99,19 +100,22 @@ class LeaseService:
                 request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
             )
         key = _key(request)
-        first = _command_of((request.device, part.id), request.setting, key, request.scope)
+        holder = LeaseHolder(
+            request.by, request.ttl, self._clock.monotonic() + request.ttl, request.scope, request.trigger
+        )
+        first = _command_of((request.device, part.id), request.setting, request.issuer, holder)
         refused = self._executor.preview(first, device, part)
         if refused is not None:  # before it blocks others
             return self._refused(request, refused.reason, refused.policy)
-        lease = self._begin(request)
+        lease = self._begin(request, holder)
         if isinstance(lease, str):
             return self._refused(request, lease)
         if lease.stop_watch is None:
             lease.stop_watch = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
-        self._record("held", lease, request.issuer, request.by)
-        outcome = await self._command(lease, key, request.scope)
+        self._record("held", lease, request.issuer, request.by, request.trigger)
+        outcome = await self._command(lease, key, holder)
         if outcome is None:  # it ended, or a hand came, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
@@ -151,7 +155,7 @@ class LeaseService:
             self._record("ended", lease, request.issuer, by)
         return response
 
-    def _begin(self, request: HoldRequest) -> Lease | str:
+    def _begin(self, request: HoldRequest, holder: LeaseHolder) -> Lease | str:
         """Return the lease of a new holder, or the reason of its refusal."""
         capability, value = request.setting.capability, request.setting.value.plain()
         if not request.by.strip():
@@ -160,18 +164,17 @@ class LeaseService:
             return f"{capability} {value_text(value)} is nothing that lasts"
         self._expire()
         now = self._clock.monotonic()
-        holder = LeaseHolder(request.by, request.ttl, now + request.ttl, request.scope)
         lease = self._leases.hold((request.device, request.part), capability, value, _key(request), holder, now)
         self._changed.set()
         return lease
 
-    async def _command(self, lease: Lease, key: HolderKey, scope: tuple[str, ...]) -> Outcome | None:
+    async def _command(self, lease: Lease, key: HolderKey, holder: LeaseHolder) -> Outcome | None:
         """Send the held value for one holder at a time; return None if the lease is over or outranked."""
         async with lease.lock:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
             lease.seen = None
-            request = _command_of(lease.part, lease.setting, key, scope)
+            request = _command_of(lease.part, lease.setting, key[0], holder)
             lease.outcome = outcome = await self._executor.perform(request)
             self._on_outcome(lease, outcome)
         self._changed.set()
@@ -227,7 +230,7 @@ class LeaseService:
                 lease.again_at = math.inf
                 self._hand_back(lease)
                 key, holder = next(iter(lease.holders.items()))
-                tasks.start_soon(self._command, lease, key, holder.scope)
+                tasks.start_soon(self._command, lease, key, holder)
 
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
@@ -266,8 +269,10 @@ class LeaseService:
         if lease.hand_back():
             self._record("handed_back", lease)
 
-    def _record(self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "") -> None:
-        self._journal.lease(step, lease.part, lease.setting, issuer, text)
+    def _record(
+        self, step: LeaseStep, lease: Lease, issuer: str = "", text: str = "", trigger: Trigger = NO_TRIGGER
+    ) -> None:
+        self._journal.lease(step, lease.part, lease.setting, issuer, text, trigger)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
         device, part = lease.part
@@ -280,10 +285,12 @@ def _setting_of(wanted: Setting, part: DevicePart) -> Setting:
     return Setting.of(capability, value)
 
 
-def _command_of(place: tuple[str, str], held: Setting, key: HolderKey, scope: tuple[str, ...]) -> CommandRequest:
-    (device, part), (issuer, by, _) = place, key
-    trigger = Trigger(kind="lease", text=by)
-    return CommandRequest(device=device, part=part, settings=(held,), issuer=issuer, trigger=trigger, scope=scope)
+def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: LeaseHolder) -> CommandRequest:
+    device, part = place
+    trigger = Trigger(kind="lease", text=holder.text[:_LONGEST])
+    return CommandRequest(
+        device=device, part=part, settings=(held,), issuer=issuer, trigger=trigger, scope=holder.scope
+    )
 
 
 def _key(request: HoldRequest | HolderRequest) -> HolderKey:
@@ -303,7 +310,7 @@ def _held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
         part=part,
         setting=lease.setting,
         holders=tuple(
-            HolderOfPart(by=holder.by, issuer=issuer, until=time(holder.deadline))
+            HolderOfPart(by=holder.by, issuer=issuer, until=time(holder.deadline), trigger=holder.trigger)
             for (issuer, _, _), holder in lease.holders.items()
         ),
         outranked_until=time(lease.hand_until) if is_outranked else Time(sec=0, nanosec=0),

@@ -13,7 +13,9 @@ from homebot.control.command import IssuedCommand
 from homebot.control.values import STOPPED, changes, departs, fits, value_text
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
+from homebot.devices.wording.journal_words import trigger_text
 
 __all__ = [
     "LEASE_POLICY",
@@ -53,12 +55,19 @@ class LeaseHolder:
         ttl: Seconds that each renewal gives.
         deadline: The end, on the monotonic clock.
         scope: Its rights, if it is a client of the door.
+        trigger: The cause of its lease.
     """
 
     by: str
     ttl: float
     deadline: float
     scope: tuple[str, ...] = ()
+    trigger: Trigger = NO_TRIGGER
+
+    @property
+    def text(self) -> str:
+        """Its name, with the client whose call is the cause."""
+        return f"{self.by} ({trigger_text(self.trigger, {})})" if self.trigger.kind == "client" else self.by
 
 
 @dataclass(slots=True, eq=False)
@@ -102,7 +111,7 @@ class Lease:
 
     def text(self, now: float) -> str:
         """Return the value, the holders and the time left, for people."""
-        names = list(dict.fromkeys(one.by for one in self.holders.values()))
+        names = list(dict.fromkeys(one.text for one in self.holders.values()))
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
         holders = ", ".join(names[:_MOST_NAMED])

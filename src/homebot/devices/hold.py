@@ -12,6 +12,7 @@ import anyio
 
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import Setting
+from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device_view import DeviceView
 from homebot.devices.lease_messages import (
     LONGEST_TTL,
@@ -108,6 +109,7 @@ async def _hold(node: Node, view: DeviceView, part_id: str, word: str, by: str, 
         by=by,
         ttl=ttl,
         issuer=node.full_name,
+        trigger=current_trigger(),
     )
     holder = _BlockHolder(node, request)
     error: Exception | None = None

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 from pydantic import Field
 
 from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import LocalServiceType, Message, ServiceType
@@ -65,6 +66,7 @@ class HoldRequest(Message):
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
+        trigger: Its cause, as far as the holder knows.
     """
 
     device: ShortText
@@ -75,6 +77,7 @@ class HoldRequest(Message):
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    trigger: Trigger = NO_TRIGGER
 
 
 class LeaseState(NamedTuple):
@@ -113,11 +116,13 @@ class HolderOfPart(Message):
         by: Its name for people.
         issuer: The name of its node, or ``client:NAME`` for a client of the door.
         until: When its time is over, unless it renews the lease.
+        trigger: Its cause, as far as the holder knows.
     """
 
     by: str
     issuer: str
     until: Time
+    trigger: Trigger = NO_TRIGGER
 
 
 class HeldPart(Message):

@@ -12,7 +12,7 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.terminal import print_table
 from homebot.devices.names import FIND_DEVICES, GET_LEASES
-from homebot.devices.wording.journal_words import issuer_text, settings_text
+from homebot.devices.wording.journal_words import issuer_text, settings_text, trigger_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, from_seconds, iso, to_seconds
 from homebot.devices.wording.values import plain_value
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments"]
 
-_HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "OUTRANKED")
+_HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "BECAUSE", "OUTRANKED")
 _SEVERAL = 2
 _EXAMPLES = """\
   homebot leases
   homebot leases 'Front door' --json
 
-FOR is how much longer it is held, unless the holder renews its lease. OUTRANKED is for how long a person's hand counts
-more. `homebot release DEVICE` ends the leases of a device.
+FOR is how much longer it is held, unless the holder renews its lease. BECAUSE is the cause, such as a call of a client.
+OUTRANKED is for how long a person's hand counts more. `homebot release DEVICE` ends the leases of a device.
 """
 
 
@@ -53,7 +53,7 @@ def _leases(door: DoorClient, options: argparse.Namespace) -> int:
     elif parts:
         now, labels = house_time(door), _labels(door, parts)
         rows = [row for one in parts for row in _rows(labels[one.device, one.part], one, now)]
-        print_table(_HEAD, rows, if_any=("OUTRANKED",))
+        print_table(_HEAD, rows, if_any=("BECAUSE", "OUTRANKED"))
     else:
         print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
     return 0
@@ -85,6 +85,7 @@ def _rows(label: str, held: HeldPart, now: float) -> Iterator[tuple[str, ...]]:
             printable(holder.by, 60),
             issuer_text(holder.issuer),
             _left(holder.until, now),
+            trigger_text(holder.trigger, {}),
             outranked,
         )
 
@@ -100,7 +101,10 @@ def _json(held: HeldPart) -> dict[str, object]:
         "part": held.part,
         "capability": held.setting.capability,
         "value": plain_value(held.setting.value),
-        "holders": [{"by": one.by, "issuer": one.issuer, "until": iso(one.until)} for one in held.holders],
+        "holders": [
+            {"by": one.by, "issuer": one.issuer, "until": iso(one.until), "because": trigger_text(one.trigger, {})}
+            for one in held.holders
+        ],
         "outranked_until": iso(held.outranked_until) if is_outranked else None,
         "saw": held.saw,
     }

@@ -256,15 +256,18 @@ class CommandJournal:
                 request.device,
                 request.part,
                 issuer=request.issuer,
+                trigger=request.trigger,
                 settings=(request.setting,),
                 text=request.by,
                 verdicts=(JournalVerdict(policy=policy, allowed=False, reason=reason),),
             )
         )
 
-    def lease(self, kind: LeaseStep, place: _Part, held: Setting, issuer: str = "", text: str = "") -> None:
+    def lease(
+        self, kind: LeaseStep, place: _Part, held: Setting, issuer: str, text: str, trigger: Trigger = NO_TRIGGER
+    ) -> None:
         """Record a step of a lease on the part *place*."""
-        self._add(JournalNote(kind, self._clock.now(), *place, issuer=issuer, settings=(held,), text=text))
+        self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
     def _add(self, note: JournalNote) -> None:
         if note.kind in ENDS:

@@ -94,7 +94,7 @@ def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
     name = name_text(trigger.device, names, next((one.part for one in trigger.readings), ""))
     match trigger.kind:
         case "lease":
-            return f"{printable(trigger.text, 60)} holds it"
+            return f"{printable(trigger.text, 200)} holds it"
         case "report":
             return f"{name} reported {settings_text(trigger.readings)}"
         case "message":
