@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from tests.sizes import nightly, size
 
+from homebot import App
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import SimulatedLamp, WindowMotor, World, thesis_world
@@ -54,6 +55,19 @@ async def test_an_app_hears_devices_and_is_heard_without_a_second_passing() -> N
         await house.says("villa/lights/a/out", "on")
         assert await house.hears("villa/lights/a/in") == "off"
         assert house.now == datetime(2026, 1, 1, tzinfo=UTC)
+
+
+class Chatty(App):
+    """Logs as soon as it runs."""
+
+    async def run(self) -> None:
+        self.log.info("the first line")
+
+
+@pytest.mark.virtual_time
+async def test_the_log_has_the_lines_of_an_app_from_its_start() -> None:
+    async with virtual_house_of(f"{__name__}:Chatty") as house, EventLog.of(house) as log:
+        assert [json.loads(text)["msg"] for text in said(log, "/rosout")].count("the first line") == 1
 
 
 @pytest.mark.virtual_time

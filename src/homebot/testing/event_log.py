@@ -17,9 +17,10 @@ from homebot.devices.device import DeviceChange, StateChange, part_names
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import ClosedError
-from homebot.graph import EntityKind, GraphChange, Node
+from homebot.graph import EntityKind, GraphChange, Node, QoSProfile, qos_profile_rosout
 from homebot.messages import Message
 from homebot.messages.json import message_to_json
+from homebot.messages.rcl_interfaces import Log
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.testing.contexts import in_background
@@ -140,7 +141,9 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
     def on_message(message: Message) -> None:
         log.record("topic", info.name, message)
 
-    node.create_subscription(message_type, info.name, on_message, 1000)
+    # An app may have logged before the house was ready.
+    qos = qos_profile_rosout if message_type is Log else QoSProfile(depth=1000)
+    node.create_subscription(message_type, info.name, on_message, qos)
 
 
 LINES = 36
