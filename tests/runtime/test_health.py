@@ -69,5 +69,7 @@ async def test_a_job_that_was_given_up_is_a_failure_with_that_outcome() -> None:
         await anyio.sleep(2.5)
         assert [one.outcome for one in (await health.call(HealthRequest())).failures] == [""]
         await anyio.sleep(10)
-        (failure,) = (await health.call(HealthRequest())).failures
+        found = await health.call(HealthRequest())
+        (failure,) = found.failures
+        assert found.troubles == ()
         assert (failure.part, failure.what, failure.outcome) == ("clumsy", "the job tick failed", "given up")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, final
@@ -103,12 +102,10 @@ class AppHost:
             }
         )
 
-    def troubles(self) -> Iterator[str]:
-        """Yield the jobs that apps have given up, and the failure of the last notification."""
-        if self._notifier is not None and self._notifier.trouble:
-            yield f"the last notification was not sent: {self._notifier.trouble}"
-        for name, app in self.running.items():
-            yield from (f"the job {job.name} of {name} {job.runs.trouble}" for job in app.jobs if job.runs.trouble)
+    def notification_problem(self) -> str:
+        """Return why the last notification was not sent; empty if it was."""
+        trouble = "" if self._notifier is None else self._notifier.trouble
+        return trouble and f"the last notification was not sent: {trouble}"
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job that apps have given up."""

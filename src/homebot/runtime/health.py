@@ -67,11 +67,10 @@ class RuntimeHealth:
 
     def _problems(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):
-            if crash.state == "given up":
-                yield f"{name} kept crashing and will not be restarted; fix it and restart homebot ({crash.last})"
-            elif crash.state == "restarting":
+            if crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
-        yield from self._apps.troubles()
+        if problem := self._apps.notification_problem():
+            yield problem
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:
                 why = "its caller gave up, and later calls may wait for it"

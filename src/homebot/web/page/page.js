@@ -143,7 +143,7 @@ var ae,Js,fi,Qt,ci,Xl,Zs,Zl,Qs,pi,ui,mu,bl=Symbol.for("pv"),eo={},to=[],_u=/^m(i
       <h2>Doctor</h2>
       ${e.parts.every(i=>!i.troubles.length&&!i.failures.length&&!i.quarantined.length)&&S`<p>Nothing is wrong.</p>`}
       <ul class="entries">
-        ${e.parts.flatMap(i=>[...i.troubles.map(r=>S`<li key=${r} class="bad">${i.name}: ${r}</li>`),...i.quarantined.map(r=>S`<li key=${r.offender} class="bad">${i.name}: ${r.offender} is read slowly: ${r.why}</li>`),...i.failures.map(r=>S`<li key=${`${r.part} ${r.what}`} class="bad"><time>${sn(r.last)}</time> ${r.part}: ${r.what} (${r.count} times): ${r.why}</li>`),...i.notes.map(r=>S`<li key=${r}>${i.name}: ${r}</li>`)])}
+        ${e.parts.flatMap(i=>[...i.troubles.map(r=>S`<li key=${r} class="bad">${i.name}: ${r}</li>`),...i.quarantined.map(r=>S`<li key=${r.offender} class="bad">${i.name}: ${r.offender} is read slowly: ${r.why}</li>`),...i.failures.map(r=>S`<li key=${`${r.part} ${r.what}`} class="bad"><time>${sn(r.last)}</time> ${r.part}: ${r.what} (${r.count} times): ${r.why}${r.outcome&&`; now ${r.outcome}`}</li>`),...i.notes.map(r=>S`<li key=${r}>${i.name}: ${r}</li>`)])}
       </ul>
     </section>
     ${e.apps&&S`<section>

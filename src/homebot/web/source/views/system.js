@@ -37,7 +37,7 @@ export function System() {
         ${found.parts.flatMap((part) => [
           ...part.troubles.map((text) => html`<li key=${text} class="bad">${part.name}: ${text}</li>`),
           ...part.quarantined.map((one) => html`<li key=${one.offender} class="bad">${part.name}: ${one.offender} is read slowly: ${one.why}</li>`),
-          ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}</li>`),
+          ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}${one.outcome && `; now ${one.outcome}`}</li>`),
           ...part.notes.map((text) => html`<li key=${text}>${part.name}: ${text}</li>`),
         ])}
       </ul>
