@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 import runpy
 import shlex
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
@@ -24,17 +24,12 @@ from homebot.house.devices import CoverMotor, SimulatedLamp
 from homebot.testing.virtual_house import virtual_house_of
 
 FILE = Path(__file__).parents[2] / "docs" / "devices.md"
+SITE = FILE.parent / "_site" / "vocabulary.py"
 
 _NAMED = [getattr(handles, name) for name in handles.__all__]
 KINDS = sorted(
     (one for one in _NAMED if isinstance(one, type) and issubclass(one, Handle) and one is not Handle),
     key=lambda kind: kind.__name__,
-)
-
-
-HANDLES = (
-    "| kind | device type | conditions, besides `area`, `name`, `tag`, `reachable`, `fresh`, `category`, `near`, "
-    "`within` | properties | commands |"
 )
 
 
@@ -46,7 +41,7 @@ def table(text: str, head: str) -> list[str]:
 
 
 def test_the_site_has_tables_of_all_types_and_capabilities() -> None:
-    shown = runpy.run_path(str(FILE.parent / "_site" / "vocabulary.py"))["on_page_markdown"](FILE.read_text())
+    shown = runpy.run_path(str(SITE))["on_page_markdown"](FILE.read_text())
     types = table(shown, "| type | other words |")
     assert [row.split("`")[1] for row in types] == list(DEVICE_TYPES)
     assert "| `plug` | outlet, socket, smart plug |" in types
@@ -56,24 +51,29 @@ def test_the_site_has_tables_of_all_types_and_capabilities() -> None:
     assert "| `level` | 0 to 100 % | brightness or strength; 0 only when off |" in capabilities
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_table_of_handles_lists_their_conditions_and_commands(kind: type[Handle]) -> None:
+def test_the_site_has_a_table_of_all_handles() -> None:
     """Their device types, conditions, properties and commands."""
-    asked = [one for one in inspect.signature(kind.where).parameters if one != "filters"]
-    own = {name: one for name, one in inspect.getmembers(kind) if not name.startswith("_") and name not in vars(Handle)}
-    properties = {name for name, one in own.items() if isinstance(one, property)}
-    commands = {name for name, one in own.items() if inspect.iscoroutinefunction(one)}
-    (row,) = [row for row in table(FILE.read_text(), HANDLES) if row.startswith(f"| `{kind.__name__}` |")]
-    _, _, found_by, *rest, _ = (re.findall(r"`(\w+)`", cell) for cell in row.split("|"))
-    assert set(found_by) == kind.service_types
-    assert rest[0] == asked
-    assert [set(cell) for cell in rest[1:]] == [properties, commands]
+    shown = runpy.run_path(str(SITE))["on_page_markdown"]("<!-- table of handles -->\n")
+    rows = table(shown, "| kind | device type | conditions | properties | commands |")
+    assert [row.split("`")[1] for row in rows] == [kind.__name__ for kind in KINDS]
+    assert "| `Siren` | `siren` | `on` | `on` | `turn_off`, `turn_on` |" in rows
+    assert "<!-- table of handles -->" in FILE.read_text()
     common = ["area", "name", "tag", "reachable", "fresh", "category", "near", "within"]
     assert list(CommonFilters.__annotations__) == common
+    assert all(f"`{one}`" in FILE.read_text() for one in common)
 
 
-def test_every_kind_has_a_row() -> None:
-    assert len(table(FILE.read_text(), HANDLES)) == len(KINDS)
+@pytest.mark.parametrize("page", ["configuration", "protocols"])
+def test_the_site_has_a_row_for_each_key_of_the_configuration(page: str) -> None:
+    """A key without an explanation is an error of the build."""
+    site = runpy.run_path(str(SITE))
+    text = FILE.with_stem(page).read_text()
+    models = site["KEYS"].findall(text)
+    assert len(models) == len(re.findall("<!-- keys of", text)) >= 3
+    for module, name in models:
+        shown = site["on_page_markdown"](f"<!-- keys of {module}.{name} -->\n")
+        rows = table(shown, "| key | default | meaning |")
+        assert {row.split("`")[1] for row in rows} == {*getattr(import_module(module), name).model_fields}
 
 
 HOUSE = """

@@ -25,7 +25,8 @@ class ControlSettings(PolicySettings):
     """The table ``[control]``, with that of the policies.
 
     Attributes:
-        timeout: Seconds that a device has for its answer; a device with slower known answers has longer.
+        timeout: Seconds that a device has for its answer; longer if it usually takes longer, and a minute at least for
+            blinds and other motors.
         retries: The number of repetitions of a command without an answer; a press is never repeated.
         witnesses: The sensor, by its id or name, that observes the devices that fit a query; an empty one is none.
         settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.

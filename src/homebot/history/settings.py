@@ -39,11 +39,11 @@ class HistorySettings(BaseModel):
     """The keys of ``[history]``.
 
     Attributes:
-        enabled: Whether to keep a history; by default where devices are remembered, and of a simulated house.
-        keep: How long.
+        enabled: Whether to keep a history; by default where devices are remembered, and in a simulated house.
+        keep: The table ``[history.keep]``, below.
         batch: Time in which values are gathered, which a power cut loses: a disk writes whole blocks each time.
         series: The number of values of devices at most, of which each has a history; those of devices that were gone at
-            the start do not count.
+            the start do not count, and their history stays.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)

@@ -27,12 +27,13 @@ class RobotSettings(BaseModel):
         topic: An MQTT topic with its pose as JSON: ``x``, ``y``, and any of ``yaw``, ``error``, ``floor`` and
             ``limit``; or ``room`` alone.
         vacuum: The MQTT topic of a vacuum cleaner with Valetudo: ``valetudo/NAME``.
-        segments: The rooms of the segments on its map, by their ids.
-        map_transform: x, y and yaw of the frame of its map, ``NAME/map``, in the house's frame ``map``. Not needed
-            where three of its segments have the names of rooms with a polygon.
+        segments: The rooms of the segments on its map, by their ids: ``{"16" = "Kitchen"}``.
+        map_transform: x, y in metres and yaw in radians of the frame of its map, ``NAME/map``, in the house's frame
+            ``map``. Not needed where three of its segments have the names of rooms with a polygon.
         gateway: The gateway that brings ``topic`` and ``vacuum``.
-        motion_sensors: The names or ids of motion sensors that detect only this robot: it is in their room.
-        tag_reader: The NFC reader on the robot: it is in the room that each tag it reads says.
+        motion_sensors: The names or ids of motion sensors that detect only this robot: it is in their room for a
+            minute.
+        tag_reader: The NFC reader on the robot: it is in the room of each tag that it reads, for ten minutes.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)

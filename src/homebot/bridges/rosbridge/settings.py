@@ -66,9 +66,10 @@ class DoorSettings(AccessSettings):
 
     Attributes:
         tokens: Tokens of single programs, by the names of these. The ``token`` has every right.
-        scope: Rights of a client without a token; None for the default, which reads and commands every device but
-            those of :mod:`homebot.devices.always_ask`.
-        max_frame_bytes: Largest frame taken from a client; a larger one closes its connection.
+        scope: Rights of a client without a token. By default ``read``, ``manage`` and every device that does not always
+            ask.
+        max_frame_bytes: Largest frame taken from a client; a larger one closes its connection. It holds 20,000 values
+            at most, beside a million numbers in long lists.
         queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
         max_waiting_bytes: Bytes of messages that may wait for one slow client; then the oldest of the topic that brings

@@ -52,7 +52,7 @@ class MdnsGatewaySettings(GatewaySettings):
         drivers: The tables of drivers by their names. A driver that is installed needs none; one of your own is named
             ``module:Class``.
         sleeping: Devices that sleep to save their battery and do not say so: the seconds of silence after which each
-            counts as stale, by the instance names of their services.
+            counts as stale, by the instance names of their services: ``{ "garden" = 7200 }``.
         forget_sleeping_after: Seconds after which a sleeping device that did not come back is removed.
         max_services: Services that may be known at once; of one type at most half of them.
     """

@@ -49,17 +49,19 @@ class MqttGatewaySettings(PasswordSettings):
         key_file: PEM file of its key.
         client_id: Name at the broker, unique there; by default a new one for each run, and the session ends with it. A
             fixed one gets the messages that the broker queued while homebot was not running.
-        client: ``aiomqtt``, which many others use too, or ``native``, homebot's own, which takes less time. By default
-            the latter on the embedded broker, the former on all others.
-        protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
-        max_payload: Largest message accepted, in bytes; the broker is told.
-        max_announcement: The same for announcements, if a convention has some; any other message larger than
-            ``max_payload`` is then dropped here. So large is Zigbee2MQTT's list of all its devices alone, about 4 kB
-            for each: 32 MiB is the size for 5,000 devices in that convention. A device's own announcement is refused
-            above 256 kB, unread. An MQTT 5 broker drops larger messages silently.
-        max_memory: Bytes that announcements may take, about, here and in the directory; one that does not fit any more
-            is refused, and counted.
-        session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
+        client: ``aiomqtt``, proven with most brokers, or ``native``, homebot's own, which needs less CPU time. By
+            default the latter on the embedded broker, the former on all others. aiomqtt sends QoS 2 as QoS 1, so a
+            message may arrive twice.
+        protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1, also if the broker says nothing to 5 for 10 s; or one
+            of ``5`` and ``3.1.1``.
+        max_payload: Largest message in bytes; the broker is informed, larger ones are dropped and counted.
+        max_announcement: The same for lists of devices: Zigbee2MQTT's takes about 4 kB for each, so the default is
+            enough for 5,000. A device's own announcement is refused above 256 kB. An MQTT 5 broker silently drops a
+            larger list: ``homebot doctor`` then reports a bridge without one; with 3.1.1 it is counted as ``dropped
+            oversize``.
+        max_memory: Estimated bytes for announced devices in gateway and directory; further announcements are refused
+            with a warning. The default is enough for 30,000 devices; 64 MiB (67108864) do for 500.
+        session_expiry: Seconds for which the broker queues messages while the gateway is disconnected.
         stale_after: Seconds of silence after which a device counts as stale.
         responses: Whether commands ask the devices for a response, where the broker speaks MQTT 5.
         conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that

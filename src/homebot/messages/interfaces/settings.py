@@ -17,7 +17,7 @@ class RosSettings(BaseModel):
     """The keys of the table ``[ros]``.
 
     Attributes:
-        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, as in a workspace of ROS.
+        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, as ``homebot interface import`` makes one.
         distro: The distribution of ROS 2 whose definitions count, where they differ.
     """
 
