@@ -39,7 +39,7 @@ async def test_a_misspelt_room_of_an_app_is_told_when_devices_had_time_to_come()
             assert await troubles(node, "follow_me") == (ROOM,)
             await house.run_for("10m")
     told = [(one["log_level"], one["message"]) for one in lines if one["event"] == UNKNOWN_NAME]
-    assert told == [("warning", f"{ROOM} (looked for 5 minutes after the start)")]
+    assert told == [("warning", f"{ROOM} (looked for 5 minutes)")]
 
 
 async def test_a_room_that_a_device_comes_to_later_is_no_problem_any_more() -> None:

@@ -12,6 +12,7 @@ from tests.apps.houses import flat, lamp, motion
 
 from homebot import Devices, Light, Refused
 from homebot.config import parse_config
+from homebot.devices.health import GetHealth
 from homebot.graph import Node
 from homebot.runtime.reload import keys_for_restart
 from homebot.testing import VirtualHouse, virtual_house_of
@@ -52,6 +53,24 @@ async def home(**tables: object) -> AsyncIterator[Home]:
     async with virtual_house_of(world=world, config=tables) as house, Node(house.runtime.graph, "app") as node:
         await house.run_for("1m")
         yield Home(house, node)
+
+
+async def troubles(here: Home) -> tuple[str, ...]:
+    return (await here.node.create_client(GetHealth, "/control/health").call(GetHealth.Request())).troubles
+
+
+@pytest.mark.parametrize("first", [{}, {"presence_guard": {"doors": {"atic": ["hatch"]}}}])
+async def test_misspelt_names_are_those_of_the_newest_configuration(first: dict[str, object]) -> None:
+    async with home(control=first) as here:
+        await here.house.run_for("10m")
+        await here.reload({"control": {"witnesses": {"light": "hall_moton"}}})
+        await here.house.run_for("5m")
+        (problem,) = await troubles(here)
+        assert problem.startswith(
+            "control.witnesses.'light': there is no device 'hall_moton'; did you mean hall_motion"
+        )
+        await here.reload({"control": {}})
+        assert await troubles(here) == ()
 
 
 async def test_policies_take_effect_and_go_again() -> None:

@@ -10,7 +10,7 @@ from homebot.apps.base import App, AppSettings
 from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import HandleChange, Light, LightSensor, OccupancySensor
 from homebot.devices.health import GetHealth
-from homebot.devices.misspelt_names import ConfiguredNames
+from homebot.devices.misspelt_names import ConfiguredNames, StatedNames
 from homebot.support.folding import fold
 
 __all__ = ["FollowMe", "FollowMeSettings"]
@@ -38,7 +38,7 @@ class FollowMe(App[FollowMeSettings]):
 
     async def run(self) -> None:
         """Light up a room with each motion in it."""
-        names = ConfiguredNames(self.node, rooms=[("rooms", room) for room in self.settings.rooms])
+        names = ConfiguredNames(self.node, lambda: StatedNames([("rooms", room) for room in self.settings.rooms]))
         self.node.create_service(GetHealth, "~/health", names.health)
         self.start_task(names.run)
         motion = self.devices.follow(OccupancySensor, fresh=True).became(occupied=True)

@@ -94,7 +94,8 @@ class Control:
             node, self._lookup, lambda: self._layer.journal, self._cause_of_change, is_dry_run=is_dry_run
         )
         self._feed.on_gateway = self._house_watch.follow_gateway
-        self._begun = anyio.Event()
+        self._begun, self._has_names = anyio.Event(), anyio.Event()
+        self._begin_check()
         if settings is not None and settings.needs_house:
             _ = self._layer  # it follows the house from the start
 
@@ -104,8 +105,7 @@ class Control:
         async with anyio.create_task_group() as tasks:
             self._house_watch.follow_settings()
             tasks.start_soon(self._feed.run)
-            if self._names is not None:
-                tasks.start_soon(self._names.run)
+            tasks.start_soon(self._check_names)
             task_status.started()
             try:
                 if self._journal_file is not None and await anyio.Path(self._journal_file).exists():
@@ -163,6 +163,7 @@ class Control:
             Whether devices that can hurt wait for an approval.
         """
         self._given_settings = settings
+        self._begin_check()
         if self._begun.is_set() or (settings is not None and settings.needs_house):
             from homebot.control.settings import ControlSettings  # noqa: PLC0415 - few runs are reloaded
 
@@ -177,7 +178,7 @@ class Control:
     async def health(self, _: HealthRequest) -> HealthResponse:
         """Return the health of the journal, with notes for the owner, and names in the settings that fit nothing."""
         health = await self._layer.health()
-        problems = () if self._names is None else await self._names.problems()
+        problems = await self._names.problems() if self._has_names.is_set() else ()
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
 
     async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
@@ -194,11 +195,24 @@ class Control:
         stamp = change.told_at.to_seconds()
         return self._layer.timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
 
+    def _begin_check(self) -> None:
+        """Begin the check of names if there are any: few homes have one."""
+        if self._given_settings is not None and any(self._given_settings.stated_names):
+            self._has_names.set()
+
+    async def _check_names(self) -> None:
+        await self._has_names.wait()
+        await self._names.run()
+
     @cached_property
-    def _names(self) -> ConfiguredNames | None:
-        """The rooms and devices that the settings name; None if they name none."""
-        settings = self._given_settings
-        return None if settings is None or not settings.names_devices else settings.configured_names(self._node)
+    def _names(self) -> ConfiguredNames:
+        """The check of the rooms and devices that the settings name, those of a reload as well."""
+        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - few homes name any
+
+        return ConfiguredNames(
+            self._node,
+            lambda: StatedNames() if self._given_settings is None else self._given_settings.stated_names,
+        )
 
     @cached_property
     def _layer(self) -> ControlLayer:

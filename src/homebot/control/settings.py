@@ -8,10 +8,9 @@ from pydantic import Field
 
 from homebot.control.policies import PolicySettings
 from homebot.control.policies.command_pattern import QueryText
-from homebot.devices.misspelt_names import ConfiguredNames
+from homebot.devices.misspelt_names import StatedNames
 from homebot.devices.query import Query
 from homebot.devices.query.exact import parse_lasting_query
-from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
@@ -44,22 +43,17 @@ class ControlSettings(PolicySettings):
     journal_megabytes: float = Field(default=50.0, ge=1, le=10_000)
 
     @property
-    def names_devices(self) -> bool:
-        """True if it names sensors or contacts, which may be misspelt."""
-        return bool(self.witnesses) or (self.presence_guard is not None and bool(self.presence_guard.doors))
-
-    @property
     def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
         """The named sensors, folded, each with its query."""
         return tuple((parse_lasting_query(query), fold(name)) for query, name in self.witnesses.items())
 
-    def configured_names(self, node: Node) -> ConfiguredNames:
-        """Return the check, by *node*, of the sensors, contacts, rooms and queries in them."""
+    @property
+    def stated_names(self) -> StatedNames:
+        """The sensors, contacts, rooms and queries in it, which may be misspelt."""
         doors = self.presence_guard.doors if self.presence_guard is not None else {}
         contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
         sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in self.witnesses.items() if sensor.strip()]
-        return ConfiguredNames(
-            node,
+        return StatedNames(
             rooms=[(_DOORS, room) for room in doors],
             devices=[*contacts, *sensors],
             queries=[(_WITNESSES, query, parse_lasting_query(query)) for query in self.witnesses],

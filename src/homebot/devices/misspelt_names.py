@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Sequence
-from typing import Final, final
+from collections.abc import AsyncIterator, Callable, Sequence
+from typing import Final, NamedTuple, final
 
 import anyio
 
@@ -18,7 +18,7 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["ConfiguredNames"]
+__all__ = ["ConfiguredNames", "StatedNames"]
 
 _ANNOUNCED_WITHIN: Final = 300.0
 """Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
@@ -33,29 +33,32 @@ _MOST_COMPARED: Final = 2000
 UNKNOWN_NAME: Final = "config.unknown_name"
 
 
+class StatedNames(NamedTuple):
+    """The names in a configuration.
+
+    Attributes:
+        rooms: The key and name of each room.
+        devices: The key and the id or name of each device.
+        queries: The key, the text and the terms of each query.
+    """
+
+    rooms: Sequence[tuple[str, str]] = ()
+    devices: Sequence[tuple[str, str]] = ()
+    queries: Sequence[tuple[str, str, Query]] = ()
+
+
 @final
 class ConfiguredNames:
     """Looks for rooms and devices that a configuration names; if there is none, it is logged once.
 
     Args:
         node: The node that asks the directory.
-        rooms: The key and name of each room.
-        devices: The key and the id or name of each device.
-        queries: The key, the text and the terms of each query.
+        read: Returns the names as they are configured now.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        *,
-        rooms: Sequence[tuple[str, str]] = (),
-        devices: Sequence[tuple[str, str]] = (),
-        queries: Sequence[tuple[str, str, Query]] = (),
-    ) -> None:
+    def __init__(self, node: Node, read: Callable[[], StatedNames]) -> None:
         self._log = node.log
-        self._rooms = rooms
-        self._devices = devices
-        self._queries = queries
+        self._read = read
         self._is_due = False
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
@@ -74,7 +77,7 @@ class ConfiguredNames:
         self._is_due = True
         for problem in problems:
             minutes = _ANNOUNCED_WITHIN / 60
-            self._log.warning(UNKNOWN_NAME, message=f"{problem} (looked for {minutes:g} minutes after the start)")
+            self._log.warning(UNKNOWN_NAME, message=f"{problem} (looked for {minutes:g} minutes)")
 
     async def problems(self) -> tuple[str, ...]:
         """Return in words the names without a device now; none before :meth:`run` has looked, or without an answer."""
@@ -95,20 +98,21 @@ class ConfiguredNames:
         Raises:
             ServiceError: The directory does not answer.
         """
-        async for problem in self._unknown_rooms():
+        stated = self._read()
+        async for problem in self._unknown_rooms(stated.rooms[:_MOST]):
             yield problem
-        for key, name in self._devices[:_MOST]:
+        for key, name in stated.devices[:_MOST]:
             if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
                 names = [name for device in await self._fitting() for name in _names(device)]
                 yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
-        for key, text, query in self._queries[:_MOST]:
+        for key, text, query in stated.queries[:_MOST]:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
 
-    async def _unknown_rooms(self) -> AsyncIterator[str]:
-        stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if self._rooms else []
-        for key, name in self._rooms[:_MOST]:
+    async def _unknown_rooms(self, rooms: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
+        stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if rooms else []
+        for key, name in rooms:
             if fold(name) not in map(fold, stated) and not await self._is_area(name):
                 areas = {device.area for device in await self._fitting()} - {""}
                 yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
