@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import anyio
 import pytest
+from anyio import to_thread
 from tests.history.conftest import MIDNIGHT, MakeHouse
+
+from homebot.history.history_file import HistoryFile
+from homebot.history.settings import KeepSettings
+from homebot.support.sqlite_file import SqliteFile
 
 pytestmark = pytest.mark.virtual_time
 
@@ -122,3 +128,16 @@ async def test_a_suspended_computer_leaves_a_gap(kept: MakeHouse) -> None:
     assert lamp.words == ("true", "true")
     assert lamp.times[1] - lamp.ends[0] == pytest.approx(8 * HOUR, abs=120)
     assert max(b - a for a, b in zip(number.times, number.times[1:], strict=False)) == pytest.approx(8 * HOUR, abs=600)
+
+
+async def test_a_copy_of_the_file_has_the_values_of_this_moment(kept: MakeHouse, tmp_path: Path) -> None:
+    async with kept() as house:
+        await house.report("thermometer", temperature=21.5)
+        (file,) = SqliteFile.opened_in(tmp_path).values()
+        assert file.write_rest is not None
+        await file.write_rest()
+        await to_thread.run_sync(file.copy_into, tmp_path / "copy.sqlite")
+    copy = HistoryFile(tmp_path / "copy.sqlite", KeepSettings())
+    await to_thread.run_sync(copy.open, 0.0)
+    assert (await to_thread.run_sync(copy.load)).series.keys() == {("thermometer", "", "temperature")}
+    copy.close()

@@ -39,7 +39,7 @@ def fill(connection: sqlite3.Connection) -> None:
 @pytest.mark.virtual_time
 async def test_on_a_full_disk_values_wait_and_are_written_when_there_is_room_again(kept: MakeHouse) -> None:
     async with kept() as house:
-        connection = house.history._store._file.connection
+        connection = house.history._store.file.connection
         fill(connection)
         chance = random.Random(1)  # noqa: S311 - values that take room
         values = [chance.uniform(10, 30) for _ in range(900)]
@@ -60,7 +60,7 @@ async def test_on_a_full_disk_values_wait_and_are_written_when_there_is_room_aga
 @pytest.mark.virtual_time
 async def test_of_more_values_than_may_wait_the_oldest_are_lost_and_counted(kept: MakeHouse) -> None:
     async with kept() as house:
-        fill(house.history._store._file.connection)
+        fill(house.history._store.file.connection)
         collector = house.history._collector
         await house.report("thermometer", temperature=1.0)
         followed = collector._followed["thermometer"]["", "temperature"]

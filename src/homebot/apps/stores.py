@@ -148,6 +148,7 @@ class AppStores:
             _log.warning(REMOVED, message=f"{self._path} was removed while homebot ran; a new one is begun")
             self._write_all_anew()
         file = StoreFile(self._path)
+        file.write_rest = self.flush
         try:
             damaged = await to_thread.run_sync(file.open, self._clock.now())
         except UsageError as exc:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from datetime import tzinfo
+from functools import partial
 from pathlib import Path
 from typing import Final, final
 
@@ -92,6 +93,7 @@ class HistoryKeeper:
         while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
             await anyio.sleep(math.inf if self._store.is_unusable else _LOOK_EVERY)
         self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)
+        self._store.file.write_rest = partial(self._store.write, self._collector)
 
     async def _write_batches(self) -> None:
         batch, clock, collector = self._settings.batch, self._clock, self._collector

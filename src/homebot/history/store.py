@@ -36,6 +36,7 @@ class HistoryStore:
         settings: The settings.
 
     Attributes:
+        file: The file.
         problem: The trouble of the file, as text; empty if there is none.
         failures: Times that it could not be written or read.
         is_unusable: Whether no history can be kept until the next start.
@@ -45,7 +46,7 @@ class HistoryStore:
         self._node = node
         self._clock = node.graph.clock
         self._settings = settings
-        self._file = HistoryFile(path, settings.keep)
+        self.file = HistoryFile(path, settings.keep)
         self._turn = anyio.Lock()
         self._limit = LogLimit(self._clock)
         self.problem = ""
@@ -56,10 +57,10 @@ class HistoryStore:
         """Return the series of the file; None if it cannot be used now."""
         async with self._turn:
             try:
-                damaged = await to_thread.run_sync(self._file.open, self._clock.now())
+                damaged = await to_thread.run_sync(self.file.open, self._clock.now())
                 if damaged is not None:
                     self._log_damage(damaged)
-                stored = await to_thread.run_sync(self._file.load)
+                stored = await to_thread.run_sync(self.file.load)
             except UsageError as exc:
                 self.problem, self.is_unusable = str(exc), True
                 self._node.log.warning(NOT_KEPT, message=f"{exc}; until the next start no history is kept")
@@ -74,17 +75,17 @@ class HistoryStore:
         """Write what *collector* has; what cannot be written now stays there."""
         async with self._turn:
             try:
-                if await to_thread.run_sync(self._file.is_lost):
+                if await to_thread.run_sync(self.file.is_lost):
                     await self._begin_anew(collector)
                 batch = collector.take()
                 try:
-                    await to_thread.run_sync(self._file.write, batch, round(self._clock.now() * 1000))
+                    await to_thread.run_sync(self.file.write, batch, round(self._clock.now() * 1000))
                 except BaseException:
                     collector.put_back(batch)
                     raise
             except WireError as exc:
                 self._record_failure(exc)
-                self._log_damage(await to_thread.run_sync(self._file.set_aside, self._clock.now()))
+                self._log_damage(await to_thread.run_sync(self.file.set_aside, self._clock.now()))
                 await self._begin_anew(collector)
             except LinkError as exc:
                 self._record_failure(exc)
@@ -104,19 +105,19 @@ class HistoryStore:
             counters = collector.counters
 
             def run() -> T:
-                return work(HistoryReader(self._file.connection, batch, self._settings.keep, counters, now))
+                return work(HistoryReader(self.file.connection, batch, self._settings.keep, counters, now))
 
             return await to_thread.run_sync(run)
 
     async def close(self) -> None:
         """Close the file."""
         async with self._turn:
-            await to_thread.run_sync(self._file.close)
+            await to_thread.run_sync(self.file.close)
 
     async def _begin_anew(self, collector: Collector) -> None:
         """Begin a new file in place of one that was removed or damaged."""
-        await to_thread.run_sync(self._file.open, self._clock.now())
-        await to_thread.run_sync(self._file.load)
+        await to_thread.run_sync(self.file.open, self._clock.now())
+        await to_thread.run_sync(self.file.load)
         collector.renew()
 
     def _record_failure(self, exc: LinkError | WireError) -> None:

@@ -75,6 +75,9 @@ def serve_copies(node: Node, folder: Path | None) -> None:
     async def answer(_: TriggerRequest) -> SuccessResponse:
         if folder is None:
             return SuccessResponse(success=False, message="this homebot keeps nothing")
+        for file in SqliteFile.opened_in(folder).values():
+            if file.write_rest is not None:
+                await file.write_rest()
         try:
             return SuccessResponse(success=True, message=str(await to_thread.run_sync(copy_kept_files, folder)))
         except LinkError as exc:

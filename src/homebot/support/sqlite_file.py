@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sqlite3
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -112,6 +112,9 @@ class SqliteFile:
     Args:
         path: Where it is; directories are made. :data:`IN_MEMORY` for no file.
         busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
+
+    Attributes:
+        write_rest: Writes what its user has yet to write, in the event loop; None if that is never much.
     """
 
     _all: ClassVar[WeakSet[SqliteFile]] = WeakSet()
@@ -119,6 +122,7 @@ class SqliteFile:
     def __init__(self, path: Path, schema: SqliteSchema, busy_timeout: float = _BUSY) -> None:
         self._all.add(self)
         self.path = path
+        self.write_rest: Callable[[], Awaitable[object]] | None = None
         self._schema = schema
         self._busy_timeout = busy_timeout
         self._connection: sqlite3.Connection | None = None

@@ -30,7 +30,7 @@ _EXAMPLES = """\
   homebot restore villa.tar
 
 It holds what homebot knows and keeps (devices, journal, history, values of apps), homebot.toml and the files beside it
-that that names. homebot may run meanwhile; what it has yet to write, of five minutes at most, is left out.
+that that names. homebot may run meanwhile, and writes what it has yet to write.
 """
 
 _LONGEST: Final = 120.0

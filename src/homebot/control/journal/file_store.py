@@ -200,6 +200,7 @@ class FileStore(JournalStore):
         from homebot.control.journal.journal_file import JournalFile  # noqa: PLC0415 - SQLite is loaded at need
 
         file = JournalFile(self._path)
+        file.write_rest = self._write
         try:
             damaged = await to_thread.run_sync(file.open, self._clock.now())
         except UsageError as exc:
