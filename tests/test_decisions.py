@@ -14,9 +14,17 @@ def test_decisions_are_numbered_without_gaps() -> None:
 
 
 def test_a_decision_has_date_status_context_decision_and_consequences() -> None:
+    """One that was replaced has the number of the one that holds, and nothing else."""
+    replaced = set()
     for file in FILES:
         text = file.read_text(encoding="utf-8")
         assert text.startswith(f"# {int(file.name[:4])}. ")
-        status = r"^Date: \d{4}-\d\d-\d\d\. Status: (accepted|proposed|replaced by \d+)"
-        assert re.search(status, text, re.MULTILINE), file
-        assert re.findall(r"^## (.+)$", text, re.MULTILINE) == ["Context", "Decision", "Consequences"], file
+        status = re.search(
+            r"^Date: \d{4}-\d\d-\d\d\. Status: (accepted|proposed|replaced by (\d+))", text, re.MULTILINE
+        )
+        assert status, file
+        parts = [] if status[2] else ["Context", "Decision", "Consequences"]
+        assert re.findall(r"^## (.+)$", text, re.MULTILINE) == parts, file
+        replaced |= {(int(file.name[:4]), int(status[2]))} if status[2] else set()
+    assert {holds for _, holds in replaced}.isdisjoint({old for old, _ in replaced})
+    assert all(1 <= holds <= len(FILES) for _, holds in replaced)
