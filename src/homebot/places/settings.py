@@ -134,8 +134,8 @@ class DeviceSettings(BaseModel):
     """The table ``[places.devices.ID]``.
 
     Attributes:
-        room: The room that the device is in.
-        at: Its position ``X,Y[,FLOOR][ ±ERROR m]`` in metres; see :func:`stated_position`.
+        room: The room that the device is in; if rooms are listed, one of them or a floor.
+        at: Its position ``X,Y[,FLOOR][ ±ERROR m]`` in metres, without an error ±0.1 m.
         aliases: Further names of the device; the first is the one that is shown.
         tags: Words by which it is found.
         identifiers: Hardware addresses, as ``homebot show`` prints them. With these the device is known by any of them
