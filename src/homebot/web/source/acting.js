@@ -2,6 +2,9 @@
 import { signal } from "@preact/signals";
 import { call } from "./door.js";
 import { html } from "./html.js";
+import { outcomeText } from "./words.js";
+
+const SHOWN = 8000; // ms for which an outcome is shown
 
 /** What the last command led to: text, and whether it succeeded; null for none. */
 export const outcome = signal(null);
@@ -9,22 +12,27 @@ export const outcome = signal(null);
 const SWITCHED = new Set(["light", "plug", "switch", "fan", "on_off_light", "on_off_plug", "outlet"]);
 
 export async function command(device, word, values = []) {
-  outcome.value = { text: `${device.name}: ${word === "set" ? "…" : `${word} …`}`, isGood: true };
+  tell(`${device.name}: ${word === "set" ? "…" : `${word} …`}`, true);
   try {
     const answer = await call("/devices/command", { target: device.id, command: word, values });
-    const found = answer.results.map((one) => `${one.name}: ${one.result.text}`).join("; ");
-    outcome.value = { text: found || `${device.name}: ${answer.message}`, isGood: answer.success };
+    const found = answer.results.map((one) => `${one.name}: ${outcomeText(one.result)}`).join("; ");
+    tell(found || `${device.name}: ${answer.message}`, answer.success);
   } catch (error) {
-    outcome.value = { text: `${device.name}: ${error.message}`, isGood: false };
+    tell(`${device.name}: ${error.message}`, false);
   }
 }
 
-/** The button that turns a device on or off; nothing for other devices. */
-export function Acting({ device }) {
+/** The switch that turns a device on or off; nothing for other devices. */
+export function Switch({ device }) {
   const isOn = [...device.states.values()].find((one) => one.capability === "on_off")?.value;
   if (typeof isOn !== "boolean" || !SWITCHED.has(device.type)) return null;
-  const word = isOn ? "off" : "on";
-  return html`<button type="button" aria-label=${`turn ${device.name} ${word}`} onClick=${() => command(device, word)}>
-    ${word}
-  </button>`;
+  return html`<button type="button" class="switch" role="switch" aria-checked=${String(isOn)} aria-label=${device.name} onClick=${() => command(device, isOn ? "off" : "on")}></button>`;
+}
+
+let hiding = 0;
+
+function tell(text, isGood) {
+  clearTimeout(hiding);
+  outcome.value = { text, isGood };
+  if (isGood) hiding = setTimeout(() => (outcome.value = null), SHOWN);
 }

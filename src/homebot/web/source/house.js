@@ -9,8 +9,6 @@ const devices = new Map(); // by id: a signal of the device
 const ids = signal([]); // sorted by room and name
 export const count = computed(() => ids.value.length);
 export const isLoaded = signal(false);
-/** Changes of values that the page received, for its plot of rates. */
-export const received = { changes: 0 };
 
 /** The rooms with the ids of their devices; those without a room last. */
 export const rooms = computed(() => {
@@ -40,7 +38,6 @@ const wanted = new Set();
 let asking = 0;
 
 function later(work) {
-  received.changes += 1;
   pending.push(work);
   if (pending.length === 1) requestAnimationFrame(applyPending);
 }

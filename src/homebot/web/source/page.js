@@ -40,7 +40,7 @@ function Page() {
     <header>
       <h1>${home || "homebot"}</h1>
       <nav aria-label="views">
-        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view ? "page" : undefined}>${title}</a>`)}
+        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && view === "device") ? "page" : undefined}>${title}</a>`)}
       </nav>
       <p role="status" class=${state === "open" ? "" : "bad"}>
         ${state === "open" ? `${count.value} devices` : mustLogIn ? "not logged in" : reason || "connecting …"}

@@ -1,24 +1,51 @@
 import uPlot from "uplot";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { html } from "./html.js";
 
-const HEIGHT = 220;
-const COLOURS = ["--accent", "--good", "--bad", "--quiet"];
+const HEIGHT = 180;
+const COLOURS = ["--accent", "--bad"];
+const SOON = 172_800; // seconds that are shown with the time of day
+const hour = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", hour12: false });
+const moment = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
+const date = new Intl.DateTimeFormat([], { month: "short", day: "numeric" });
 
-/** A plot over time: `values` has a list for each of `names`, null for a gap. */
-export function Plot({ label, times, values, names }) {
+/**
+ * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
+ * value lasts until the next one; `text` writes a number; `isFlag` where 0 and 1 are all there is.
+ */
+export function Plot({ label, times, values, names, from, to, isStepped = false, isFlag = false, text = String }) {
   const place = useRef(null);
   const plot = useRef(null);
+  const span = useRef([]);
+  const write = useRef(text);
+  write.current = text;
+  const [index, setIndex] = useState(null);
+  span.current = [from ?? times[0], Math.max(to ?? times[times.length - 1], (from ?? times[0]) + 1)];
   useEffect(() => {
     const style = getComputedStyle(place.current);
-    const axis = { stroke: style.color, grid: { stroke: style.getPropertyValue("--line") }, ticks: { show: false } };
-    const series = names.map((name, index) => ({
+    const axis = { stroke: style.getPropertyValue("--quiet"), grid: { stroke: style.getPropertyValue("--line"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+    const series = names.map((name, at) => ({
       label: name,
-      stroke: style.getPropertyValue(COLOURS[index % COLOURS.length]),
+      stroke: style.getPropertyValue(COLOURS[at % COLOURS.length]),
       width: 2,
-      points: { show: times.length < 2 },
+      fill: names.length === 1 ? `${style.getPropertyValue(COLOURS[0])}1c` : undefined,
+      paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
+      points: { show: false },
     }));
-    const options = { width: place.current.clientWidth, height: HEIGHT, series: [{}, ...series], axes: [axis, axis] };
+    const short = (at) => (span.current[1] - span.current[0] > SOON ? date : span.current[1] - span.current[0] < 300 ? moment : hour).format(at * 1000);
+    const options = {
+      width: place.current.clientWidth,
+      height: HEIGHT,
+      legend: { show: false },
+      cursor: { y: false, points: { show: false }, drag: { x: false } },
+      scales: { x: { range: () => span.current }, y: { range: (_, least, most) => rangeOf(least, most) } },
+      series: [{}, ...series],
+      axes: [
+        { ...axis, space: 90, size: 30, values: (_, splits) => splits.map(short) },
+        { ...axis, size: 60, values: (_, splits) => splits.map((one) => write.current(round(one))), ...(isFlag ? { splits: () => [0, 1] } : {}) },
+      ],
+      hooks: { setCursor: [(own) => setIndex(own.cursor.idx ?? null)] },
+    };
     const own = new uPlot(options, [times, ...values], place.current);
     plot.current = own;
     const resize = new ResizeObserver(([entry]) => own.setSize({ width: entry.contentRect.width, height: HEIGHT }));
@@ -27,7 +54,22 @@ export function Plot({ label, times, values, names }) {
       resize.disconnect();
       own.destroy();
     };
-  }, [names.join(" ")]);
+  }, [names.join(" "), isStepped, isFlag]);
   useEffect(() => plot.current?.setData([times, ...values]), [times, values]);
-  return html`<div class="plot" role="img" aria-label=${`${label} over time, ${times.length} points`} ref=${place}></div>`;
+  const at = index ?? times.length - 1;
+  const shown = names.map((name, one) => `${name} ${values[one][at] == null ? "unknown" : text(round(values[one][at]))}`.trim());
+  return html`<figure class="plot">
+    <div role="img" aria-label=${`${label} over time, ${times.length} points`} ref=${place}></div>
+    <figcaption><time>${index === null ? "now" : `${date.format(times[at] * 1000)} ${moment.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
+  </figure>`;
+}
+
+const round = (value) => Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1));
+
+/** From 0 on, or closer where all values are far from it. */
+function rangeOf(least, most) {
+  if (least === null) return [0, 1];
+  if (least >= 0 && least < most * 0.8) return [0, most * 1.1 || 1];
+  const room = (most - least) * 0.15 || Math.abs(most) * 0.1 || 1;
+  return [least >= 0 ? Math.max(0, least - room) : least - room, most + room];
 }

@@ -13,9 +13,16 @@ const TRUE = {
   on_off: ["on", "off"],
   contact: ["open", "closed"],
   occupancy: ["occupied", "clear"],
-  smoke: ["smoke", "clear"],
+  smoke: ["smoke", "no smoke"],
   water_leak: ["wet", "dry"],
 };
+/** Capabilities whose value needs no name beside it. */
+const PLAIN = new Set([...Object.keys(TRUE), "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
+/** Those of the summary too, as the unit tells the capability. */
+const BY_UNIT = new Set(["level", "position", "temperature", "local_temperature", "illuminance", "power", "energy", "voltage", "current"]);
+/** Values of a device that its summary leaves out, if it has the other one. */
+const TOLD_BY = { thermostat_mode: "thermostat_action", temperature: "local_temperature" };
+const SHORT = { heating_setpoint: "set to ", cooling_setpoint: "cooled to ", humidity_setpoint: "set to " };
 
 /** A value of a capability, with its unit. */
 export function valueText(capability, value, unit = "") {
@@ -27,23 +34,41 @@ export function valueText(capability, value, unit = "") {
   if (typeof value === "number") {
     const own = unit || units.value[capability] || "";
     const text = Number.isInteger(value) ? String(value) : String(Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1)));
-    return own ? `${text} ${own}` : text;
+    return own ? `${text}\u00a0${own}` : text;
   }
   return Array.isArray(value) ? value.map((one) => Math.round(one)).join(", ") : String(value);
 }
 
-export const label = (name) => name.replaceAll("_", " ");
+/** The name of a capability, a type or a count, as text. */
+export const label = (name) => (name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
+
+/** The unit of a capability: of the device, else of the vocabulary. */
+export const unitOf = (capability) => capability.unit || units.value[capability.name] || "";
+
+/** The words of a capability for 1 and 0; undefined if it has none. */
+export const wordsOf = (capability) => TRUE[capability];
 
 /** The values of a device in one line, the most telling first. */
 export function summary(device) {
   const found = [...device.states.values()].filter((one) => one.value !== null);
-  const isOff = found.some((one) => one.capability === "on_off" && one.value === false);
+  const has = (name, value) => found.some((one) => one.capability === name && (value === undefined || one.value === value));
+  const isTold = ({ capability, value }) =>
+    capability.startsWith("color") ||
+    (capability === "level" && has("on_off", false)) ||
+    (capability === "position" && has("movement", value === 100 ? "open" : value === 0 ? "closed" : "")) ||
+    has(TOLD_BY[capability]);
+  const isFirst = (one) => (PLAIN.has(one.capability) ? 0 : 1);
   return found
-    .filter((one) => !(isOff && (one.capability === "level" || one.capability.startsWith("color"))))
+    .filter((one) => !isTold(one))
+    .sort((a, b) => isFirst(a) - isFirst(b))
     .slice(0, 4)
-    .map(readingText)
-    .join(", ");
+    .map((one) => (BY_UNIT.has(one.capability) || SHORT[one.capability] ? (SHORT[one.capability] ?? "") + valueText(one.capability, one.value) : readingText(one)))
+    .join(" · ");
 }
+
+/** Whether a device is on, open or occupied. */
+export const isActive = (device) =>
+  [...device.states.values()].some((one) => (["on_off", "contact", "occupancy"].includes(one.capability) ? one.value === true : one.capability === "movement" && one.value !== "closed"));
 
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
@@ -61,7 +86,8 @@ export function timeText(time) {
 
 /** A length of time, in its two largest units. */
 export function durationText(length) {
-  if (length < 1) return `${Math.round(length * 1000)} ms`;
+  if (length < 1) return `${Math.max(1, Math.round(length * 1000))} ms`;
+  if (length < 10) return `${Number(length.toFixed(1))} s`;
   const units = [["d", 86_400], ["h", 3600], ["min", 60], ["s", 1]];
   const first = units.findIndex(([, size]) => length >= size);
   let rest = length;
@@ -79,12 +105,15 @@ export function durationText(length) {
 export const settingsText = (settings) => settings.map(readingText).join(", ");
 
 const readingText = (one) =>
-  (one.capability === "on_off" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
+  (PLAIN.has(one.capability) ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
+
+/** The text of an outcome, with its time as people read it. */
+export const outcomeText = (result) => result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);
 
 /** The issuer of a command. */
 export function issuerText(issuer) {
   if (issuer.startsWith("client:")) return `the client ${issuer.slice(7)}`;
-  return issuer ? `the app ${issuer.replace(/^\//, "")}` : "somebody";
+  return issuer ? `the app ${issuer.replace(/^\//, "")}` : "an unknown program";
 }
 
 /** What happened, by an entry of the journal. */
@@ -106,7 +135,7 @@ export function entryText(entry) {
       return `changed to ${values}${causeText(entry.cause)}`;
     case "outcome":
     case "reverted":
-      return result ? result.text : entry.kind;
+      return result ? outcomeText(result) : entry.kind;
     case "published":
       return `${issuerText(entry.issuer)} published ${JSON.stringify(entry.text)}`;
     case "denied":
@@ -125,7 +154,7 @@ function verdictText(verdict) {
 function triggerText(trigger) {
   if (!trigger.kind) return "";
   if (trigger.kind === "report" && trigger.readings.length)
-    return `, because ${trigger.device} reported ${settingsText(trigger.readings)}`;
+    return `, because ${trigger.device.split("/").pop()} reported ${settingsText(trigger.readings)}`;
   return trigger.text ? `, because of ${trigger.text}` : "";
 }
 

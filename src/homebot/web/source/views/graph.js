@@ -1,11 +1,14 @@
-// The graph as a picture: those that publish, topics, those that listen.
+// The graph as a picture: nodes that publish, topics, nodes that subscribe.
 import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
 
-const ROW = 22;
-const WIDTH = 900;
-const COLUMNS = [10, 330, 650];
+const ROW = 26;
+const WIDTH = 1000;
+const FROM = 230; // right edge of the nodes that publish
+const TOPIC = [350, 650];
+const TO = 770; // left edge of the nodes that subscribe
+const LONGEST = 36;
 
 export function Graph() {
   const [ends, setEnds] = useState(null);
@@ -15,31 +18,47 @@ export function Graph() {
     if (isOpen) call("/rosapi/endpoints").then((answer) => setEnds(answer.endpoints), () => {});
   }, [isOpen]);
   if (!ends) return html`<p class="empty">Asking homebot for its graph …</p>`;
-  const links = ends.filter((one) => one.kind === "publisher" || one.kind === "subscription").filter((one) => !one.name.includes("/_"));
-  const touches = (one) => !chosen || one.node === chosen || one.name === chosen;
-  const topics = layer([...new Set(links.filter(touches).map((one) => one.name))]);
-  const near = links.filter((one) => topics.has(one.name) && (touches(one) || chosen === one.name));
-  const shown = chosen ? links.filter((one) => topics.has(one.name)) : near;
-  const from = layer([...new Set(shown.filter((one) => one.kind === "publisher").map((one) => one.node))]);
-  const to = layer([...new Set(shown.filter((one) => one.kind === "subscription").map((one) => one.node))]);
-  const height = ROW * (Math.max(from.size, topics.size, to.size) + 2);
+  const links = ends.filter((one) => (one.kind === "publisher" || one.kind === "subscription") && !one.name.includes("/_"));
+  const near = new Set(links.filter((one) => !chosen || one.node === chosen || one.name === chosen).map((one) => one.name));
+  const shown = links.filter((one) => near.has(one.name));
+  const published = shown.filter((one) => one.kind === "publisher");
+  const subscribed = shown.filter((one) => one.kind === "subscription");
+  const from = column([...new Set(published.map((one) => one.node))].sort());
+  const topics = column(ordered([...near], published, from));
+  const to = column(ordered([...new Set(subscribed.map((one) => one.node))], subscribed.map(({ node, name }) => ({ node: name, name: node })), topics));
+  const height = ROW * (Math.max(from.size, topics.size, to.size) + 1);
+  // Each column is in the middle of the picture.
+  const y = (names, name) => names.get(name) + (height - ROW * (names.size + 1)) / 2;
   const choose = (name) => () => setChosen(name === chosen ? "" : name);
-  return html`
-    <p>Left: nodes that publish. Middle: topics. Right: nodes that listen. ${chosen ? html`<button type="button" onClick=${choose(chosen)}>show all</button>` : "Choose one to see its own."}</p>
-    <div class="scroll" role="region" tabindex="0" aria-label="graph"><svg class="graph" viewBox=${`0 0 ${WIDTH} ${height}`} width=${WIDTH} height=${height} role="group" aria-label=${`${from.size + to.size} nodes and ${topics.size} topics`}>
-      ${shown.map((one) => {
-        const isOut = one.kind === "publisher";
-        const y = (isOut ? from : to).get(one.node);
-        const topic = topics.get(one.name);
-        const [x1, y1, x2, y2] = isOut ? [COLUMNS[0] + 240, y, COLUMNS[1], topic] : [COLUMNS[1] + 260, topic, COLUMNS[2], y];
-        return html`<path key=${`${one.kind} ${one.node} ${one.name}`} class=${isOut ? "out" : "in"} d=${`M ${x1} ${y1} C ${x1 + 40} ${y1} ${x2 - 40} ${y2} ${x2} ${y2}`} />`;
-      })}
-      ${[from, topics, to].map((names, column) => [...names].map(([name, y]) => html`<text key=${`${column} ${name}`} class=${name === chosen ? "chosen" : ""} x=${COLUMNS[column]} y=${y + 4} onClick=${choose(name)}>${name.length > 38 ? `${name.slice(0, 37)}…` : name}<title>${name}</title></text>`))}
-    </svg></div>
+  const text = (name, x, at, anchor) => html`<text key=${`${anchor} ${name}`} class=${name === chosen ? "chosen" : ""} text-anchor=${anchor} x=${x} y=${at + 4} onClick=${choose(name)}>${name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name}<title>${name}</title></text>`;
+  return html`<section>
     <p class="choices"><label>Show <select value=${chosen} onChange=${(event) => setChosen(event.target.value)}>
       <option value="">all</option>
       ${[...new Set(links.flatMap((one) => [one.node, one.name]))].sort().map((name) => html`<option key=${name}>${name}</option>`)}
-    </select></label></p>`;
+    </select></label> <small>Nodes on the left publish topics, nodes on the right subscribe to them.</small></p>
+    <div class="scroll" role="region" tabindex="0" aria-label="graph"><svg class="graph" viewBox=${`0 0 ${WIDTH} ${height}`} role="group" aria-label=${`${from.size + to.size} nodes and ${topics.size} topics`}>
+      ${published.map((one) => curve(one, FROM + 8, y(from, one.node), TOPIC[0], y(topics, one.name)))}
+      ${subscribed.map((one) => curve(one, TOPIC[1], y(topics, one.name), TO - 8, y(to, one.node)))}
+      ${[...topics.keys()].map((name) => html`<rect key=${name} x=${TOPIC[0]} y=${y(topics, name) - 11} width=${TOPIC[1] - TOPIC[0]} height="22" rx="11" />`)}
+      ${[...from.keys()].map((name) => text(name, FROM, y(from, name), "end"))}
+      ${[...topics.keys()].map((name) => text(name, (TOPIC[0] + TOPIC[1]) / 2, y(topics, name), "middle"))}
+      ${[...to.keys()].map((name) => text(name, TO, y(to, name), "start"))}
+    </svg></div>
+  </section>`;
 }
 
-const layer = (names) => new Map(names.sort().map((name, index) => [name, ROW * (index + 1)]));
+const column = (names) => new Map(names.map((name, index) => [name, ROW * (index + 1)]));
+
+/** `names` by the mean height of their neighbours, so that fewer lines cross. */
+function ordered(names, links, neighbours) {
+  const height = (name) => {
+    const found = links.filter((one) => one.name === name).map((one) => neighbours.get(one.node));
+    return found.length ? found.reduce((all, one) => all + one, 0) / found.length : Infinity;
+  };
+  const heights = new Map(names.map((name) => [name, height(name)]));
+  return names.sort((a, b) => (heights.get(a) === heights.get(b) ? a.localeCompare(b) : heights.get(a) - heights.get(b)));
+}
+
+function curve(link, x1, y1, x2, y2) {
+  return html`<path key=${`${link.kind} ${link.node} ${link.name}`} d=${`M ${x1} ${y1} C ${x1 + 60} ${y1} ${x2 - 60} ${y2} ${x2} ${y2}`} />`;
+}

@@ -1,6 +1,6 @@
 // The house by room, live.
 import { Component } from "preact";
-import { Acting } from "../acting.js";
+import { Switch } from "../acting.js";
 import { count, deviceOf, isLoaded, rooms } from "../house.js";
 import { html } from "../html.js";
 import { label, summary } from "../words.js";
@@ -9,23 +9,26 @@ export function House() {
   if (!isLoaded.value) return html`<p class="empty">Asking homebot for its devices …</p>`;
   if (!count.value)
     return html`<p class="empty">No device is known yet. They appear here as the gateways find them.</p>`;
-  return rooms.value.map(
-    ([room, ids]) => html`<section class="room" key=${room}>
-      <h2>${room || "Without a room"} <small>${ids.length}</small></h2>
-      <table>
-        <thead class="hidden">
-          <tr>
-            <th>Device</th>
-            <th>State</th>
-            <th>Command</th>
-          </tr>
-        </thead>
-        <tbody>
-          ${ids.map((id) => html`<${Row} key=${id} id=${id} />`)}
-        </tbody>
-      </table>
-    </section>`,
-  );
+  return html`<div class="rooms">
+    ${rooms.value.map(
+      ([room, ids]) => html`<section class="room" key=${room}>
+        <h2>${room || "Without a room"} <small>${ids.length}</small></h2>
+        <table>
+          <colgroup><col class="name" /><col /><col class="act" /></colgroup>
+          <thead class="hidden">
+            <tr>
+              <th>Device</th>
+              <th>State</th>
+              <th>Switch</th>
+            </tr>
+          </thead>
+          <tbody>
+            ${ids.map((id) => html`<${Row} key=${id} id=${id} />`)}
+          </tbody>
+        </table>
+      </section>`,
+    )}
+  </div>`;
 }
 
 /** A row is rendered again by its own signal alone, never by the list. */
@@ -48,7 +51,7 @@ function Cells({ id }) {
       <small>${label(device.type)}</small>
     </th>
     <td>${summary(device)} <${Marks} device=${device} /></td>
-    <td class="act"><${Acting} device=${device} /></td>
+    <td><${Switch} device=${device} /></td>
   </tr>`;
 }
 
@@ -57,6 +60,6 @@ export function Marks({ device }) {
   if (!device.is_reachable) marks.push(["bad", "unreachable"]);
   else if (device.freshness === "stale") marks.push(["bad", "silent"]);
   else if (device.freshness === "unconfirmed") marks.push(["", "unconfirmed"]);
-  if (device.waits) marks.push(["bad", "waits for approval"]);
+  if (device.waits) marks.push(["", "not approved"]);
   return marks.map(([kind, text]) => html`<span class=${`mark ${kind}`} key=${text}>${text}</span>`);
 }

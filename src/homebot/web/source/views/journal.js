@@ -7,6 +7,7 @@ import { entryText, timeText } from "../words.js";
 
 const MOST = 300;
 const TELLING = new Set(["requested", "outcome", "reverted", "changed", "published", "denied", "held", "released", "ended", "expired", "outranked"]);
+const FAILED = new Set(["contradicted", "reverted", "no_answer", "refused", "gone"]);
 
 export function Journal() {
   const [entries, setEntries] = useState([]);
@@ -30,18 +31,28 @@ export function Journal() {
     );
     return end;
   }, [isOpen]);
-  const shown = isWhole ? entries : entries.filter((one) => TELLING.has(one.kind) || (one.kind === "judged" && !one.verdicts[0]?.allowed));
-  return html`
+  const asked = new Set(entries.filter((one) => one.kind === "requested").map((one) => one.command));
+  const outcomes = new Map(entries.filter((one) => one.kind === "outcome").map((one) => [one.command, one]));
+  const shown = isWhole ? entries : entries.filter((one) => TELLING.has(one.kind) && !(one.kind === "outcome" && asked.has(one.command)));
+  return html`<section>
     <p class="choices"><label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> every step</label></p>
     ${shown.length === 0 && html`<p class="empty">Nothing has happened yet.</p>`}
-    <table class="journal">
-      <thead><tr><th>Time</th><th>Device</th><th>What happened</th></tr></thead>
-      <tbody>
-        ${shown.map((one, index) => html`<tr key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`}>
-          <td><time>${timeText(one.at)}</time></td>
-          <td>${one.device && html`<a href=${`#/device/${encodeURIComponent(one.device)}`}>${nameOf(one.device)}</a>`}</td>
-          <td>${entryText(one)}</td>
-        </tr>`)}
-      </tbody>
-    </table>`;
+    <ol class="log" aria-label="newest first">
+      ${shown.map((one, index) => html`<${Entry} key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`} entry=${one} outcome=${!isWhole && one.kind === "requested" && outcomes.get(one.command)} />`)}
+    </ol>
+  </section>`;
 }
+
+/** One entry, with the `outcome` of its command; without the device if that is `own`. */
+export function Entry({ entry, outcome, own = "", names }) {
+  const { device } = entry;
+  return html`<li class=${own ? "own" : ""}>
+    <time>${timeText(entry.at)}</time>
+    ${!own && html`<span>${device && html`<a href=${`#/device/${encodeURIComponent(device)}`}>${nameOf(device)}</a>`}</span>`}
+    <span class=${isBad(entry) ? "bad" : ""}>
+      ${own && device && device !== own && `${names.get(device) ?? nameOf(device)}: `}${entryText(entry)}${outcome && html`: <span class=${isBad(outcome) ? "bad" : "quiet"}>${entryText(outcome)}</span>`}
+    </span>
+  </li>`;
+}
+
+const isBad = (entry) => FAILED.has(entry.results[0]?.outcome) || entry.kind === "denied" || (entry.kind === "judged" && !entry.verdicts[0]?.allowed);

@@ -1,43 +1,75 @@
 // Rates, waiting messages and losses, as plots; while this view is open.
 import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
-import { received } from "../house.js";
 import { html } from "../html.js";
 import { Plot } from "../plot.js";
-import { label } from "../words.js";
 
 const EVERY = 2000; // ms
 const MOST = 300; // samples
-const LOSSES = ["messages_lost", "log_lines_lost", "calls_refused", "answers_late", "loop_blocks", "callback_failures"];
+const BUSIEST = 10; // topics
 
 export function Rates() {
   const [samples, setSamples] = useState([]);
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (!isOpen) return undefined;
-    let before = { at: performance.now(), changes: received.changes };
-    const timer = setInterval(async () => {
-      const asked = performance.now();
-      const health = await call("/homebot/health").catch(() => null);
-      if (!health) return;
-      const at = performance.now();
-      const counts = new Map(health.counts.map((one) => [one.name, one.count]));
-      const rate = ((received.changes - before.changes) * 1000) / (at - before.at);
-      before = { at, changes: received.changes };
-      setSamples((old) => [...old, { at: Date.now() / 1000, rate, delay: at - asked, losses: LOSSES.map((name) => counts.get(name) ?? 0) }].slice(-MOST));
-    }, EVERY);
+    let before = null;
+    const look = async () => {
+      const load = await call("/rosapi/load").catch(() => null);
+      if (!load) return;
+      if (before) {
+        const sample = between(before, load);
+        setSamples((old) => [...old, sample].slice(-MOST));
+      }
+      before = load;
+    };
+    look();
+    const timer = setInterval(look, EVERY);
     return () => clearInterval(timer);
   }, [isOpen]);
   if (!samples.length) return html`<p class="empty">The first values come in two seconds.</p>`;
   const times = samples.map((one) => one.at);
   const last = samples[samples.length - 1];
+  const from = Math.min(times[0], last.at - 60);
+  const plot = (label, names, text) => html`<${Plot} label=${label} times=${times} from=${from} values=${names.map(([, value]) => samples.map(value))} names=${names.map(([name]) => name)} text=${text} />`;
   return html`
-    <section><h2>Changes a second <small>${last.rate.toFixed(1)}</small></h2>
-      <${Plot} label="changes a second" times=${times} values=${[samples.map((one) => one.rate)]} names=${["changes/s"]} /></section>
-    <section><h2>Answer to a call <small>${last.delay.toFixed(1)} ms</small></h2>
-      <${Plot} label="milliseconds until an answer" times=${times} values=${[samples.map((one) => one.delay)]} names=${["ms"]} /></section>
-    <section><h2>Lost or late since the start</h2>
-      <table class="facts"><tbody>
-        ${LOSSES.map((name, index) => html`<tr key=${name}><th scope="row">${label(name)}</th><td>${last.losses[index]}</td></tr>`)}
-      </tbody></table></section>`;
+    <div class="rooms">
+      <section><h2>Messages</h2>${plot("messages a second", [["", (one) => one.rate]], (value) => `${value}/s`)}</section>
+      <section><h2>Queues and losses</h2>${plot("messages that wait, and lost ones", [["waiting", (one) => one.waiting], ["lost", (one) => one.lost]])}</section>
+      <section><h2>Event loop</h2>${plot("delay of the event loop", [["late by", (one) => one.lag]], (value) => `${value} ms`)}</section>
+    </div>
+    <section>
+      <h2>Busiest topics</h2>
+      <div class="scroll" role="region" tabindex="0" aria-label="busiest topics"><table class="numbers">
+        <thead><tr><th>Topic</th><th>Messages/s</th><th>Waiting</th><th>Lost</th><th>Slowest handler</th></tr></thead>
+        <tbody>
+          ${last.topics.slice(0, BUSIEST).map((one) => html`<tr key=${one.topic}>
+            <th scope="row">${one.topic}</th><td>${one.rate.toFixed(1)}</td><td>${one.waiting}</td><td>${one.lost}</td>
+            <td>${one.slowest > 0 && `${(one.slowest * 1000).toFixed(1)} ms, ${one.by.replace(/^\//, "")}`}</td>
+          </tr>`)}
+        </tbody>
+      </table></div>
+    </section>`;
 }
+
+/** The load between two answers, as `homebot top` has it; the busiest topics first. */
+function between(before, load) {
+  const length = Math.max(load.at - before.at, 0.001);
+  const old = new Map(before.topics.map((one) => [one.topic, one.published]));
+  const topics = load.topics.map(({ topic, published }) => {
+    const queues = load.queues.filter((one) => one.topic === topic);
+    const slowest = queues.reduce((most, one) => (one.slowest > most.slowest ? one : most), { slowest: 0, node: "" });
+    return {
+      topic,
+      rate: Math.max(0, published - (old.get(topic) ?? published)) / length,
+      waiting: Math.max(0, ...queues.map((one) => one.waiting)),
+      lost: sum(queues, "lost"),
+      slowest: slowest.slowest,
+      by: slowest.node,
+    };
+  });
+  topics.sort((a, b) => b.rate - a.rate || b.waiting - a.waiting || a.topic.localeCompare(b.topic));
+  return { at: Date.now() / 1000, rate: sum(topics, "rate"), waiting: sum(topics, "waiting"), lost: sum(topics, "lost"), lag: load.lag * 1000, topics };
+}
+
+const sum = (list, name) => list.reduce((all, one) => all + one[name], 0);

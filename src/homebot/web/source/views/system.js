@@ -1,11 +1,13 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, token } from "../door.js";
+import { call, connection, subscribe, token } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
-import { label, timeText } from "../words.js";
+import { label, seconds, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
+const LINES = 50; // of the log
+const WARNING = 30;
 
 export function System() {
   const [found, setFound] = useState(null);
@@ -28,33 +30,63 @@ export function System() {
     };
   }, [isOpen, approved]);
   if (!found) return html`<p class="empty">Asking homebot how it is …</p>`;
+  const findings = found.parts.flatMap((part) => [
+    ...part.troubles.map((text) => html`<li key=${text} class="bad">${part.name}: ${text}</li>`),
+    ...part.quarantined.map((one) => html`<li key=${one.offender} class="bad">${part.name}: ${one.offender} is read slowly: ${one.why}</li>`),
+    ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}${one.outcome && `; now ${one.outcome}`}</li>`),
+    ...part.notes.map((text) => html`<li key=${text}>${part.name}: ${text}</li>`),
+  ]);
+  const isWell = found.parts.every((part) => !part.troubles.length && !part.failures.length && !part.quarantined.length);
   return html`
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>Doctor</h2>
-      ${found.parts.every((part) => !part.troubles.length && !part.failures.length && !part.quarantined.length) && html`<p>Nothing is wrong.</p>`}
-      <ul class="entries">
-        ${found.parts.flatMap((part) => [
-          ...part.troubles.map((text) => html`<li key=${text} class="bad">${part.name}: ${text}</li>`),
-          ...part.quarantined.map((one) => html`<li key=${one.offender} class="bad">${part.name}: ${one.offender} is read slowly: ${one.why}</li>`),
-          ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}${one.outcome && `; now ${one.outcome}`}</li>`),
-          ...part.notes.map((text) => html`<li key=${text}>${part.name}: ${text}</li>`),
-        ])}
-      </ul>
+      ${isWell && html`<p>Nothing is wrong.</p>`}
+      ${findings.length > 0 && html`<ul class="entries">${findings}</ul>`}
     </section>
-    ${found.apps && html`<section>
-      <h2>Apps</h2>
-      <table class="facts"><tbody>
-        ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td>${app.state}</td><td>${(app.jobs ?? []).map((job) => job.text ?? job.name).join("; ")}</td></tr>`)}
-      </tbody></table>
-    </section>`}
-    ${found.parts.filter((part) => part.name.startsWith("gateway")).map((part) => html`<section key=${part.name}>
-      <h2>${part.name}</h2>
-      <table class="facts"><tbody>
-        ${part.counts.map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count}</td></tr>`)}
-      </tbody></table>
-    </section>`)}`;
+    <div class="rooms">
+      ${found.apps && html`<section>
+        <h2>Apps</h2>
+        ${!found.apps.length && html`<p class="empty">No app runs.</p>`}
+        <table class="facts"><tbody>
+          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${app.state}${app.jobs.map((job) => html`<br /><small>${jobText(job)}</small>`)}</td></tr>`)}
+        </tbody></table>
+      </section>`}
+      ${found.parts.filter((part) => part.name.startsWith("gateway")).map((part) => html`<section key=${part.name}>
+        <h2>${part.name}</h2>
+        ${part.counts.every((one) => !one.count) && html`<p class="empty">Nothing is counted yet.</p>`}
+        <table class="facts"><tbody>
+          ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString("en")}</td></tr>`)}
+        </tbody></table>
+      </section>`)}
+    </div>
+    <${Log} />`;
 }
+
+/** The newest lines of the log, of apps too. */
+function Log() {
+  const [lines, setLines] = useState([]);
+  useEffect(() => {
+    let early = [];
+    return subscribe("/rosout", (line) => {
+      if (early.push(line) > 1) return;
+      requestAnimationFrame(() => {
+        const found = early.reverse();
+        early = [];
+        setLines((old) => [...found, ...old].slice(0, LINES));
+      });
+    });
+  }, []);
+  return html`<section>
+    <h2>Log</h2>
+    ${!lines.length && html`<p class="empty">Lines appear here as they come.</p>`}
+    <ol class="log">
+      ${lines.map((one, index) => html`<li key=${lines.length - index}><time>${timeText(one.stamp)}</time><span>${one.name}</span><span class=${one.level >= WARNING ? "bad" : ""}>${one.msg}</span></li>`)}
+    </ol>
+  </section>`;
+}
+
+const jobText = (job) => [job.text, job.note || (seconds(job.next) > 0 && `next ${timeText(job.next)}`)].filter(Boolean).join(", ");
 
 async function ask() {
   const nodes = (await call("/rosapi/nodes").catch(() => ({ nodes: [] }))).nodes;
@@ -86,11 +118,13 @@ function Waiting({ devices, onApproved }) {
     ${!token.value && html`<p>To approve a device, log in with a token that has the right <code>manage</code>.</p>`}
     <ul class="entries">
       ${devices.devices.map((id) => html`<li key=${id}>
-        <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> ${reasons.get(id)}
-        <button type="button" aria-label=${`show what approving ${nameOf(id)} allows`} onClick=${() => show(id)}>show</button>
+        <div class="choices">
+          <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> <span>${reasons.get(id)}</span>
+          <button type="button" aria-label=${`show what approving ${nameOf(id)} allows`} onClick=${() => show(id)}>show</button>
+        </div>
         ${shown?.device === id && html`<div class="box">
           ${shown.message && html`<p class="bad">${shown.message}</p>`}
-          ${shown.commands?.length > 0 && html`<p>These would be sent:</p><pre>${shown.commands.join("\n")}</pre>`}
+          ${shown.commands?.length > 0 && html`<p>Approval allows these commands:</p><pre>${shown.commands.join("\n")}</pre>`}
           ${shown.changes?.length > 0 && html`<p>Changed since the approval before:</p><pre>${shown.changes.join("\n")}</pre>`}
           ${shown.success && html`<button type="button" onClick=${approve}>approve ${nameOf(id)}</button>`}
         </div>`}

@@ -1,0 +1,127 @@
+"""Debian's Chromium, driven by selenium, with the page of a running homebot in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from anyio import to_thread
+from tests.patience import PATIENCE
+from tests.peers.network import missing_programs
+
+__all__ = ["Page", "chromium"]
+
+_FLAGS = (
+    "--headless=new",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--hide-scrollbars",
+    "--lang=en",
+    "--window-size=1200,900",
+)
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Run Chromium without a window inside the block; the test is skipped where it is not installed."""
+    if missing := missing_programs("chromium", "chromedriver"):
+        pytest.skip(f"not installed: {missing} (apt-get install chromium chromium-driver)")
+    webdriver: Any = pytest.importorskip("selenium.webdriver", reason="selenium is not installed (make test-peers)")
+    service: Any = pytest.importorskip("selenium.webdriver.chrome.service")
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    for flag in (*_FLAGS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=service.Service("/usr/bin/chromedriver"))
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+class Page:
+    """The page of one running homebot. The browser is asked from a thread, in which homebot goes on."""
+
+    def __init__(self, browser: Any, port: int) -> None:
+        self.browser = browser
+        self.url = f"http://127.0.0.1:{port}/"
+        browser.get_log("browser")  # that of the page before
+
+    async def open(self, view: str = "", *, shows: str) -> str:
+        """Open *view* and return its text as soon as it shows a text."""
+        return await to_thread.run_sync(lambda: self.opened(view, shows))
+
+    def opened(self, view: str, shows: str) -> str:
+        """Do the same in the thread of the caller."""
+        self.browser.get(f"{self.url}{view}")
+        return self._shown(shows, "#page")
+
+    async def shows(self, text: str, place: str = "#page") -> str:
+        return await to_thread.run_sync(self._shown, text, place)
+
+    async def hides(self, text: str, place: str = "#page") -> None:
+        await to_thread.run_sync(lambda: self._until(lambda: text not in self._text(place)))
+
+    async def click(self, selector: str) -> None:
+        await to_thread.run_sync(lambda: self.clicked(selector))
+
+    def clicked(self, selector: str) -> None:
+        """Click what *selector* finds, in the thread of the caller."""
+        self._until(lambda: self.browser.find_elements("css selector", selector))[0].click()
+
+    async def write(self, selector: str, text: str) -> None:
+        await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
+
+    def resize(self, width: int, height: int) -> None:
+        """Let the window be so large, a phone's if it is narrow."""
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    def prefer(self, scheme: str) -> None:
+        """Let the owner prefer *scheme*: light or dark."""
+        chosen = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", chosen)
+
+    def settled(self) -> None:
+        """Wait until homebot has answered, and the answer is drawn."""
+        quiet = "const done = arguments[0]; setTimeout(() => requestAnimationFrame(() => setTimeout(done)), 400)"
+        self.browser.execute_async_script(quiet)
+
+    def overflow(self) -> int:
+        """Return by how many pixels the page is wider than its window."""
+        pixels: int = self.browser.execute_script("return document.documentElement.scrollWidth - innerWidth")
+        return max(pixels, 0)
+
+    def height(self) -> int:
+        """Return the height of all that the page shows, in pixels."""
+        bottoms = "[...document.querySelectorAll('main *')].map((one) => one.getBoundingClientRect().bottom)"
+        pixels: int = self.browser.execute_script(f"return Math.ceil(Math.max(...{bottoms}) + scrollY) + 16")
+        return pixels
+
+    def picture(self) -> bytes:
+        """Return what the window shows, as PNG."""
+        picture: bytes = self.browser.get_screenshot_as_png()
+        return picture
+
+    def problems(self) -> list[str]:
+        """Return the errors of the browser, violations of the content security policy among them."""
+        return [one["message"] for one in self.browser.get_log("browser") if one["level"] == "SEVERE"]
+
+    def _shown(self, text: str, place: str) -> str:
+        self._until(lambda: text in self._text(place))
+        return self._text(place)
+
+    def _text(self, place: str) -> str:
+        text: str = self.browser.find_element("css selector", place).text
+        return text
+
+    def _until(self, seen: Callable[[], Any]) -> Any:
+        support: Any = pytest.importorskip("selenium.webdriver.support.ui")
+        return support.WebDriverWait(self.browser, PATIENCE, 0.05).until(lambda _: seen())

@@ -1,0 +1,150 @@
+"""The page of a house that has been lived in: what its views look like in the evening of a family's day.
+
+With ``HOMEBOT_WRITE_GOLDEN=1`` the pictures of README and documentation are written to ``docs/images``.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import anyio
+import pytest
+from anyio import to_thread
+from tests.peers.chromium import Page, chromium
+
+import homebot
+from homebot.clock import LoopClock
+from homebot.config import Config, parse_config
+from homebot.house import World
+from homebot.house.description import parse_world
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.runtime import Runtime
+from homebot.testing.virtual_house import parse_time
+
+FAMILY = Path(homebot.__file__).parent / "house" / "family"
+IMAGES = Path(__file__).parents[2] / "docs" / "images"
+LARGEST = 150_000  # bytes of a picture
+PACE = 12.0  # times the clock, so that an hour of history is half a day of the house
+BEGIN = parse_time("2026-11-02 17:41").timestamp()
+WRITES = bool(os.environ.get("HOMEBOT_WRITE_GOLDEN"))
+LIVED = 3660.0 if WRITES else 300.0  # seconds; the pictures show the house's evening
+TOKEN = "hunter2"
+
+STOPPED_CLOCK = f"""
+const now = {1000 * (BEGIN + LIVED):.0f};
+globalThis.Date = class extends Date {{
+  constructor(...given) {{ if (given.length) super(...given); else super(now); }}
+  static now() {{ return now; }}
+}};
+"""
+"""The clock of the browser, which stands still as that of homebot does."""
+
+SCREEN, PHONE = (1200, 900), (390, 844)
+HEAT = "#/device/kitchen_heat"
+HOUR = "button[aria-pressed=false]"
+LOCK = "button[aria-label='show what approving front_lock allows']"
+
+VIEWS = (
+    ("house", (1200, 1000), "light", "", "kitchen_lamp", ""),
+    ("device", (1200, 820), "light", HEAT, "Why", HOUR),
+    ("plan", SCREEN, "light", "#/plan", "kitchen_lamp", ""),
+    ("approval", (1200, 480), "light", "#/system", "Waiting for your approval", LOCK),
+    ("", SCREEN, "light", "#/journal", "confirmed after", ""),
+    ("", SCREEN, "light", "#/graph", "/discovery/states", ""),
+    ("phone", PHONE, "dark", "", "kitchen_lamp", ""),
+    ("", PHONE, "dark", HEAT, "Why", HOUR),
+    ("", PHONE, "dark", "#/plan", "kitchen_lamp", ""),
+    ("", PHONE, "dark", "#/system", "Waiting for your approval", LOCK),
+    ("", PHONE, "dark", "#/journal", "confirmed after", ""),
+    ("", PHONE, "dark", "#/graph", "/discovery/states", ""),
+)
+"""Views: name of the picture, size of the window, color scheme, address, a text that it shows, what is clicked."""
+
+
+@pytest.fixture
+def browser() -> Iterator[Any]:
+    with chromium() as driver:
+        yield driver
+
+
+def home() -> Config:
+    """The configuration of the family's home at its pace here; the owner has not approved its lock yet."""
+    tables = tomllib.loads((FAMILY / "home.toml").read_text("utf-8"))
+    tables["door"] = {"port": 0, "token": TOKEN}
+    tables["gateways"]["mqtt"]["stale_after"] = "50s"
+    tables["gateways"]["real"] = {"class": "homebot.gateways.memory:MemoryGateway"}
+    tables["apps"]["lights_out"]["quiet_after"] = "45s"
+    tables["apps"]["window_heating"]["open_for"] = "10s"
+    tables["control"]["presence_guard"]["absent_after"] = "40s"
+    return parse_config(tables, "test")
+
+
+def family() -> World:
+    tables = tomllib.loads((FAMILY / "house.toml").read_text("utf-8"))
+    tables["house"]["pace"] = PACE
+    tables["devices"]["robot"]["speed"] = 0.15
+    tables["devices"]["front_lock"] = {"kind": "lock", "room": "hall"}
+    return parse_world(tables, "house.toml")
+
+
+@pytest.mark.virtual_time
+async def test_every_view_of_a_house_that_is_lived_in_fits(browser: Any) -> None:
+    async with MemoryBroker() as broker:
+        runtime = Runtime(
+            home(),
+            house=family(),
+            robot="robot",
+            clock=LoopClock(BEGIN),
+            services=(HostedBroker.in_memory(broker),),
+            random=Random(1),  # noqa: S311 - the same day each time
+        )
+        async with runtime:
+            await anyio.sleep(LIVED)
+            assert runtime.door is not None
+            # Virtual time stands still while a thread works.
+            await to_thread.run_sync(look, Page(browser, runtime.door.port))
+
+
+def look(page: Page) -> None:
+    """Open every view, as wide as a screen and as a phone, and write the pictures if they are asked for."""
+    page.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": STOPPED_CLOCK})
+    page.browser.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "UTC"})
+    page.prefer("light")
+    page.resize(*SCREEN)
+    page.opened(f"#token={TOKEN}", "kitchen_lamp")
+    approve(page, "kitchen_window")
+    for picture, (width, height), scheme, view, shows, clicked in VIEWS:
+        page.prefer(scheme)
+        page.resize(width, height)
+        page.opened("#/leave", "no such view")
+        page.opened(view, shows)
+        if clicked:
+            page.clicked(clicked)
+        page.settled()
+        assert page.overflow() == 0, f"{view} at {width} pixels"
+        if picture and WRITES:
+            write(page, picture, width, height)
+    assert page.problems() == []
+
+
+def approve(page: Page, name: str) -> None:
+    """Approve the device of that name, which leaves the front door's lock to be approved."""
+    page.opened("#/system", "Waiting for your approval")
+    page.clicked(f"button[aria-label='show what approving {name} allows']")
+    page.clicked(".box button")
+    page.settled()
+
+
+def write(page: Page, name: str, width: int, most: int) -> None:
+    """Write the picture of what the page shows, at most as high as *most*."""
+    page.resize(width, min(most, page.height()))
+    picture = page.picture()
+    assert len(picture) < LARGEST
+    IMAGES.mkdir(exist_ok=True)
+    (IMAGES / f"{name}.png").write_bytes(picture)
