@@ -7,6 +7,8 @@ and a gateway of its protocol finds it. The house says which gateways its device
 from __future__ import annotations
 
 import importlib
+import os
+import secrets
 import socket
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -23,12 +25,15 @@ from homebot.house.dialects import DIALECTS
 from homebot.plugins import check_extra
 
 if TYPE_CHECKING:
+    from homebot.house.homeassistant import SimulatedHomeAssistant
     from homebot.house.matter import SimulatedMatterServer
 
 __all__ = ["FAMILIES", "HouseNetwork", "ServedFamily", "kinds_of"]
 
 OnCommand: TypeAlias = Callable[[str], None]
 LOOPBACK = "127.0.0.1"
+TOKEN = "HOMEBOT_SIMULATED_TOKEN"  # noqa: S105 - the name of a variable
+"""Environment variable with the token of the simulated Home Assistant."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,8 +60,8 @@ class ServedFamily:
 def _family(
     kinds: frozenset[str], device: str, gateway: str, libraries: tuple[str, ...], **options: object
 ) -> ServedFamily:
-    """Return a family with libraries of the extra of its gateway; those of ``ble`` with ``testing``."""
-    extra = "testing" if gateway == "ble" else gateway
+    """Return a family with libraries of the extra of its gateway, or of another one that has them."""
+    extra = {"ble": "testing", "homeassistant": "matter"}.get(gateway, gateway)
     return ServedFamily(kinds, f"homebot.house.{device}", gateway, extra, libraries, options)
 
 
@@ -73,6 +78,7 @@ FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
         "bthome": _family(_SENSORS, "ble_devices:BroadcastingSensor", "ble", ("bleak", "bumble")),
         "coap": _family(_COAP, "coap_devices:CoapDevice", "coap", ("aiocoap",)),
         "esphome": _family(_ALL, "esphome:EsphomeServedDevice", "mdns", ("aioesphomeapi", "zeroconf"), announced=True),
+        "home_assistant": _family(_ALL, "homeassistant:ServedEntity", "homeassistant", ("aiohttp",)),
         "matter": _family(_ALL, "matter:ServedMatterNode", "matter", ("aiohttp",)),
         "matter_bridge": _family(_ALL, "matter:BridgedMatterDevice", "matter", ("aiohttp",)),
         "matter_plug": _family(_LAMP, "matter:ServedMatterNode", "matter", ("aiohttp",), kind="plug"),
@@ -128,6 +134,13 @@ class HouseNetwork:
                 server = SimulatedMatterServer(LOOPBACK, self._port("matter"))
                 await stack.enter_async_context(_served(server))
                 self._options["matter"] = {"server": server}
+            if "homeassistant" in gateways:
+                from homebot.house.homeassistant import SimulatedHomeAssistant  # noqa: PLC0415 - likewise
+
+                home = SimulatedHomeAssistant(LOOPBACK, self._port("homeassistant"))
+                home.token = os.environ.setdefault(TOKEN, home.token)
+                await stack.enter_async_context(_served(home))
+                self._options["homeassistant"] = {"server": home}
             if "nfc" in gateways:
                 from homebot.house.nfc import TagField  # noqa: PLC0415 - likewise
 
@@ -173,6 +186,9 @@ class HouseNetwork:
                 return {"serve_directory": f"{LOOPBACK}:{self._port(gateway)}"}
             case "matter":
                 return {"url": f"ws://{LOOPBACK}:{self._port(gateway)}/ws"}
+            case "homeassistant":
+                os.environ.setdefault(TOKEN, secrets.token_hex(16))
+                return {"url": f"http://{LOOPBACK}:{self._port(gateway)}", "token_env": TOKEN}
             case "nfc":
                 return {"backend": "nfcpy", "devices": [f"udp:{LOOPBACK}:{self._port(gateway)}"]}
             case _:
@@ -181,7 +197,7 @@ class HouseNetwork:
     def _port(self, gateway: str) -> int:
         """Return the port at which a gateway and its devices meet; one that was free when it was asked for first."""
         if gateway not in self._ports:
-            kind = socket.SOCK_STREAM if gateway == "matter" else socket.SOCK_DGRAM
+            kind = socket.SOCK_STREAM if gateway in {"homeassistant", "matter"} else socket.SOCK_DGRAM
             with socket.socket(socket.AF_INET, kind) as probe:
                 probe.bind((LOOPBACK, 0))
                 self._ports[gateway] = probe.getsockname()[1]
@@ -189,7 +205,7 @@ class HouseNetwork:
 
 
 @asynccontextmanager
-async def _served(server: SimulatedMatterServer) -> AsyncIterator[None]:
+async def _served(server: SimulatedHomeAssistant | SimulatedMatterServer) -> AsyncIterator[None]:
     async with anyio.create_task_group() as tasks:
         await tasks.start(server.serve)
         yield

@@ -37,6 +37,7 @@ class GatewayDevice:
         sleeps: Whether it is off the network most of the time, to save its battery; it is there all the same.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
+        native: False where another program tells of it, whose protocol is not the device's own: its own is preferred.
     """
 
     key: str
@@ -53,6 +54,7 @@ class GatewayDevice:
     stale_after: float = 0.0
     sleeps: bool = False
     expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
+    native: bool = True
 
     @property
     def raw(self) -> str:
@@ -63,7 +65,7 @@ class GatewayDevice:
         """Return it as an announcement of no convention."""
         parts = tuple(DescribedPart(one, _NO_CODEC, expiries=self.expiries.get(one.id, ())) for one in self.parts)
         return DeviceAnnounced(
-            self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=True
+            self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=self.native
         )
 
     def complete(self, stored: StoredAnnouncement) -> None:

@@ -1,0 +1,394 @@
+"""The domains of Home Assistant as tables of rows. Pure.
+
+Source: Home Assistant core 2024.3, ``components``: ``const.py``, ``__init__.py`` and ``services.yaml`` of each domain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from datetime import UTC, date, datetime, time
+from typing import Final
+
+from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, is_quantity, quantity_of
+from homebot.conventions.esphome.entity import (
+    EntityRow,
+    EsphomeComponent,
+    Fields,
+    has_feature,
+    options_of,
+    text_of,
+    whole_of,
+)
+from homebot.conventions.lamp import LightFeatures, WhiteRange
+from homebot.conventions.payload import shown
+from homebot.conventions.units import Quantity
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WrongCodeError
+from homebot.gateways.homeassistant.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
+from homebot.gateways.homeassistant.rows import (
+    SWITCH_ROW,
+    bounds_of,
+    choice_row,
+    has,
+    move_rows,
+    number_row,
+    push_row,
+    read_number,
+    read_state,
+    read_text,
+)
+from homebot.support.numbers import to_number
+
+__all__ = ["DOMAINS"]
+
+_ANY_NUMBER = (-1e15, 1e15)
+_COLORS = frozenset({"hs", "xy", "rgb", "rgbw", "rgbww"})
+_USUAL_KELVINS = (2_000, 6_535)
+
+
+def _class_of(info: Fields) -> str:
+    return text_of(info, "device_class")
+
+
+def _named(*states: str) -> Mapping[str, PlainValue]:
+    return {one: one for one in states}
+
+
+def _lamp(info: Fields) -> LightFeatures:
+    """Return the features of a lamp; Home Assistant converts hue and saturation to the channels that it has."""
+    modes = frozenset(options_of(info, "supported_color_modes"))
+    kelvins = bounds_of(info, "min_color_temp_kelvin", "max_color_temp_kelvin")
+    known = (int(kelvins[0]), int(kelvins[1])) if kelvins else _USUAL_KELVINS
+    effects = options_of(info, "effect_list") if has(4)(info) else ()
+    color = {"hs"} if modes & _COLORS else set()
+    return LightFeatures((modes - _COLORS) | color or frozenset({"onoff"}), WhiteRange(known, kelvins), effects)
+
+
+def _write_lamp(name: str) -> Callable[[Fields, PlainValue, str], Fields]:
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        command = _lamp(info).command(name, value)
+        if not command.on:
+            return {"service": "turn_off"}
+        fields = {
+            "brightness": command.brightness,
+            "color_temp_kelvin": command.kelvin,
+            "hs_color": command.color,
+            "effect": command.effect,
+        }
+        return {"service": "turn_on", **{key: one for key, one in fields.items() if one not in (None, (), "")}}
+
+    return write
+
+
+def _lamp_row(name: str, read: Callable[[Fields, Fields], PlainValue]) -> EntityRow:
+    def ability(info: Fields) -> Mapping[str, tuple[tuple[float, ...], tuple[str, ...]]]:
+        return {one.name: (one.bounds, one.options) for one in _lamp(info).abilities()}
+
+    return EntityRow(
+        name,
+        read,
+        _write_lamp(name),
+        when=lambda info: name in ability(info),
+        options=lambda info: ability(info)[name][1],
+        bounds=lambda info: ability(info)[name][0],
+    )
+
+
+def _read_level(info: Fields, state: Fields) -> PlainValue:
+    """Read the brightness; Home Assistant has none of a lamp that is off."""
+    return 0.0 if state.get("state") == "off" else read_number("brightness", 100 / 255, 0, 100)(info, state)
+
+
+def _read_color(_info: Fields, state: Fields) -> PlainValue:
+    color = state.get("hs_color")
+    if state.get("color_mode") not in _COLORS or not isinstance(color, list) or len(color) != 2:
+        return None
+    hue, saturation = map(to_number, color)
+    return None if hue is None or saturation is None else (hue, saturation)
+
+
+def _read_white(info: Fields, state: Fields) -> PlainValue:
+    if state.get("color_mode") != "color_temp":
+        return None
+    return read_number("color_temp_kelvin", 1.0, 1.0)(info, state)
+
+
+_LIGHT: Final = EsphomeComponent(
+    "light",
+    (
+        EntityRow("on_off", SWITCH_ROW.read, _write_lamp("on_off")),
+        _lamp_row("level", _read_level),
+        _lamp_row("color_temperature", _read_white),
+        _lamp_row("color", _read_color),
+        _lamp_row("effect", read_text("effect")),
+    ),
+)
+
+_OPENINGS = read_state(_named("open", "closed", "opening", "closing"))
+
+
+def _openings(name: str, domain: str) -> tuple[EntityRow, EntityRow]:
+    moves = {"open": (1, "open"), "closed": (2, "close"), "stopped": (8, "stop")}
+    return move_rows(name, {move: (bit, f"{verb}_{domain}") for move, (bit, verb) in moves.items()}, _OPENINGS)
+
+
+_COVER: Final = EsphomeComponent(
+    lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
+    (
+        *_openings("movement", "cover"),
+        number_row("position", "current_position", "set_cover_position", "position", has(4)),
+        number_row("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
+    ),
+)
+_VALVE: Final = EsphomeComponent(
+    "water_valve",
+    (
+        *_openings("valve", "valve"),
+        number_row("position", "current_position", "set_valve_position", "position", has(4)),
+    ),
+)
+
+_LOCK_STATES = _named("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
+
+
+def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
+    services = {"locked": "lock", "unlocked": "unlock"} | ({"open": "open"} if has(1)(info) else {})
+    service = services[require_option("lock", value, services)]
+    if info.get("code_format") and not code:
+        raise WrongCodeError(f"lock {shown(value)}", "it needs a code")
+    return {"service": service, **({"code": code} if code else {})}
+
+
+_ALARM_COMMANDS: Mapping[str, tuple[int, str]] = {
+    "disarmed": (0, "alarm_disarm"),
+    "armed_home": (1, "alarm_arm_home"),
+    "armed_away": (2, "alarm_arm_away"),
+    "armed_night": (4, "alarm_arm_night"),
+    "armed_vacation": (32, "alarm_arm_vacation"),
+    "armed_custom_bypass": (16, "alarm_arm_custom_bypass"),
+    "triggered": (8, "alarm_trigger"),
+}
+"""State to the feature that it needs, and its service."""
+
+_ALARM_STATES = (*_ALARM_COMMANDS, "pending", "arming", "disarming")
+
+
+def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
+    features = whole_of(info, "supported_features")
+    services = {state: service for state, (bit, service) in _ALARM_COMMANDS.items() if not bit or features & bit}
+    state = require_option("alarm", value, services)
+    is_coded = state == "disarmed" or (state != "triggered" and info.get("code_arm_required") is not False)
+    if info.get("code_format") and is_coded and not code:
+        raise WrongCodeError(f"alarm {state}", "it needs a code")
+    return {"service": services[state], **({"code": code} if code else {})}
+
+
+_VACUUM: Mapping[str, tuple[int, str]] = {
+    "cleaning": (8192, "start"),
+    "paused": (4, "pause"),
+    "idle": (8, "stop"),
+    "returning": (16, "return_to_base"),
+    "spot": (1024, "clean_spot"),
+}
+_MOWER = {"mowing": (1, "start_mowing"), "paused": (2, "pause"), "docked": (4, "dock")}
+
+
+def _moving(service_type: str, name: str, moves: Mapping[str, tuple[int, str]], *more: EntityRow) -> EsphomeComponent:
+    states = _named("cleaning", "mowing", "docked", "paused", "idle", "returning", "error")
+    rows = (*move_rows(name, moves, read_state(states)), *more)
+    return EsphomeComponent(service_type, rows)
+
+
+def _write_tone(info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"service": "turn_on", "tone": require_option("siren_tone", value, _tones(info))}
+
+
+def _tones(info: Fields) -> tuple[str, ...]:
+    tones = info.get("available_tones")
+    listed = list(tones.values()) if isinstance(tones, dict) else tones
+    return options_of({"tones": listed}, "tones") if has(4)(info) else ()
+
+
+_PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", "standby", "buffering"), True)}
+
+_MEDIA_PLAYER: Final = EsphomeComponent(
+    lambda info: "video_player" if _class_of(info) == "tv" else "speaker",
+    (
+        EntityRow(
+            "on_off", read_state(_PLAYER_ON), SWITCH_ROW.write, when=has_feature("supported_features", 128 | 256)
+        ),
+        number_row("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
+        choice_row("option", "source", "source_list", "select_source", when=has(2048)),
+        EntityRow("value", read_text("state")),
+    ),
+)
+
+
+def _quantity(info: Fields) -> Quantity:
+    return quantity_of(_class_of(info), text_of(info, "unit_of_measurement"))
+
+
+def _is_number(info: Fields) -> bool:
+    device_class = _class_of(info)
+    has_unit = any(info.get(one) is not None for one in ("unit_of_measurement", "state_class"))
+    return device_class not in {"date", "enum", "timestamp"} and (is_quantity(device_class) or has_unit)
+
+
+def _read_quantity(info: Fields, state: Fields) -> PlainValue:
+    number = to_number(state.get("state"))
+    return None if number is None else _quantity(info).value(number)
+
+
+def _number_bounds(info: Fields) -> tuple[float, float] | tuple[()]:
+    return bounds_of(info, "min", "max")
+
+
+def _write_number(info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"service": "set_value", "value": require_number("number", value, *(_number_bounds(info) or _ANY_NUMBER))}
+
+
+_NUMBER: Final = EsphomeComponent(
+    "x_setting",
+    (
+        EntityRow(
+            "number",
+            read_number("state"),
+            _write_number,
+            bounds=_number_bounds,
+            unit=lambda info: text_of(info, "unit_of_measurement"),
+        ),
+    ),
+)
+_SELECT: Final = EsphomeComponent("x_setting", (choice_row("option", "state", "options", "select_option"),))
+
+
+def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
+    least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, 255))
+    if not isinstance(value, str) or not least <= len(value) <= most:
+        raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+    return {"service": "set_value", "value": value}
+
+
+_TEXT: Final = EsphomeComponent(  # a password can be set but is never read
+    "x_setting",
+    (
+        EntityRow("text", None, _write_text, when=lambda info: info.get("mode") == "password"),
+        EntityRow("text", read_text("state"), _write_text, when=lambda info: info.get("mode") != "password"),
+    ),
+)
+_BUTTON: Final = EsphomeComponent(
+    "x_setting", (push_row("push", "press"), push_row("locate", "press", lambda info: _class_of(info) == "identify"))
+)
+
+_MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
+    "date": date.fromisoformat,
+    "time": time.fromisoformat,
+    "datetime": datetime.fromisoformat,
+}
+
+
+def _moment(kind: str) -> EsphomeComponent:
+    """Return the domain of a date, a time of day, or both: a text in ISO 8601."""
+
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        try:
+            moment = _MOMENTS[kind](value if isinstance(value, str) else "")
+        except ValueError:
+            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format") from None
+        if isinstance(moment, datetime) and moment.tzinfo is None:
+            raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
+        return {"service": "set_value", kind: moment.isoformat()}
+
+    return EsphomeComponent("x_setting", (EntityRow("text", read_text("state"), write),), kind)
+
+
+def _read_value(info: Fields, state: Fields) -> PlainValue:
+    """Read the text of a sensor; a timestamp is that of UTC."""
+    text = state.get("state")
+    if _class_of(info) != "timestamp" or not isinstance(text, str):
+        return read_text("state")(info, state)
+    try:
+        return datetime.fromisoformat(text[:40]).astimezone(UTC).isoformat(timespec="seconds")
+    except (ValueError, OverflowError):
+        return None
+
+
+DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
+    "climate": CLIMATE,
+    "water_heater": WATER_HEATER,
+    "light": _LIGHT,
+    "cover": _COVER,
+    "lock": EsphomeComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
+    "valve": _VALVE,
+    "fan": FAN,
+    "humidifier": HUMIDIFIER,
+    "vacuum": _moving(
+        "robotic_vacuum_cleaner",
+        "vacuum",
+        _VACUUM,
+        choice_row("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
+        number_row("battery", "battery_level", when=has(64)),
+        push_row("locate", "locate", has(512)),
+    ),
+    "lawn_mower": _moving("x_lawn_mower", "mower", _MOWER),
+    "alarm_control_panel": EsphomeComponent(
+        "x_alarm_panel",
+        (EntityRow("alarm", read_state(_named(*_ALARM_STATES)), _write_alarm, options=_ALARM_STATES),),
+    ),
+    "siren": EsphomeComponent(
+        "siren",
+        (
+            SWITCH_ROW,
+            EntityRow("siren_tone", None, _write_tone, when=_tones, options=_tones),
+            EntityRow(
+                "volume", None, number_row("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)
+            ),
+        ),
+    ),
+    "switch": EsphomeComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH_ROW,)),
+    "media_player": _MEDIA_PLAYER,
+    "event": EsphomeComponent(
+        "generic_switch",
+        (EntityRow("press", read_text("event_type"), options=lambda info: options_of(info, "event_types")),),
+    ),
+    "binary_sensor": EsphomeComponent(
+        lambda info: condition_of(_class_of(info))[0],
+        (EntityRow(lambda info: condition_of(_class_of(info))[1], read_state({"on": True, "off": False})),),
+    ),
+    "sensor": EsphomeComponent(
+        lambda info: _quantity(info).service_type if _is_number(info) else "x_sensor",
+        (
+            EntityRow(
+                lambda info: _quantity(info).capability,
+                _read_quantity,
+                when=_is_number,
+                unit=lambda info: _quantity(info).unit,
+            ),
+            EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
+        ),
+    ),
+    "device_tracker": EsphomeComponent("x_tracker", (EntityRow("place", read_text("state")),)),
+    "scene": EsphomeComponent("x_scene", (push_row("scene", "turn_on"),)),
+    "number": _NUMBER,
+    "input_number": _NUMBER,
+    "select": _SELECT,
+    "input_select": _SELECT,
+    "text": _TEXT,
+    "input_text": _TEXT,
+    "button": _BUTTON,
+    "input_button": _BUTTON,
+    "input_boolean": EsphomeComponent("x_setting", (SWITCH_ROW,)),
+    "date": _moment("date"),
+    "time": _moment("time"),
+    "datetime": _moment("datetime"),
+    "update": EsphomeComponent(  # homebot never installs an update
+        "x_update",
+        (
+            EntityRow("version", read_text("installed_version")),
+            EntityRow("latest_version", read_text("latest_version")),
+            EntityRow("update_available", read_state({"on": True, "off": False})),
+        ),
+    ),
+}
+"""By domain, in the order of parts: the first part that is no setting decides the type of the device."""

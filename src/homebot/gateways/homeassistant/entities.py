@@ -1,0 +1,193 @@
+"""The entities of a Home Assistant with their states, grouped to devices. Pure.
+
+The entities of one device of Home Assistant are the parts of one device; an entity without a device is one by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from homebot.conventions.payload import as_fields, shown
+from homebot.devices.part import Part
+from homebot.errors import LinkError, UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.homeassistant.domains import DOMAINS
+from homebot.gateways.homeassistant.entity import HomeAssistantEntity
+from homebot.gateways.homeassistant.registries import DeviceEntry, Registries, own_entry
+
+__all__ = ["EntityChange", "HomeAssistantEntities"]
+
+MAX_PARTS = 200
+"""Of one device."""
+
+_ORDER = {domain: number for number, domain in enumerate(DOMAINS)}
+
+
+class EntityChange(NamedTuple):
+    """A change of an entity.
+
+    Attributes:
+        key: The key of its device; empty for one that is not grouped yet.
+        is_described_anew: Whether its part may be another now.
+        is_event: Whether it came as a change, not as a whole state.
+    """
+
+    entity: HomeAssistantEntity
+    key: str
+    is_described_anew: bool
+    is_event: bool
+
+
+class HomeAssistantEntities:
+    """The entities with a state or an entry in the registry.
+
+    Args:
+        max_entities: Entities that are known at once; a further one is left out and counted.
+
+    Attributes:
+        registries: The registries.
+        celsius: Whether Home Assistant counts in °C.
+        left_out: Entities beyond the limit.
+    """
+
+    def __init__(self, max_entities: int) -> None:
+        self.registries = Registries()
+        self.celsius = True
+        self.left_out = 0
+        self._max_entities = max_entities
+        self._entities: dict[str, HomeAssistantEntity] = {}
+        self._parts: dict[str, dict[str, HomeAssistantEntity]] = {}
+        self._key_of: dict[str, str] = {}
+        self._devices: dict[str, GatewayDevice] = {}
+
+    def put(self, entity_id: str, change: object, *, is_new: bool) -> EntityChange | None:
+        """Apply the state of an entity, or a change of it; None for one that homebot does not use.
+
+        Raises:
+            WireError: It is invalid.
+        """
+        if entity_id.partition(".")[0] not in DOMAINS:
+            return None
+        fields = as_fields(change) if is_new else as_fields(as_fields(change).get("+"))
+        gone = [] if is_new else as_fields(as_fields(change).get("-")).get("a", [])
+        if not isinstance(change, dict) or not isinstance(gone, list) or not (fields or gone):
+            raise WireError(f"the state of {entity_id[:100]} is {shown(change)}")
+        entity = self._entities.get(entity_id)
+        if entity is None:
+            if not is_new:
+                return None
+            if len(self._entities) >= self._max_entities:
+                self.left_out += 1
+                return None
+            entry = self.registries.entities.get(entity_id) or own_entry(entity_id)
+            entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
+        is_described_anew = entity.put(fields, is_new=is_new)
+        entity.forget(gone)
+        return EntityChange(entity, self.key_of(entity_id), is_described_anew, not is_new)
+
+    def lose(self, entity_id: str) -> EntityChange | None:
+        """Apply that an entity has no state any more: it is reloaded, or removed, which its registry says."""
+        entity = self._entities.get(entity_id)
+        if entity is None:
+            return None
+        entity.has_state = entity.is_available = False
+        return EntityChange(entity, self.key_of(entity_id), is_described_anew=False, is_event=False)
+
+    def lose_all(self) -> None:
+        """Apply that no states are known: those that come next are all there are."""
+        for entity in self._entities.values():
+            entity.has_state = entity.is_available = False
+
+    def forget_unregistered(self) -> bool:
+        """Forget the entities without a state that no registry has; return whether there were any."""
+        known, before = self.registries.entities, len(self._entities)
+        self._entities = {key: one for key, one in self._entities.items() if one.has_state or key in known}
+        return len(self._entities) < before
+
+    def regroup(self) -> dict[str, tuple[HomeAssistantEntity, ...]]:
+        """Group the entities anew by the registries; return them by the keys of their devices."""
+        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
+        known = self.registries.entities
+        gone = [key for key, one in self._entities.items() if one.is_registered and not one.has_state]
+        for entity_id in gone:
+            if entity_id not in known:
+                del self._entities[entity_id]
+        for entity_id, entity in sorted(self._entities.items(), key=_order):
+            entity.entry = known.get(entity_id) or own_entry(entity_id)
+            device = self.registries.devices.get(entity.entry.device_id)
+            if entity.is_left_out or (device is not None and device.is_left_out):
+                continue
+            parts = groups.setdefault(entity.entry.key if device is None else entity.entry.device_id, {})
+            if len(parts) < MAX_PARTS:
+                parts.setdefault(entity.entry.part_id, entity)
+        self._parts = groups
+        self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
+        return {key: tuple(parts.values()) for key, parts in groups.items()}
+
+    def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
+        """Return the entities of a device, in the order of its parts; empty for none."""
+        return tuple(self._parts.get(key, {}).values())
+
+    def key_of(self, entity_id: str) -> str:
+        """Return the key of the device of an entity; empty for none."""
+        return self._key_of.get(entity_id, "")
+
+    def entity(self, key: str, part: str) -> HomeAssistantEntity:
+        """Return the entity of a part that can be reached now.
+
+        Raises:
+            UnableError: There is no such part.
+            LinkError: Home Assistant does not reach it.
+        """
+        entity = self._parts.get(key, {}).get(part)
+        if entity is None:
+            raise UnableError(f"Home Assistant has no entity for the part {part[:100]!r} any more")
+        if not entity.is_available:
+            raise LinkError(f"{entity.entity_id} is unavailable in Home Assistant")
+        return entity
+
+    def device(self, key: str) -> GatewayDevice:
+        """Return a device as it was described last."""
+        return self._devices[key]
+
+    def describe(self, key: str) -> GatewayDevice:
+        """Describe a device by its registries and the attributes of its entities."""
+        entities = self.of(key)
+        device = self.registries.devices.get(key) or _own_device(entities[0])
+        areas = (device.area_id, *(one.entry.area_id for one in entities))
+        area, floor = self.registries.area_of(*areas)
+        labels = self.registries.labels_of([*device.labels, *(label for one in entities for label in one.entry.labels)])
+        facts = {**device.metadata, "floor": floor, "tags": ", ".join(labels), "entities": _listed(entities)}
+        self._devices[key] = described = GatewayDevice(
+            key,
+            device.name,
+            _parts_of(entities, device.name),
+            {name: text for name, text in facts.items() if text},
+            device.identifiers,
+            authenticated=True,  # Home Assistant has it, and proved by its address and our token that it is the owner's
+            area=area,
+            raw_address=f"homeassistant/{key}",
+            native=False,  # the gateway of its own protocol knows it better
+        )
+        return described
+
+
+def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, str]:
+    """Return the sort key of an entity: settings last, and then as :data:`DOMAINS` are sorted."""
+    entity_id, entity = one
+    return bool(entity.entry.category), _ORDER[entity.domain], entity_id
+
+
+def _own_device(entity: HomeAssistantEntity) -> DeviceEntry:
+    return DeviceEntry(entity.name or entity.entity_id.partition(".")[2].replace("_", " "), (), {})
+
+
+def _parts_of(entities: Iterable[HomeAssistantEntity], name: str) -> tuple[Part, ...]:
+    """Return the parts; one that is called as its device has no name of its own."""
+    parts = [one.part() for one in entities]
+    return tuple(one.model_copy(update={"name": ""}) if one.name == name else one for one in parts)
+
+
+def _listed(entities: Iterable[HomeAssistantEntity]) -> str:
+    return ", ".join(one.entity_id for one in entities)[:255]

@@ -1,0 +1,190 @@
+"""An entity of Home Assistant as a part: its readings, and the service calls of its commands. Pure.
+
+Source: Home Assistant core 2024.3, ``helpers/entity.py`` and ``const.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import datetime
+from typing import Final, NamedTuple
+
+from homebot.conventions.command_values import require_transition
+from homebot.conventions.esphome.entity import EntityRow, Fields, options_of, text_of
+from homebot.conventions.payload import Readings, shown
+from homebot.conventions.secrets import names_secret
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.command_description import payload_digest
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.homeassistant.domains import DOMAINS
+from homebot.gateways.homeassistant.registries import EntityEntry
+
+__all__ = ["HomeAssistantEntity", "ServiceCall"]
+
+_UNAVAILABLE, _UNKNOWN = "unavailable", "unknown"
+_MOST_SECONDS: Final = 6_553.0
+"""Longest transition of ``light.turn_on``."""
+
+_JUST_NOW: Final = 5.0
+"""Seconds between an event and its state, both by Home Assistant's clock; a restored event is older."""
+
+_SHAPING: Final = frozenset(
+    {
+        *("assumed_state", "available_modes", "available_tones", "code_arm_required", "code_format", "device_class"),
+        *("effect_list", "event_types", "fan_modes", "fan_speed_list", "friendly_name", "hvac_modes", "max"),
+        *("max_color_temp_kelvin", "max_humidity", "max_temp", "min", "min_color_temp_kelvin", "min_humidity"),
+        *("min_temp", "mode", "operation_list", "options", "preset_modes", "source_list", "state_class"),
+        *("supported_color_modes", "supported_features", "swing_modes", "unit_of_measurement"),
+    }
+)
+"""Attributes on which the capabilities of an entity depend."""
+
+
+class ServiceCall(NamedTuple):
+    """A call of a service for one entity."""
+
+    domain: str
+    service: str
+    entity_id: str
+    data: Fields
+
+
+class HomeAssistantEntity:
+    """An entity with a state.
+
+    Args:
+        entity_id: Its present id, which a person may change.
+        entry: Its entry in the registry.
+        celsius: Whether Home Assistant counts in °C, otherwise in °F.
+
+    Attributes:
+        domain: Its domain: ``light``.
+        info: Its last known attributes, and its state as ``state``.
+        has_state: Whether Home Assistant shows it now; not while it is reloaded.
+        is_available: Whether it can be reached; ``unknown`` is a state of one that can.
+    """
+
+    def __init__(self, entity_id: str, entry: EntityEntry, *, celsius: bool = True) -> None:
+        self.entity_id = entity_id
+        self.entry = entry
+        self.domain = entity_id.partition(".")[0]
+        self.has_state = self.is_available = False
+        self.info: dict[str, object] = {"is_fahrenheit": not celsius}
+        self._changed_at = 0.0
+        self._rows: dict[str, EntityRow] = {}
+
+    @property
+    def is_registered(self) -> bool:
+        """True if a registry has, or had, it."""
+        return self.entry.key != self.entity_id
+
+    @property
+    def is_left_out(self) -> bool:
+        """True for one that homebot does not use: no type of its domain, a secret, or a scene that could hurt."""
+        kind = DOMAINS.get(self.domain)
+        if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
+            return True
+        return self.domain == "scene" and any(
+            one.partition(".")[0] in _CAN_HURT for one in options_of(self.info, "entity_id")
+        )
+
+    @property
+    def name(self) -> str:
+        """Its name without that of its device; empty for none."""
+        return self.entry.name or ("" if self.entry.device_id else text_of(self.info, "friendly_name"))
+
+    def put(self, change: Mapping[str, object], *, is_new: bool) -> bool:
+        """Apply a compressed state, or the difference to the last one, and return whether its part may be another.
+
+        Args:
+            change: ``s`` for the state, ``a`` for attributes, ``lc`` for the time of the last change.
+            is_new: Whether it is a whole state.
+        """
+        state, attributes = change.get("s"), change.get("a")
+        found = attributes if isinstance(attributes, dict) else {}
+        before = {key: self.info.get(key) for key in found if key in _SHAPING or key not in self.info}
+        if is_new:
+            for key in self.info.keys() - found.keys() - _SHAPING - {"is_fahrenheit"}:
+                self.info[key] = None
+        self.info.update(found)
+        if isinstance(state, str):
+            self.info["state"] = state
+            self.has_state = True
+            self.is_available = state != _UNAVAILABLE
+        changed_at = change.get("lc")
+        self._changed_at = float(changed_at) if isinstance(changed_at, (int, float)) else self._changed_at
+        return is_new or any(self.info[key] != old for key, old in before.items())
+
+    def forget(self, attributes: Iterable[object]) -> None:
+        """Apply that it no longer has these *attributes*."""
+        for key in attributes:
+            if isinstance(key, str) and key in self.info:
+                self.info[key] = None
+
+    def part(self) -> Part:
+        """Return its part, with the capabilities of its last attributes."""
+        kind = DOMAINS[self.domain]
+        rows = [(row.describe(self.info), row) for row in kind.rows if row.applies(self.info)]
+        self._rows = {capability.name: row for capability, row in rows}
+        service_type = kind.service_type if isinstance(kind.service_type, str) else kind.service_type(self.info)
+        return Part(
+            id=self.entry.part_id,
+            name=self.name,
+            service_type=service_type,
+            advertised=self.domain,
+            tag=text_of(self.info, "device_class") if kind.tag is None else kind.tag,
+            category=self.entry.category,
+            capabilities=tuple(capability for capability, _ in rows),
+            payloads=payload_digest((self.entity_id, self.info.get("supported_features")))
+            if any(row.write for _, row in rows)
+            else "",
+        )
+
+    def read(self, *, is_change: bool) -> Readings:
+        """Return the values of its state: nothing while it is unavailable, None for unknown ones.
+
+        Args:
+            is_change: Whether the state is a change that came now; only then is there an event in it.
+        """
+        state = self.info.get("state")
+        if not self.is_available:
+            return {}
+        readers = [(name, row.read) for name, row in self._rows.items() if row.read is not None]
+        if state == _UNKNOWN:
+            return {name: None for name, _ in readers if name not in EVENTS}
+        found = {name: read(self.info, self.info) for name, read in readers}
+        if not EVENTS.isdisjoint(found) and not (is_change and self._happened_now()):
+            return {}
+        return {name: value for name, value in found.items() if value is not None or name not in EVENTS}
+
+    def call(self, capability: str, value: PlainValue, transition: float = 0.0, code: str = "") -> ServiceCall:
+        """Return the call that sets *capability*.
+
+        Raises:
+            RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
+        """
+        row = self._rows.get(capability)
+        if row is None or row.write is None:
+            settable = ", ".join(name for name, row in self._rows.items() if row.write is not None)
+            raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
+        data = dict(row.write(self.info, value, code))
+        service = str(data.pop("service"))
+        if self.domain == "light" and transition:
+            data["transition"] = require_transition(transition, _MOST_SECONDS)
+        return ServiceCall(self.domain, service, self.entity_id, data)
+
+    def _happened_now(self) -> bool:
+        """Return whether the moment of its event, which is its state, is that of the change."""
+        try:
+            happened_at = datetime.fromisoformat(str(self.info.get("state"))[:40]).timestamp()
+        except (ValueError, OverflowError):
+            return False
+        return abs(happened_at - self._changed_at) < _JUST_NOW
+
+
+_CAN_HURT: Final = frozenset(
+    {"alarm_control_panel", "climate", "cover", "lawn_mower", "lock", "script", "valve", "water_heater"}
+)
+"""Domains with devices that a scene must not move past their own approvals."""

@@ -1,0 +1,254 @@
+"""The Home Assistant gateway: the devices of a Home Assistant, over its WebSocket."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar, Final
+
+import anyio
+import anyio.lowlevel
+import anyio.to_thread
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.conventions.payload import as_fields, compact_json, shown, text_of
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, PeerError, RefusedError, UsageError, WireError
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.homeassistant.entities import EntityChange, HomeAssistantEntities
+from homebot.gateways.homeassistant.link import HomeAssistantLink
+from homebot.gateways.homeassistant.registries import REGISTRIES
+from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
+from homebot.graph import Node
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
+from homebot.support.isolation import run_as, ungrouped
+
+__all__ = ["HomeAssistantGateway"]
+
+REFRESH_EVERY: Final = 60.0
+"""Seconds between two confirmations of the devices that Home Assistant reaches."""
+
+SETTLES: Final = 0.5
+"""Seconds for which changes of the registries are collected: a removed device is one change of each of its entities."""
+
+FORGOTTEN_AFTER: Final = 300.0
+"""Seconds after which an entity without a state and without an entry is gone: a reload takes a few seconds, a start of
+Home Assistant may take minutes."""
+
+STEADY_AFTER: Final = 60.0
+"""Seconds after which a connection that ends counts as a first failure."""
+
+SERVER: Final = "Home Assistant"
+
+
+class HomeAssistantGateway(Gateway):
+    """Brings the devices of a Home Assistant onto the graph."""
+
+    Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
+
+    def __init__(
+        self, node: Node, settings: HomeAssistantGatewaySettings, context: GatewayContext | None = None
+    ) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._entities = HomeAssistantEntities(settings.max_entities)
+        self._link: HomeAssistantLink | None = None
+        self._reason = "not connected yet"
+        self._retries = BackoffCounter(node.graph.clock, self.random, STEADY_AFTER)
+        self._stale: set[str] = set()
+        self._changed = anyio.Event()
+        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_entities)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the token."""
+        if isinstance(settings, HomeAssistantGatewaySettings):
+            try:
+                settings.read_token()
+            except UsageError as exc:
+                raise UsageError(f"{exc}; {HOW_TO_LOG_IN}") from exc
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Keep a connection to Home Assistant until cancelled; ready after the first attempt."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(run_as, self.node.full_name, self._refresh_devices)
+            while True:
+                self._retries.begin()
+                backoff = LINK_BACKOFF
+                try:
+                    await self._run_connection(task_status)
+                except (LinkError, PeerError, UsageError) as exc:
+                    backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
+                    self._reason = str(exc)
+                self._link = None
+                self.publish_state("unavailable", self._reason)
+                self.mark_ready(task_status)
+                await anyio.sleep(self._retries.fail(backoff))
+
+    async def _run_connection(self, task_status: TaskStatus[None]) -> None:
+        """Connect, and follow Home Assistant until the link is lost."""
+        from homebot.gateways.homeassistant.socket import MAX_FRAME_BYTES, opened  # noqa: PLC0415 - only where it runs
+
+        token = await anyio.to_thread.run_sync(self._settings.read_token)
+        async with opened(self._settings.websocket) as socket:
+            link = HomeAssistantLink(socket, MAX_FRAME_BYTES, self._on_invalid)
+            try:
+                await link.greet(token)
+            except RefusedError as exc:
+                raise RefusedError(exc.what, f"{exc.reason}; {HOW_TO_LOG_IN}") from exc
+            with ungrouped():
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(link.read)
+                    await self._load(link)
+                    self._link, self._reason = link, ""
+                    self._retries.begin()
+                    self.publish_state("active")
+                    self.mark_ready(task_status)
+                    await self._follow_registries(link)
+
+    async def _load(self, link: HomeAssistantLink) -> None:
+        """List the registries and all states, and follow both."""
+        config = as_fields(await link.call("the configuration", "get_config"))
+        self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
+        for registry in REGISTRIES:
+            args = {"event_type": f"{registry}_registry_updated"}
+            await link.call("the registries", "subscribe_events", args, self._on_registry)
+        await self._list(link, set(REGISTRIES))
+        self._entities.lose_all()
+        loaded = anyio.Event()
+
+        async def on_states(event: Mapping[str, object]) -> None:
+            await self._on_states(event, is_first=not loaded.is_set())
+            loaded.set()
+
+        await link.call("the states", "subscribe_entities", None, on_states)
+        await loaded.wait()
+        await self._describe_all("Home Assistant listed it")
+
+    async def _list(self, link: HomeAssistantLink, registries: set[str]) -> None:
+        for registry in REGISTRIES:
+            if registry not in registries:
+                continue
+            try:
+                listed = await link.call(f"the {registry}s", f"config/{registry}_registry/list")
+            except RefusedError:
+                if registry in {"device", "entity", "area"}:
+                    raise
+                continue  # floors and labels came in 2024.3
+            self._entities.registries.put(registry, listed)
+
+    async def _follow_registries(self, link: HomeAssistantLink) -> None:
+        """List changed registries again, and group all entities by them."""
+        while True:
+            await self._changed.wait()
+            await anyio.sleep(SETTLES)
+            self._changed = anyio.Event()
+            stale, self._stale = self._stale, set()
+            await self._list(link, stale)
+            await self._describe_all("Home Assistant described it anew")
+
+    async def _on_registry(self, event: Mapping[str, object]) -> None:
+        registry = text_of(event.get("event_type")).removesuffix("_registry_updated")
+        self._mark_stale(registry)
+
+    def _mark_stale(self, *registries: str) -> None:
+        self._stale.update(registries)
+        self._changed.set()
+
+    async def _on_states(self, event: Mapping[str, object], *, is_first: bool) -> None:
+        """Handle the states of entities: all of them first, and then changes."""
+        for field, is_new in (("a", True), ("c", False)):
+            for entity_id, change in as_fields(event.get(field)).items():
+                await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
+        removed = event.get("r", [])
+        for entity_id in removed if isinstance(removed, list) else ():
+            found = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
+            if found is not None:
+                await self._report(found)
+        if not event.keys() & {"a", "c", "r"}:
+            raise WireError(f"an event of states has {shown(sorted(event))}")
+        await anyio.lowlevel.checkpoint()
+
+    async def _on_state(self, entity_id: str, change: object, *, is_new: bool, is_first: bool) -> None:
+        source = self._entities.key_of(entity_id) or entity_id
+        if not self.devices.admits(source):
+            return
+        try:
+            found = self._entities.put(entity_id, change, is_new=is_new)
+        except WireError as exc:
+            self.devices.reject(source, compact_json(change).encode(), str(exc))
+            return
+        if found is None or is_first:
+            return
+        if not found.key:
+            self._mark_stale("device", "entity")  # it is new, or has another id now
+            return
+        if found.is_described_anew:
+            self.devices.put(self._entities.describe(found.key), "its abilities changed")
+        await self._report(found, compact_json({entity_id: change}).encode())
+
+    async def _report(self, change: EntityChange, message: bytes = b"") -> None:
+        """Report the values of an entity."""
+        key, entity = change.key, change.entity
+        if not key:
+            return
+        entities = self._entities.of(key)
+        if entity.is_available:
+            self.devices.put(self._entities.device(key), "it reported")
+        if message:
+            await self.devices.deliver_raw(key, message)
+        if len(entities) > 1:
+            self.devices.report_reachable(key, entity.entry.part_id, reachable=entity.is_available)
+        self.devices.report_reachable(key, reachable=any(one.is_available for one in entities))
+        values = entity.read(is_change=change.is_event)
+        if values:
+            await self.devices.report(key, values, entity.entry.part_id)
+
+    async def _describe_all(self, why: str) -> None:
+        """Group the entities, publish the devices, report their values, and remove those that are gone."""
+        groups = self._entities.regroup()
+        for key in set(self.devices.keys) - groups.keys():
+            self.devices.remove(key, "Home Assistant no longer has it")
+        for key, entities in groups.items():
+            is_there = any(one.is_available for one in entities)
+            self.devices.put(self._entities.describe(key), why, confirmed=is_there)
+            for one in entities:
+                await self._report(EntityChange(one, key, is_described_anew=False, is_event=False))
+            await anyio.lowlevel.checkpoint()
+
+    async def _refresh_devices(self) -> None:
+        """Confirm the devices that Home Assistant reaches, every minute, and forget the entities that are gone."""
+        since_forgotten = 0.0
+        while True:
+            pause = min(REFRESH_EVERY, self._settings.stale_after / 3)
+            await anyio.sleep(pause)
+            if self._link is None:
+                continue
+            since_forgotten += pause
+            if since_forgotten >= FORGOTTEN_AFTER:
+                since_forgotten = 0.0
+                if self._entities.forget_unregistered():
+                    self._mark_stale("entity")
+            for key in self.devices.keys:
+                if any(one.is_available for one in self._entities.of(key)):
+                    self.devices.put(self._entities.device(key), "Home Assistant reaches it")
+                await anyio.lowlevel.checkpoint()
+
+    def _on_invalid(self, payload: bytes, why: str) -> None:
+        self.devices.reject(SERVER, payload, why)
+
+    async def _perform(self, command: Command) -> None:
+        link = self._link
+        if link is None:
+            raise LinkError(f"Home Assistant cannot be reached: {self._reason}")
+        entity = self._entities.entity(command.key, command.part)
+        call = entity.call(command.capability, command.value.plain(), command.transition, command.code)
+        args = {
+            "domain": call.domain,
+            "service": call.service,
+            "service_data": dict(call.data),
+            "target": {"entity_id": [call.entity_id]},
+        }
+        await link.call(f"{command.capability} for {entity.entity_id}", "call_service", args)

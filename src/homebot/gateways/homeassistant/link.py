@@ -1,0 +1,170 @@
+"""Commands and events over the WebSocket of Home Assistant.
+
+Frames are taken in the order in which they come; an event waits until the one before it is handled.
+
+Source: Home Assistant core 2024.3, ``components/websocket_api``; https://developers.home-assistant.io/docs/api/websocket
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Final, Protocol, TypeAlias
+
+import anyio
+
+from homebot.conventions.payload import as_fields, compact_json, shown, text_of
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.long_json import parse_long_json
+from homebot.gateways.pending_calls import PendingCalls
+
+__all__ = ["HomeAssistantLink", "OnEvent", "Socket"]
+
+GREETS_WITHIN: Final = 10.0
+ANSWERS_WITHIN: Final = 30.0
+"""In seconds; a service that takes longer, such as one of a device that sleeps, goes on without us."""
+
+MOST_INVALID: Final = 100
+"""Invalid frames in a row after which the connection is closed."""
+
+MOST_CALLS: Final = 100
+"""Commands that may wait for their answers at once; a further one is refused."""
+
+OLDEST: Final = (2022, 11)
+"""The oldest version with the commands of this gateway: ``subscribe_entities`` and white in kelvin."""
+
+_UNREACHED: Final = frozenset({"timeout"})
+
+OnEvent: TypeAlias = Callable[[Mapping[str, object]], Awaitable[None]]
+"""Takes an event of a subscription."""
+
+_Frame: TypeAlias = Mapping[str, object]
+
+
+class Socket(Protocol):
+    """An open WebSocket."""
+
+    async def send(self, message: str) -> None:
+        """Send a message."""
+
+    async def receive(self) -> bytes:
+        """Wait for a message."""
+
+
+class HomeAssistantLink:
+    """A connection to Home Assistant.
+
+    Args:
+        on_invalid: Takes each invalid frame, and the reason.
+
+    Attributes:
+        version: The version of Home Assistant, once it has greeted.
+    """
+
+    def __init__(self, socket: Socket, max_bytes: int, on_invalid: Callable[[bytes, str], None]) -> None:
+        self.version = ""
+        self._socket = socket
+        self._max_bytes = max_bytes
+        self._on_invalid = on_invalid
+        self._calls = PendingCalls[_Frame]("Home Assistant")
+        self._listeners: dict[str, OnEvent] = {}
+
+    async def greet(self, token: str) -> None:
+        """Show the token.
+
+        Raises:
+            LinkError: The link is lost, or there is no answer in time.
+            RefusedError: Home Assistant refuses the token.
+            WireError: It is not Home Assistant, or too old a version.
+        """
+        try:
+            with anyio.fail_after(GREETS_WITHIN):
+                await self._expect("auth_required")
+                await self._socket.send(compact_json({"type": "auth", "access_token": token}))
+                await self._expect("auth_ok")
+        except TimeoutError:
+            raise LinkError(f"Home Assistant did not greet within {GREETS_WITHIN:g} s") from None
+
+    async def read(self) -> None:
+        """Handle frames until the link is lost.
+
+        Raises:
+            LinkError: It is lost.
+            WireError: Home Assistant sent too many invalid frames.
+        """
+        invalid = 0
+        try:
+            while invalid < MOST_INVALID:
+                payload = await self._socket.receive()
+                try:
+                    frame = await self._parsed(payload)
+                    await self._handle(frame)
+                    invalid = 0
+                except WireError as exc:
+                    self._on_invalid(payload, str(exc))
+                    invalid += 1
+            raise WireError(f"Home Assistant sent {MOST_INVALID} invalid frames in a row")
+        finally:
+            self._calls.end()
+
+    async def call(
+        self, what: str, command: str, args: Mapping[str, object] | None = None, on_event: OnEvent | None = None
+    ) -> object:
+        """Send a command, and return its result.
+
+        Args:
+            what: The action, for errors.
+            on_event: Takes the events of a subscription.
+
+        Raises:
+            LinkError: The link is lost, or there was no answer in time.
+            RefusedError: Home Assistant refuses.
+        """
+        if len(self._calls) >= MOST_CALLS:
+            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for Home Assistant already")
+
+        async def send(number: str) -> None:
+            if on_event is not None:
+                self._listeners[number] = on_event
+            await self._socket.send(compact_json({"id": int(number), "type": command, **(args or {})}))
+
+        answer = await self._calls.call(what, send, ANSWERS_WITHIN)
+        if answer.get("success") is True:
+            return answer.get("result")
+        error = as_fields(answer.get("error"))
+        reason = text_of(error.get("message"), 200) or text_of(error.get("code")) or "it gave no reason"
+        if error.get("code") in _UNREACHED:
+            raise LinkError(f"{what}: {reason}")
+        raise RefusedError(what, reason)
+
+    async def _expect(self, kind: str) -> None:
+        frame = await self._parsed(await self._socket.receive())
+        if frame.get("type") == "auth_invalid":
+            raise RefusedError("the connection", f"the token is not valid: {text_of(frame.get('message'))}")
+        if frame.get("type") != kind:
+            raise WireError("the server at this address is not Home Assistant")
+        self.version = text_of(frame.get("ha_version"), 40)
+        numbers = [int(one) if one.isdecimal() else 0 for one in self.version.split(".")[:2]]
+        if tuple(numbers) < OLDEST:
+            raise WireError(f"it is Home Assistant {self.version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
+
+    async def _parsed(self, payload: bytes) -> _Frame:
+        frame = await parse_long_json(payload, self._max_bytes)
+        if not isinstance(frame, dict):
+            raise WireError(f"{shown(frame)} is not an object")
+        return frame
+
+    async def _handle(self, frame: _Frame) -> None:
+        number = frame.get("id")
+        if isinstance(number, bool) or not isinstance(number, int):
+            raise WireError(f"the id of a message is {shown(number)}, not a number")
+        match frame.get("type"):
+            case "event":
+                event = frame.get("event")
+                listener = self._listeners.get(str(number))
+                if listener is None or not isinstance(event, dict):
+                    raise WireError(f"an event of subscription {number} is {shown(event)}")
+                await listener(event)
+            case "result":
+                await self._calls.resolve(str(number), frame)  # one without a waiting caller came too late
+            case kind:
+                raise WireError(f"a message is of type {shown(kind)}, neither result nor event")
