@@ -58,7 +58,7 @@ OF_ROSIDL = {
 """Of types that neither package has: what the code says that ROS 2 generates of them, and of those inside."""
 
 NAMES = interface_names()
-SEEDS = range(size(100, 3_400))
+SEEDS = range(size(25, 3_400))
 """Each makes three types."""
 
 
@@ -129,14 +129,14 @@ def test_a_service_of_ours_is_described_by_the_names_of_ros() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_text_of_a_type_has_the_hash_and_the_bytes_of_both_packages(name: str) -> None:
     for ros_type, message in messages().items():
-        if ros_type.startswith(name):
+        if ros_type == name or ros_type.startswith(f"{name}_"):
             compare(message, Random(ros_type))  # noqa: S311 - the same cases each time
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("start", SEEDS[::100])
 def test_random_types_have_the_hash_and_the_bytes_of_both_packages(start: int) -> None:
-    for seed in range(start, start + 100):
+    for seed in SEEDS[start : start + 100]:
         random = Random(seed)  # noqa: S311 - as above
         interfaces = Interfaces()
         for index in range(3):

@@ -205,7 +205,7 @@ def test_floods_of_48_clients_share_one_turn(broker: AttackedBroker, listeners: 
     with closing([each.socket for each in (*deaf, *floods)]):
         for each in floods:
             each.socket.setblocking(False)
-        for _ in range(6):
+        for _ in range(size(2, 6)):
             for each in floods:
                 with suppress(BlockingIOError):
                     each.socket.send(data)

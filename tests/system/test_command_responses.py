@@ -159,8 +159,8 @@ async def test_an_error_contradicts_at_once_with_its_text(broker: AnyBroker, cli
         assert len(home.responder.commands) == 1
 
 
-async def test_a_switch_without_a_state_that_answered_once_has_to_answer(broker: AnyBroker) -> None:
-    async with home_on(broker, timeout=SILENCE) as home:
+async def test_a_switch_without_a_state_that_answered_once_has_to_answer() -> None:
+    async with home_on(Broker(credentials=CREDENTIALS), timeout=SILENCE) as home:
         assert isinstance(await home.switch.command("on_off", value=True), Confirmed)
         with anyio.fail_after(PATIENCE):
             while not await home.count("responses"):  # noqa: ASYNC110 - it counts, and tells nobody
@@ -171,8 +171,8 @@ async def test_a_switch_without_a_state_that_answered_once_has_to_answer(broker:
         assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
 
 
-async def test_late_and_strange_responses_are_counted_and_change_nothing(broker: AnyBroker) -> None:
-    async with home_on(broker, reports=True, timeout=SILENCE) as home:
+async def test_late_and_strange_responses_are_counted_and_change_nothing() -> None:
+    async with home_on(Broker(credentials=CREDENTIALS), reports=True, timeout=SILENCE) as home:
         home.responder.response = None
         assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
         first = home.responder.commands[0]

@@ -218,6 +218,7 @@ async def until_not(connection: MqttConnection, phase: LinkPhase) -> None:
             return
 
 
+@pytest.mark.parametrize("protocol", ["5"])
 async def test_a_broker_that_is_frozen_is_noticed_and_found_again(
     mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
 ) -> None:

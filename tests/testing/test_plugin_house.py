@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from importlib import import_module
+from importlib.metadata import entry_points
 from inspect import iscoroutinefunction
 
 import pytest
@@ -13,10 +14,14 @@ from homebot.testing import plugin
 pytest_plugins = ["pytester"]
 
 # A run inside the process forgets what was imported in it: what is loaded here is loaded once.
-for name in ("event_log", "house_marks", "mqtt"):
-    import_module(f"homebot.testing.{name}")
-for name in ("apps.light_service", "mqtt.client.aiomqtt_adapter"):
+for name in (
+    *("apps.jobs", "apps.light_service", "apps.reactions", "bridges.rosapi", "control.control_layer", "control.learnt"),
+    *("conventions.secrets", "devices.commander", "devices.group_command", "devices.hold", "devices.text_sender"),
+    *("mqtt.client.aiomqtt_adapter", "testing.event_log", "testing.house_of_test", "testing.mqtt"),
+):
     import_module(f"homebot.{name}")
+for convention in entry_points(group="homebot.mqtt_conventions"):
+    convention.load()
 
 START = """
 import asyncio, pytest
