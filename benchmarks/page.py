@@ -47,7 +47,7 @@ CLOSED, OPEN = 1, 50
 
 HERE = Path(__file__).parent
 PYTHON = HERE.parent / ".venv" / "bin" / "python"
-"""The environment of the tests, into which selenium is installed by hand."""
+"""The environment of the tests against other programs, which has selenium."""
 
 
 def run(plan: Plan) -> Report:
