@@ -55,6 +55,7 @@ VIEWS = (
     ("device", (1200, 820), "light", HEAT, "Why", HOUR),
     ("plan", SCREEN, "light", "#/plan", "kitchen_lamp", ""),
     ("approval", (1200, 480), "light", "#/system", "Waiting for your approval", LOCK),
+    ("", SCREEN, "light", "#/device/lamp_meter", "Energy by day", ""),
     ("", SCREEN, "light", "#/journal", "confirmed after", ""),
     ("", SCREEN, "light", "#/graph", "/discovery/states", ""),
     ("phone", PHONE, "dark", "", "kitchen_lamp", ""),
@@ -90,6 +91,7 @@ def family() -> World:
     tables["house"]["pace"] = PACE
     tables["devices"]["robot"]["speed"] = 0.15
     tables["devices"]["front_lock"] = {"kind": "lock", "room": "hall"}
+    tables["devices"]["lamp_meter"] = {"kind": "power_meter", "room": "living", "of": "living_lamp"}
     return parse_world(tables, "house.toml")
 
 

@@ -160,27 +160,17 @@ function Facts({ device }) {
     <h3>What is known, and from where</h3>
     <table class="facts">
       <tbody>
-        <tr><th scope="row">id</th><td>${device.id}</td><td></td></tr>
-        <tr><th scope="row">last seen</th><td>${durationText(Math.max(age, 0))} ago</td><td>${device.freshness}</td></tr>
-        ${device.facts.map(
-          (fact, index) => html`<tr key=${index}>
-            <th scope="row">${label(fact.name)}</th>
-            <td>${fact.value}</td>
-            <td>${fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")}</td>
-          </tr>`,
-        )}
-        ${device.endpoints.map(
-          (one) => html`<tr key=${`${one.gateway} ${one.key}`}>
-            <th scope="row">reached by</th>
-            <td>${one.gateway}: ${one.address}</td>
-            <td>${one.command_address}</td>
-          </tr>`,
-        )}
-        ${device.conflicts.map((text) => html`<tr key=${text}><th scope="row">conflict</th><td>${text}</td><td></td></tr>`)}
+        ${known("id", device.id)}
+        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness)}
+        ${device.facts.map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
+        ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${one.address}`, one.command_address))}
+        ${device.conflicts.map((text) => known("conflict", text))}
       </tbody>
     </table>
   </section>`;
 }
+
+const known = (name, value, source = "") => html`<tr><th scope="row">${name}</th><td>${value} <small>${source}</small></td></tr>`;
 
 function capabilityOf(full, reading) {
   const part = full?.parts.find((one) => one.id === reading.part);

@@ -7,6 +7,7 @@ import { label, units, wordsOf } from "../words.js";
 
 const PERIODS = [["1 h", 3600], ["24 h", 86_400], ["7 d", 604_800], ["30 d", 2_592_000], ["1 y", 31_536_000]]; // seconds
 const POINTS = 300;
+const LEAST = 60; // seconds of a plot; it begins with the first value
 
 export function History({ device }) {
   const kept = [...device.states.values()].filter((one) => typeof one.value === "number" || typeof one.value === "boolean");
@@ -45,7 +46,7 @@ function Series({ answer }) {
   const [times, values] = words ? flagsOf(found) : numbersOf(found, answer.now);
   const unit = found.unit || units.value[found.capability] || "";
   const text = (value) => (words ? words[value ? 0 : 1] : `${value} ${unit}`.trim());
-  return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${answer.now - answer.period} to=${answer.now} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
+  return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${Math.max(answer.now - answer.period, Math.min(times[0], answer.now - LEAST))} to=${answer.now} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
 }
 
 /** Numbers; a single value lasts until now. */
