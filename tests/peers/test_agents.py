@@ -75,6 +75,24 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert (await call(session, "command", device="front_door", do="lock"))["outcome"] == "refused"
 
 
+async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:
+    """It might be one that always asks, and the directory may answer the command again."""
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    problem = {"outcome": "failed", "reason": "discovery does not answer"}
+
+    class NoDirectory:
+        async def read(self, *_: str) -> str:
+            return json.dumps(problem)
+
+        async def post(self, path: str, _body: object) -> str:
+            raise AssertionError(path)
+
+    async with mcp.Client(server.house_server(NoDirectory())) as session:
+        result = await session.call_tool("command", {"device": "front_door", "do": "unlock"})
+    assert json.loads(result.content[0].text) == problem
+
+
 async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_why(tmp_path: Path) -> None:
     pytest.importorskip("mcp")
     client = {"name": "raw", "version": "1"}

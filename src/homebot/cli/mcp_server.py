@@ -36,6 +36,17 @@ class Sure(BaseModel):
     confirm: bool = Field(description="whether to do it")
 
 
+class _Unknown(Sure):
+    """The device cannot be looked up, so that it is not known whether it asks.
+
+    Attributes:
+        problem: The answer to the look-up.
+    """
+
+    confirm: bool = False
+    problem: str
+
+
 def house_server(api: ApiClient) -> MCPServer:
     """Return a server whose tools ask *api*."""
 
@@ -60,6 +71,8 @@ def house_server(api: ApiClient) -> MCPServer:
 
     async def command(device: str, do: str, sure: Annotated[ElicitationResult[Sure], Resolve(sure)]) -> str:
         """Command one device: `on`, `off`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
+        if isinstance(sure, AcceptedElicitation) and isinstance(sure.data, _Unknown):
+            return sure.data.problem
         if not isinstance(sure, AcceptedElicitation) or not sure.data.confirm:
             return json.dumps(_UNCONFIRMED)
         return await api.post("/api/command", {"device": device, "do": do})
@@ -74,6 +87,8 @@ def house_server(api: ApiClient) -> MCPServer:
 def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
     """Return the question to a person before *do* reaches the device of *details*, or an answer where none is asked."""
     device, can = json.loads(details), context.client_capabilities
+    if "id" not in device:
+        return _Unknown(problem=details)
     if not (reason := device.get("always_asks")):
         return Sure(confirm=True)
     if can is None or can.elicitation is None:
