@@ -17,6 +17,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from anyio import to_thread
 from tests.patience import PATIENCE
 
 from homebot.cli.main import main
@@ -85,13 +86,14 @@ def test_the_tab_key_completes_a_command(script: Path) -> None:
     os.close(terminal)
 
 
-def _read_until(terminal: int, end: bytes) -> None:
+def _read_until(terminal: int, end: bytes) -> bytes:
     shown = b""
     until = time.monotonic() + PATIENCE
     while end not in shown:
         ready, _, _ = select.select([terminal], [], [], max(0.0, until - time.monotonic()))
         assert ready, f"only this was shown: {shown!r}"
         shown += os.read(terminal, 1000)
+    return shown
 
 
 NAMES = ("Hall lamp", "Hall light 2", "Küche", "Wohnzimmer's Lampe", "$(touch spoilt)")
@@ -169,9 +171,33 @@ async def test_fish_completes_names_of_devices(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
-def test_zsh_reads_its_script() -> None:
-    command = [sys.executable, "-m", "homebot", "--print-completion", "zsh"]
-    script = subprocess.run(command, capture_output=True, check=True).stdout
-    program = 'autoload -Uz compinit && compinit -D; eval "$(cat)"; print $_comps[homebot]'
-    done = subprocess.run(["zsh", "-f", "-c", program], input=script, capture_output=True, check=True, timeout=120)
-    assert (done.stdout.strip(), done.stderr) == (b"_shtab_homebot", b"")
+async def test_the_tab_key_of_zsh_completes_names_of_devices_quoted(tmp_path: Path) -> None:
+    """The shell prints the words of the completed line, as a command gets them."""
+    script = 'PROMPT="rea""dy> "; autoload -Uz compinit; compinit -D; eval "$(homebot --print-completion zsh)"\n'
+
+    def press_tab(environment: dict[str, str]) -> None:
+        terminal, stdio = pty.openpty()
+        zsh = subprocess.Popen(["zsh", "-f"], stdin=stdio, stdout=stdio, stderr=stdio, env=environment, cwd=tmp_path)
+        os.close(stdio)
+        try:
+            os.write(terminal, script.encode())
+            _read_until(terminal, b"ready> ")
+            for typed, name in (
+                ("K", "Küche"),
+                (r"hall\ la", "Hall lamp"),
+                ("W", "Wohnzimmer's Lampe"),
+                (r"\$", "$(touch spoilt)"),
+            ):
+                shown, line = b"", f"homebot show {typed}\t\x01printf '<%s>' \x05 end\n".encode()
+                while f"<show><{name}>".encode() not in shown:  # again if the computer is too busy for it
+                    os.write(terminal, line)
+                    shown = _read_until(terminal, b"end>")
+        finally:
+            zsh.kill()
+            zsh.wait()
+            os.close(terminal)
+
+    async with lamps() as environment:
+        with anyio.fail_after(PATIENCE):
+            await to_thread.run_sync(press_tab, environment, abandon_on_cancel=True)
+    assert list(tmp_path.iterdir()) == []

@@ -34,7 +34,7 @@ _ZSH: Final = f"""\
 _homebot_devices() {{
   local -a names
   names=(${{(f)"$(homebot {COMPLETE_DEVICES} "${{words[@]}}" "$PREFIX" 2>/dev/null)"}})
-  compadd -a names
+  compadd -M 'm:{{[:lower:][:upper:]}}={{[:upper:][:lower:]}}' -a names
 }}
 """
 DEVICE_NAMES: Final = {
