@@ -150,6 +150,9 @@ class CoapLamp(Lamp):
 
     async def lose_link(self) -> None:
         await self.world.end()
+        loop = asyncio.get_running_loop()
+        now = loop.time
+        loop.time = lambda: now() + 15.0  # type: ignore[method-assign]  # the last state is too old at once
 
     async def mend_link(self) -> None:
         self.device._registration = ""

@@ -197,15 +197,22 @@ async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: 
             await found(devices, Light, len(WANTED) + 1)
             await found(devices, DoorLock, 4)
         refused = 0
-        for lamp in await devices.find(Light):
-            for tell in (lamp.turn_on, lamp.turn_off):
+
+        async def tell(lamp: Light) -> None:
+            nonlocal refused
+            for command in (lamp.turn_on, lamp.turn_off):
                 try:
-                    refused += isinstance(await tell(), Refused)
+                    was_refused = isinstance(await command(), Refused)
                 except RefusedError:
-                    refused += 1
-        locks = await devices.find(DoorLock)
-        for lock in locks:
-            await lock.lock()
+                    was_refused = True
+                refused += was_refused
+
+        async with anyio.create_task_group() as tasks:
+            for lamp in await devices.find(Light):
+                tasks.start_soon(tell, lamp)
+        async with anyio.create_task_group() as tasks:
+            for lock in await devices.find(DoorLock):
+                tasks.start_soon(lock.lock)
         with anyio.fail_after(PATIENCE):
             while ("end", b"") not in heard:
                 if not heard:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
 
@@ -120,7 +120,22 @@ async def test_missing_and_impossible_resources_are_explained() -> None:
             await client.request("GET", "coap://no-such-host.invalid/")
 
 
-async def test_an_observation_is_registered_again_when_its_last_state_is_too_old() -> None:
+@asynccontextmanager
+async def aging(pass_time: Callable[[float], None]) -> AsyncIterator[None]:
+    """Let the last state become too old as soon as a newer one is waited for."""
+
+    async def age() -> None:
+        await anyio.wait_all_tasks_blocked()
+        pass_time(11.5)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(age)
+        yield
+
+
+async def test_an_observation_is_registered_again_when_its_last_state_is_too_old(
+    pass_time: Callable[[float], None],
+) -> None:
     """A server that was restarted knows of no observation, and tells nobody of its new state."""
     port = reserve_datagram_port()
     async with CoapClient.open(5.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
@@ -128,16 +143,20 @@ async def test_an_observation_is_registered_again_when_its_last_state_is_too_old
             assert (await anext(states)).payload == b"old"
         async with server(Value(b"new", max_age=1), port):
             with anyio.fail_after(PATIENCE):
-                assert (await anext(states)).payload == b"new"
+                async with aging(pass_time):
+                    assert (await anext(states)).payload == b"new"
 
 
-async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link() -> None:
+async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link(
+    pass_time: Callable[[float], None],
+) -> None:
     port = reserve_datagram_port()
     async with CoapClient.open(1.0, ()) as client, aclosing(client.observe(f"coap://127.0.0.1:{port}/value")) as states:
         async with server(Value(b"old", max_age=1), port):
             await anext(states)
-        with pytest.raises(LinkError):
-            await anext(states)
+        async with aging(pass_time):
+            with pytest.raises(LinkError):
+                await anext(states)
 
 
 async def test_a_resource_that_cannot_be_observed_is_refused() -> None:
