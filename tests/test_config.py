@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from homebot.config import load_config
 from homebot.errors import ConfigError
+from homebot.gateways.mqtt.settings import MqttGatewaySettings
+from homebot.history.settings import HistorySettings
 
 
 @pytest.fixture
@@ -26,6 +30,16 @@ def test_a_full_file_is_read_into_its_tables(write: Path) -> None:
     assert config.gateways == {"mqtt": {"url": "mqtt://b"}}
     assert config.apps == {"light_service": {}}
     assert config.door == {"port": 1}
+
+
+def test_the_tables_that_the_guide_shows_are_valid() -> None:
+    """Those for MQTT and, as the defaults, of the history."""
+    guide = (Path(__file__).parents[1] / "docs" / "configuration.md").read_text("utf-8")
+    tables = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)]
+    (mqtt,) = [table["gateways"]["mqtt"] for table in tables if "mqtt" in table.get("gateways", {})]
+    (history,) = [table["history"] for table in tables if "history" in table]
+    assert MqttGatewaySettings.model_validate(mqtt).act
+    assert HistorySettings.model_validate(history) == HistorySettings()
 
 
 def test_an_empty_file_is_a_home_with_nothing_in_it(write: Path) -> None:
