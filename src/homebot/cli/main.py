@@ -40,6 +40,7 @@ COMMANDS: Final = {
     "place": "say which room a device is in",
     "alias": "give a device a further name",
     "approve": "allow commands to a device that can hurt, such as a lock",
+    "pair": "pair homebot with a device, by its code or its button",
     "trust": "believe a device again after a sensor contradicted it",
     "leases": "list the values that programs hold, and until when",
     "release": "end the leases of a device",

@@ -159,6 +159,20 @@ class TagNames:
         self.write_tag = f"{base}/write_tag"
 
 
+class PairingNames:
+    """The graph names of a gateway that pairs devices, beside those that every gateway has.
+
+    Attributes:
+        pair: Service :data:`homebot.devices.pairing_messages.Pair`.
+        unpair: Service :data:`homebot.devices.pairing_messages.Unpair`.
+    """
+
+    def __init__(self, gateway: str) -> None:
+        base = f"{_GATEWAYS}{gateway}"
+        self.pair = f"{base}/pair"
+        self.unpair = f"{base}/unpair"
+
+
 def gateway_of(node: str) -> str:
     """Return the name of the gateway with the node *node*, a full name; empty if that is no gateway's."""
     name = node.removeprefix(_GATEWAYS)

@@ -52,6 +52,11 @@ class Installation:
         self._names: dict[str, str] = {}
         self.problem = ""
 
+    @property
+    def folder(self) -> Path | None:
+        """The folder of homebot's own files; None if it keeps nothing."""
+        return None if self._file is None else self._file.parent
+
     def id_of(self, part: str) -> str:
         """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer."""
         with self._lock:

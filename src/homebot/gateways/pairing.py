@@ -1,0 +1,126 @@
+"""The services by which a gateway pairs homebot with devices, and the file with the secrets that this yields."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Awaitable, Callable, Mapping
+from pathlib import Path
+from typing import Final, Protocol
+
+from homebot.devices.names import PairingNames
+from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
+from homebot.errors import LinkError, PeerError, RefusedError, UsageError
+from homebot.graph import Node
+from homebot.support.file_access import check_secret_file
+
+__all__ = ["PairingFile", "PairingGateway", "PairingServices"]
+
+_LONGEST: Final = 4 * 1024 * 1024
+
+
+class PairingGateway(Protocol):
+    """A gateway that pairs devices."""
+
+    @property
+    def acts(self) -> bool:
+        """True if commands are sent."""
+
+    @property
+    def observes_because(self) -> str:
+        """The reason why not."""
+
+    async def pair(self, key: str, code: str) -> str:
+        """Pair with the device *key*, and return its name.
+
+        Raises:
+            LinkError: It cannot be reached now.
+            PeerError: It cannot be paired; the message gives the reason and the remedy, and never the code.
+        """
+
+    async def unpair(self, key: str) -> str:
+        """End the pairing with the device *key*, and return its name; errors as those of :meth:`pair`."""
+
+
+class PairingServices:
+    """Serves :class:`homebot.devices.names.PairingNames`, one request at a time."""
+
+    def __init__(self, gateway: PairingGateway, node: Node) -> None:
+        self._gateway = gateway
+        self._is_busy = False
+        names = PairingNames(node.name)
+        node.create_service(Pair, names.pair, self._pair, concurrent=True)
+        node.create_service(Unpair, names.unpair, self._unpair, concurrent=True)
+
+    async def _pair(self, request: PairRequest) -> PairResponse:
+        return await self._answer("pairing", lambda: self._gateway.pair(request.device, request.code))
+
+    async def _unpair(self, request: UnpairRequest) -> PairResponse:
+        return await self._answer("unpairing", lambda: self._gateway.unpair(request.device))
+
+    async def _answer(self, what: str, work: Callable[[], Awaitable[str]]) -> PairResponse:
+        if self._is_busy:
+            return PairResponse(success=False, message="another device is being paired", problem="busy")
+        self._is_busy = True
+        try:
+            if not self._gateway.acts:
+                raise RefusedError(what, self._gateway.observes_because)
+            return PairResponse(success=True, name=await work())
+        except LinkError as exc:
+            return PairResponse(success=False, message=str(exc), problem="unreachable")
+        except PeerError as exc:
+            return PairResponse(success=False, message=str(exc), problem="refused")
+        finally:
+            self._is_busy = False
+
+
+class PairingFile:
+    """The secrets of paired devices, in a file that only its owner can read. Blocking; called from worker threads.
+
+    Args:
+        path: The file, which need not exist; None to keep nothing, as in simulations.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+
+    def load(self) -> dict[str, dict[str, object]]:
+        """Return the secrets of each device, by a name of the gateway's choice.
+
+        Raises:
+            UsageError: The file cannot be read, or others can write it; the message never holds a secret.
+        """
+        if self._path is None:
+            return {}
+        try:
+            with self._path.open("rb") as file:
+                check_secret_file(self._path, os.fstat(file.fileno()))
+                content = json.loads(file.read(_LONGEST))
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError, RecursionError) as exc:
+            reason = exc.strerror if isinstance(exc, OSError) else "it is not JSON"
+            raise UsageError(f"the pairings in {self._path} cannot be read: {reason}") from None
+        if not isinstance(content, dict):
+            raise UsageError(f"the pairings in {self._path} cannot be read: it is not a JSON object")
+        return {key: one for key, one in content.items() if isinstance(one, dict)}
+
+    def save(self, pairings: Mapping[str, Mapping[str, object]]) -> None:
+        """Replace the content of the file, whole or not at all.
+
+        Raises:
+            UsageError: It cannot be written.
+        """
+        if self._path is None:
+            return
+        beside = self._path.with_suffix(".new")
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            beside.unlink(missing_ok=True)
+            with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                json.dump(pairings, file, indent=1)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(self._path)
+        except OSError as exc:
+            raise UsageError(f"the pairings cannot be kept in {self._path}: {exc.strerror}") from exc
