@@ -13,7 +13,14 @@ from typing import Final
 
 from homebot.errors import WireError
 
-__all__ = ["HomekitCode", "MatterCode", "check_matter_setup_code", "read_homekit_code", "read_matter_code"]
+__all__ = [
+    "HomekitCode",
+    "MatterCode",
+    "check_matter_setup_code",
+    "read_homekit_code",
+    "read_homekit_digits",
+    "read_matter_code",
+]
 
 _BASE38: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-."
 _BASE36: Final = _BASE38[:36]
@@ -105,6 +112,21 @@ def read_homekit_code(text: str) -> HomekitCode:
     if len(digits) < _HOMEKIT_DIGITS or len(setup_id) not in {0, _SETUP_ID} or any(one not in _BASE36 for one in whole):
         raise WireError("a HomeKit code must have 9 digits of base 36, and then a setup ID of 4 or nothing")
     return HomekitCode(int(digits, 36) >> 31 & 0xFF, setup_id)
+
+
+def read_homekit_digits(text: str) -> str:
+    """Return the setup code in *text*, which is a HomeKit QR code or eight digits, as ``123-45-678``.
+
+    Raises:
+        WireError: It is neither; the message does not show it.
+    """
+    digits = text.replace("-", "").replace(" ", "")
+    if text.upper().startswith(_HOMEKIT):
+        read_homekit_code(text)
+        digits = f"{int(text.upper().removeprefix(_HOMEKIT)[:_HOMEKIT_DIGITS], 36) & 0x7FFFFFF:08}"
+    if len(digits) != 8 or not (digits.isascii() and digits.isdecimal()):
+        raise WireError("a HomeKit code is a QR code that begins with X-HM://, or 8 digits such as 123-45-678")
+    return f"{digits[:3]}-{digits[3:5]}-{digits[5:]}"
 
 
 def _base38(code: str) -> bytes:

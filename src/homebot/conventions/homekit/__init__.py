@@ -1,0 +1,1 @@
+"""HomeKit accessories: their services and characteristics, as parts of devices. Pure."""

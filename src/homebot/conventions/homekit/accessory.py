@@ -1,0 +1,152 @@
+"""The accessories that an accessory server lists, checked. Pure.
+
+Source: HomeKit Accessory Protocol Specification, Non-Commercial Version, Release R2: 2.3 (attribute database), 6.3
+(accessory objects), 6.6 (JSON).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+from homebot.conventions.payload import as_fields, clean_text, shown
+from homebot.errors import WireError
+from homebot.support.numbers import finite_number, whole_number
+
+__all__ = ["Accessory", "CharacteristicId", "HapCharacteristic", "HapService", "parse_accessories", "short_type"]
+
+CharacteristicId: TypeAlias = tuple[int, int]
+"""Accessory ID and instance ID."""
+
+MAX_ACCESSORIES: Final = 150
+MAX_SERVICES: Final = 100
+MAX_CHARACTERISTICS: Final = 100
+"""The limits of the specification (2.3) are 150 accessories, and 100 services and characteristics of each."""
+
+_BASE: Final = "-0000-1000-8000-0026BB765291"
+_LONGEST: Final = 256
+INFORMATION: Final = "3E"
+
+
+@dataclass(eq=False, slots=True)
+class HapCharacteristic:
+    """A characteristic, with its last known value.
+
+    Attributes:
+        format: ``bool``, ``uint8``, ``float``, ``string``, …
+        perms: Its permissions: ``pr`` (read), ``pw`` (write), ``ev`` (events), ``tw`` (timed writes only), …
+        bounds: Its smallest and largest value; empty for none.
+        valid_values: The values that it can have, where it lists them.
+    """
+
+    iid: int
+    format: str
+    perms: frozenset[str]
+    value: object = None
+    bounds: tuple[float, ...] = ()
+    valid_values: tuple[int, ...] = ()
+
+    def encode(self, value: float) -> object:
+        """Return *value* as its format has it, within its bounds."""
+        if self.bounds:
+            value = min(max(value, self.bounds[0]), self.bounds[1])
+        if self.format == "bool":
+            return bool(value)
+        return value if self.format == "float" else round(value)
+
+
+@dataclass(eq=False, slots=True)
+class HapService:
+    """A service: one function of an accessory.
+
+    Attributes:
+        type: Its short type, such as ``43`` (Light Bulb), or a UUID.
+        characteristics: By their types, of each type the first.
+    """
+
+    iid: int
+    type: str
+    characteristics: dict[str, HapCharacteristic] = field(default_factory=dict)
+
+    def can(self, kind: str, permission: str) -> bool:
+        """Return whether it has the characteristic *kind* with a permission."""
+        found = self.characteristics.get(kind)
+        return found is not None and permission in found.perms
+
+    def number(self, kind: str) -> float | None:
+        """Return the value of a characteristic that is a number, or true (1) or false (0); None for unknown."""
+        found = self.characteristics.get(kind)
+        value = None if found is None else found.value
+        return float(value) if isinstance(value, bool) else finite_number(value)
+
+    def text(self, kind: str) -> str:
+        """Return the value of a characteristic that is a text; empty for none."""
+        found = self.characteristics.get(kind)
+        return clean_text(found.value)[:_LONGEST] if found is not None and isinstance(found.value, str) else ""
+
+
+@dataclass(eq=False, slots=True)
+class Accessory:
+    """An accessory: a device by itself, or one behind a bridge."""
+
+    aid: int
+    services: dict[int, HapService] = field(default_factory=dict)
+
+    @property
+    def information(self) -> HapService:
+        """The service with its name, maker and serial number; an empty one where it has none."""
+        return next((one for one in self.services.values() if one.type == INFORMATION), HapService(0, INFORMATION))
+
+
+def short_type(uuid: object) -> str:
+    """Return a type as short as the specification allows: ``43`` for ``00000043-0000-1000-8000-0026BB765291``."""
+    text = uuid.upper()[:_LONGEST] if isinstance(uuid, str) else ""
+    return text.removesuffix(_BASE).lstrip("0") if text.endswith(_BASE) or len(text) <= len("00000043") else text
+
+
+def parse_accessories(listed: object) -> dict[int, Accessory]:
+    """Return the accessories, by their IDs, in the answer to ``GET /accessories``.
+
+    Raises:
+        WireError: It is not a list of accessories; single invalid services and characteristics are left out.
+    """
+    found = as_fields(listed).get("accessories")
+    if not isinstance(found, list):
+        raise WireError(f"the accessories are {shown(listed)}, not a list")
+    accessories: dict[int, Accessory] = {}
+    for one in found[:MAX_ACCESSORIES]:
+        fields = as_fields(one)
+        aid, services = whole_number(fields.get("aid")), fields.get("services")
+        if aid is None or aid < 1 or not isinstance(services, list):
+            raise WireError(f"an accessory is {shown(one)}")
+        parsed = (_parse_service(service) for service in services[:MAX_SERVICES])
+        accessories[aid] = Accessory(aid, {service.iid: service for service in parsed if service is not None})
+    return accessories
+
+
+def _parse_service(data: object) -> HapService | None:
+    fields = as_fields(data)
+    iid, kind, listed = whole_number(fields.get("iid")), short_type(fields.get("type")), fields.get("characteristics")
+    if iid is None or not kind or not isinstance(listed, list):
+        return None
+    service = HapService(iid, kind)
+    for one in listed[:MAX_CHARACTERISTICS]:
+        found = as_fields(one)
+        name, number, perms = short_type(found.get("type")), whole_number(found.get("iid")), found.get("perms")
+        if name and number is not None and isinstance(perms, list):
+            service.characteristics.setdefault(name, _parse_characteristic(number, perms, found))
+    return service
+
+
+def _parse_characteristic(iid: int, perms: list[object], fields: Mapping[str, object]) -> HapCharacteristic:
+    least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
+    values = fields.get("valid-values")
+    return HapCharacteristic(
+        iid,
+        str(fields.get("format"))[:10],
+        frozenset(one for one in perms if isinstance(one, str)),
+        fields.get("value"),
+        (least, most) if least is not None and most is not None and least < most else (),
+        tuple(one for one in values if isinstance(one, int)) if isinstance(values, list) else (),
+    )

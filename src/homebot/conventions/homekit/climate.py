@@ -1,0 +1,106 @@
+"""The services of thermostats, heaters, coolers and humidifiers. Pure.
+
+A thermostat has one target temperature, and two thresholds that count in the mode ``auto``, if it has them.
+
+Source: HomeKit Accessory Protocol Specification R2, 8.18 (Heater Cooler), 8.19 (Humidifier Dehumidifier), 8.40
+(Thermostat).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.homekit.accessory import HapService
+from homebot.conventions.homekit.rows import ServiceRow, Writes, known_values, read_number
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+__all__ = ["CLIMATE_ROWS"]
+
+THERMOSTAT, HEATER, HUMIDIFIER = "4A", "BC", "BD"
+TARGET, TEMPERATURE, SETPOINT, HEAT_TO, COOL_TO, HUMIDITY = "33", "11", "35", "12", "D", "10"
+ACTIVE, HEATER_TARGET, DRY_TO, WET_TO, SPEED = "B0", "B2", "C9", "CA", "29"
+_MODES: Final = {0: "off", 1: "heat", 2: "cool", 3: "auto"}
+_ACTIONS: Final = {0: "idle", 1: "heating", 2: "cooling"}
+_HEATER_MODES: Final = {0: "auto", 1: "heat", 2: "cool"}
+_HEATER_ACTIONS: Final = {0: "off", 1: "idle", 2: "heating", 3: "cooling"}
+_HUMIDIFIER_MODES: Final = {0: "auto", 1: "humidify", 2: "dehumidify"}
+_HEAT, _COOL, _AUTO = 1, 2, 3
+
+
+def _can(mode: int, service: HapService) -> bool:
+    return bool(known_values(service, TARGET, {mode: "", _AUTO: ""}))
+
+
+def _setpoint_of(threshold: str, service: HapService) -> str | None:
+    """Return the characteristic of the temperature to heat or cool to in the present mode; None if there is none."""
+    other = _COOL if threshold == HEAT_TO else _HEAT
+    mode = service.number(TARGET)
+    if mode in {_AUTO, other} and threshold in service.characteristics:
+        return threshold
+    is_of_heating = mode != _COOL and _can(_HEAT, service)
+    return SETPOINT if is_of_heating == (threshold == HEAT_TO) else None
+
+
+def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
+    def read(service: HapService) -> PlainValue:
+        kind = _setpoint_of(threshold, service)
+        return None if kind is None else read_number(capability, kind, service)
+
+    def write(service: HapService, value: PlainValue) -> Writes:
+        kind = _setpoint_of(threshold, service)
+        if kind is None:
+            raise RefusedError(capability, "the thermostat is in another mode; set thermostat_mode first")
+        least, most = service.characteristics[kind].bounds or (-50.0, 100.0)
+        return {kind: require_number(capability, value, least, most, "°C")}
+
+    watched = f"{SETPOINT} {threshold} {TARGET}"
+    return ServiceRow(THERMOSTAT, capability, watched, SETPOINT, None, read, write, when=partial(_can, mode))
+
+
+def _read_heater_mode(service: HapService) -> PlainValue:
+    target = service.number(HEATER_TARGET)
+    if service.number(ACTIVE) == 0 or target is None:
+        return None if target is None else "off"
+    return _HEATER_MODES.get(int(target))
+
+
+def _heater_modes(service: HapService) -> tuple[str, ...]:
+    return ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values())
+
+
+def _write_heater_mode(service: HapService, value: PlainValue) -> Writes:
+    mode = require_option("thermostat_mode", value, _heater_modes(service))
+    number = next((raw for raw, text in _HEATER_MODES.items() if text == mode), None)
+    return {ACTIVE: 0} if number is None else {HEATER_TARGET: number, ACTIVE: 1}
+
+
+CLIMATE_ROWS: Final = (
+    ServiceRow(f"{THERMOSTAT} {HEATER}", "local_temperature", TEMPERATURE),
+    ServiceRow(f"{THERMOSTAT} {HUMIDIFIER}", "humidity", HUMIDITY),
+    ServiceRow(THERMOSTAT, "thermostat_mode", TARGET, TARGET, _MODES),
+    ServiceRow(THERMOSTAT, "thermostat_action", "F", "", _ACTIONS),
+    _setpoint_row("heating_setpoint", HEAT_TO, _HEAT),
+    _setpoint_row("cooling_setpoint", COOL_TO, _COOL),
+    ServiceRow(THERMOSTAT, "humidity_setpoint", "34", "34"),
+    ServiceRow(
+        HEATER,
+        "thermostat_mode",
+        f"{HEATER_TARGET} {ACTIVE}",
+        HEATER_TARGET,
+        None,
+        _read_heater_mode,
+        _write_heater_mode,
+        _heater_modes,
+    ),
+    ServiceRow(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
+    ServiceRow(HEATER, "heating_setpoint", HEAT_TO, HEAT_TO),
+    ServiceRow(HEATER, "cooling_setpoint", COOL_TO, COOL_TO),
+    ServiceRow(f"{HEATER} {HUMIDIFIER}", "fan_speed", SPEED, SPEED),
+    ServiceRow(HUMIDIFIER, "on_off", ACTIVE, ACTIVE),
+    ServiceRow(HUMIDIFIER, "humidifier_mode", "B4", "B4", _HUMIDIFIER_MODES),
+    ServiceRow(HUMIDIFIER, "humidity_setpoint", WET_TO, WET_TO),
+    ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
+)

@@ -1,0 +1,85 @@
+"""An accessory as a device of the gateway: key, name, facts and identifiers. Pure.
+
+Source: HomeKit Accessory Protocol Specification R2, 8.1 (Accessory Information), 2.5.3.2 (bridges).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from homebot.conventions.homekit.accessory import Accessory, HapCharacteristic
+from homebot.conventions.homekit.parts import HomekitPart, parts_of
+from homebot.devices.identity import identifiers
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.homekit.port import SERVICE_TYPE, FoundAccessory
+
+__all__ = ["AccessoryDevice", "describe", "key_of"]
+
+_NAME, _SERIAL = "23", "30"
+_FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
+_FIRST: Final = 1
+"""The accessory ID of an accessory by itself, and of a bridge."""
+
+_SHORTEST: Final = 6
+"""Characters of a serial number that no other device has; many accessories have ``1``, ``default`` or their model."""
+
+
+def key_of(server: str, aid: int) -> str:
+    """Return the key of an accessory: the pairing ID of its server, with its accessory ID if it is behind a bridge."""
+    return server if aid == _FIRST else f"{server}.{aid}"
+
+
+@dataclass(frozen=True, slots=True)
+class AccessoryDevice:
+    """An accessory, with the device and the parts that it is.
+
+    Attributes:
+        aid: Its accessory ID.
+        parts: By their IDs.
+    """
+
+    aid: int
+    device: GatewayDevice
+    parts: Mapping[str, HomekitPart]
+
+    def find(self, iid: int) -> tuple[str, HapCharacteristic] | None:
+        """Return the type of a characteristic of its parts, and the characteristic; None for an unknown *iid*."""
+        for part in self.parts.values():
+            for kind, one in part.service.characteristics.items():
+                if one.iid == iid:
+                    return kind, one
+        return None
+
+
+def describe(
+    found: FoundAccessory, accessory: Accessory | None = None, all_of: Iterable[Accessory] = ()
+) -> AccessoryDevice:
+    """Return an accessory as a device.
+
+    Args:
+        found: Its server.
+        accessory: Its description; None if it is not known, because it is not paired.
+        all_of: All accessories of the server.
+    """
+    known = accessory or Accessory(_FIRST)
+    key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
+    parts = {one.part.id: one for one in parts_of(known)}
+    facts = {fact: information.text(kind) for fact, kind in _FACTS.items()}
+    facts["model"] = facts["model"] or found.model
+    facts["via_device"] = "" if is_first else found.id
+    serial = information.text(_SERIAL)
+    serials = [one.information.text(_SERIAL) for one in all_of]
+    is_own = len(serial) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
+    device = GatewayDevice(
+        key,
+        information.text(_NAME) or found.name,
+        tuple(one.part for one in parts.values()),
+        {fact: text for fact, text in facts.items() if text},
+        identifiers([f"homekit {found.id} pairing"] * is_first + [serial] * (is_own and serials.count(serial) == 1)),
+        authenticated=accessory is not None,  # it has proved the key of its pairing
+        service_type="" if parts else SERVICE_TYPE,
+        raw_address=f"homekit/{key}",
+    )
+    return AccessoryDevice(known.aid, device, parts)

@@ -1,0 +1,184 @@
+"""Works with one paired accessory server: connects, describes its accessories, relays their values, and writes.
+
+An accessory sends no event to the controller that wrote, so what was written is read again. All values are read now and
+then: some have no events, and it shows whether the accessory is still there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+import anyio
+
+from homebot.conventions.homekit.accessory import CharacteristicId, parse_accessories
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, RefusedError, UnableError
+from homebot.gateways.announced.device_runner import DeviceRunner
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.homekit.accessory_device import AccessoryDevice, describe
+from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, Pairing
+from homebot.gateways.homekit.value_queue import ValueQueue
+from homebot.support.backoff import Backoff
+
+__all__ = ["AccessoryRunner"]
+
+LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, late_after=300.0, jitter=0.5)
+"""An accessory that restarts is back within seconds."""
+
+CONNECTED_WITHIN: Final = 5.0
+"""Seconds that a command waits for a connection that is being made."""
+
+READ_EVERY: Final = 30.0
+"""Seconds between two readings of all values."""
+
+READ_AT_ONCE: Final = 40
+"""Characteristics in one request."""
+
+_LINK_PROBLEMS: Final = {
+    -70402: "its bridge does not reach it",
+    -70403: "it is busy",
+    -70407: "it has no memory left",
+    -70408: "it took too long",
+}
+"""By HAP status code (table 6-11)."""
+
+
+class AccessoryRunner(DeviceRunner):
+    """A paired accessory, or a bridge with those behind it.
+
+    Attributes:
+        link: The connection; None if there is none.
+    """
+
+    def __init__(self, found: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
+        super().__init__(found.name, found.id, devices, LOST_BACKOFF)
+        self.link: HomekitLink | None = None
+        self._found = found
+        self._pairing = pairing
+        self._port = port
+        self._attempt_ended = anyio.Event()
+        self._accessories: dict[int, AccessoryDevice] = {}
+        self._queue = ValueQueue(devices, self.key, self._accessories)
+        self._writes = 0
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """The keys of its devices."""
+        return frozenset({self.key, *(one.device.key for one in self._accessories.values())})
+
+    def change(self, found: FoundAccessory) -> None:
+        """Use the new announcement of the accessory; connect anew if it moved, or has other accessories."""
+        before, self._found = self._found, found
+        self.name = found.name
+        if (found.address, found.port) != (before.address, before.port) or before.version not in {"", found.version}:
+            self.restart()
+        elif self.link is None:
+            self.wake()
+
+    async def work(self) -> None:
+        """Connect, describe the accessories, and relay their values until the connection is lost."""
+        self._queue.clear()
+        async with self._port.connected(self._found, self._pairing, self._queue.on_event) as link:
+            self._describe(await link.list_accessories())
+            await link.subscribe(self._ids("ev"))
+            for ids in self._chunks():
+                self._queue.put(await link.read(ids), is_read=True)
+            self.link = link
+            self.on_answer()
+            self._attempt_ended.set()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._queue.report_all)
+                tasks.start_soon(self._read_written, link)
+                tasks.start_soon(self._read_all, link)
+                await link.lost.wait()
+                tasks.cancel_scope.cancel()
+        raise LinkError(f"the connection to {self.name} was lost")
+
+    def list_unheard(self) -> None:
+        """Publish the accessory as it is announced."""
+        self._devices.put(describe(self._found).device, "it is paired, and was not reached yet", confirmed=False)
+
+    def on_end(self) -> None:
+        """Publish that there is no connection."""
+        self.link = None
+        self._attempt_ended.set()
+        self._attempt_ended = anyio.Event()
+        super().on_end()
+        for key in self.keys - {self.key}:
+            self._devices.report_reachable(key, reachable=False)
+
+    async def perform(self, command: Command) -> None:
+        """Carry *command* out; without a connection, try once to connect."""
+        if self.link is None:
+            self.wake()
+            with anyio.move_on_after(CONNECTED_WITHIN):
+                await self._attempt_ended.wait()
+        accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
+        part = None if accessory is None else accessory.parts.get(command.part)
+        if self.link is None or accessory is None or part is None:
+            raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
+        ability = next((one for one in part.abilities if one.capability.name == command.capability), None)
+        if ability is None or ability.write is None:
+            raise UnableError(f"{command.capability[:40]} cannot be set")
+        known = part.service.characteristics
+        written = {kind: value for kind, value in ability.write(command.value.plain()).items() if kind in known}
+        values = {(accessory.aid, known[kind].iid): known[kind].encode(value) for kind, value in written.items()}
+        self._writes += 1
+        statuses = await self.link.write(values, is_timed=any("tw" in known[kind].perms for kind in written))
+        _check(f"{command.capability} for {accessory.device.name}", statuses.values())
+        self._queue.ask_for(
+            (accessory.aid, known[kind].iid)
+            for kind in {*written, *ability.watched} & known.keys()
+            if "pr" in known[kind].perms
+        )
+
+    def _describe(self, listed: object) -> None:
+        """Publish the accessories, and remove those that are not there any more."""
+        before, accessories = self.keys, parse_accessories(listed)
+        self._accessories.clear()
+        for aid, accessory in accessories.items():
+            self._accessories[aid] = found = describe(self._found, accessory, accessories.values())
+            self._devices.put(found.device, "it described itself")
+        for key in before - self.keys:
+            self._devices.remove(key, "its bridge no longer has it")
+
+    def _ids(self, permission: str) -> list[CharacteristicId]:
+        """Return the characteristics of known capabilities that have a permission."""
+        return sorted(
+            (aid, one.iid)
+            for aid, accessory in self._accessories.items()
+            for part in accessory.parts.values()
+            for kind, one in part.service.characteristics.items()
+            if permission in one.perms and any(kind in ability.watched for ability in part.abilities)
+        )
+
+    def _chunks(self) -> Iterable[list[CharacteristicId]]:
+        ids = self._ids("pr")
+        return (ids[start : start + READ_AT_ONCE] for start in range(0, len(ids), READ_AT_ONCE))
+
+    async def _read_written(self, link: HomekitLink) -> None:
+        """Read what was written, until cancelled."""
+        while True:
+            ids = await self._queue.asked()
+            self._queue.put(await link.read(ids), is_read=True)
+
+    async def _read_all(self, link: HomekitLink) -> None:
+        """Read all values now and then; those that were read while a command was sent may be older than it."""
+        while True:
+            await anyio.sleep(READ_EVERY)
+            for ids in self._chunks():
+                writes = self._writes
+                answer = await link.read(ids)
+                if writes == self._writes:
+                    self._queue.put(answer, is_read=True, is_routine=True)
+            for one in self._accessories.values():
+                self._devices.put(one.device, "it answers")
+
+
+def _check(what: str, statuses: Iterable[int]) -> None:
+    for status in statuses:
+        code = -abs(status)  # some accessories leave out the sign
+        if code in _LINK_PROBLEMS:
+            raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
+        raise RefusedError(what, f"HAP status {code}", code)

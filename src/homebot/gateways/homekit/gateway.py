@@ -1,0 +1,205 @@
+"""The HomeKit gateway: accessories on the local network, each over its own connection.
+
+The mDNS gateway finds the accessories; this one follows its sightings on the graph, pairs, and talks to those that are
+paired with homebot. The keys stay in a file; the setup codes are forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import chain, islice
+from pathlib import Path
+from typing import ClassVar, Final
+
+import anyio
+from anyio import to_thread
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import BaseModel
+
+from homebot.conventions.setup_codes import read_homekit_digits
+from homebot.devices import GatewayNames, GatewayState, Sighting
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, UnableError, UsageError, WireError
+from homebot.gateways.announced.device_runner import MAX_PROBLEMS, problems_of
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.homekit.accessory_device import describe
+from homebot.gateways.homekit.accessory_runner import AccessoryRunner
+from homebot.gateways.homekit.port import FoundAccessory, HomekitPort, Pairing
+from homebot.gateways.homekit.settings import HomekitGatewaySettings
+from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
+from homebot.plugins import check_extra
+from homebot.support.installation import Installation
+from homebot.support.isolation import run_as
+
+__all__ = ["HomekitGateway"]
+
+STATE_WITHIN: Final = 5.0
+"""Seconds that the mDNS gateway has to start before this one says that it is missing."""
+
+_NEWEST_OF_EACH: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class HomekitGateway(Gateway):
+    """Gateway to HomeKit accessories.
+
+    Args:
+        context: Services of its host; a :class:`HomekitPort` is used in place of the library.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = HomekitGatewaySettings
+
+    def __init__(self, node: Node, settings: HomekitGatewaySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._mdns = GatewayNames(settings.mdns)
+        self._problem = (
+            f"no gateway {settings.mdns!r} runs, which would find the accessories; add [gateways.{settings.mdns}]"
+        )
+        self._file = PairingFile(settings.pairings or self._default_file())
+        self._port: HomekitPort | None = self.context.service(HomekitPort)
+        self._pairings: dict[str, Pairing] = {}
+        self._found: dict[str, FoundAccessory] = {}
+        self._runners: dict[str, AccessoryRunner] = {}
+        self._tasks: TaskGroup | None = None
+        self.devices = PublishedDevices(self, self._perform, settings, find_problems=self._problems)
+        PairingServices(self, node)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the library, and at the file of the keys."""
+        check_extra('the gateway "homekit"', "homekit", "aiohomekit")
+        if isinstance(settings, HomekitGatewaySettings):
+            PairingFile(settings.pairings).load()
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow the accessories on the network until cancelled; ready once the state of the mDNS gateway is known."""
+        self._pairings = dict(await to_thread.run_sync(self._file.load))
+        states = self.node.create_subscription(GatewayState, self._mdns.state, None, _NEWEST_OF_EACH)
+        sightings = self.node.create_subscription(
+            Sighting, self._mdns.received_topics, None, _NEWEST_OF_EACH, from_node=self._mdns.node
+        )
+        async with anyio.create_task_group() as self._tasks:
+            with anyio.move_on_after(STATE_WITHIN):
+                self._follow_state(await states.receive())
+            if self._state is None:
+                self.publish_state("unavailable", self._problem)
+            self.mark_ready(task_status)
+            self._tasks.start_soon(run_as, self.node.full_name, partial(self._follow_sightings, sightings))
+            async for state in states:
+                self._follow_state(state)
+
+    async def pair(self, key: str, code: str) -> str:
+        """Pair with an accessory by its setup code, and connect to it; return its name."""
+        found = self._found.get(key)
+        if found is None:
+            raise LinkError(f"{key[:40]} is not on the network now")
+        if not code:
+            raise UnableError(f"{found.name} is paired by the code on it: homebot pair '{found.name}' CODE")
+        if found.is_paired and key not in self._pairings:
+            raise UnableError(_next_step(found))
+        pairing = await self._library().pair(found, read_homekit_digits(code))
+        await self._keep({**self._pairings, key: pairing})
+        self._stop(key)
+        self._start(found)
+        return found.name
+
+    async def unpair(self, key: str) -> str:
+        """End the pairing with an accessory, and return its name; the key of one that is away is deleted alone."""
+        runner = next((one for one in self._runners.values() if key in one.keys), None)
+        if runner is not None and key != runner.key:
+            raise UnableError(f"{key} is behind the bridge {runner.name}, which is paired as a whole")
+        if key not in self._pairings:
+            raise UnableError(f"{key[:40]} is not paired with homebot")
+        link = None if runner is None else runner.link
+        if link is not None:
+            await link.unpair()
+        await self._keep({one: keys for one, keys in self._pairings.items() if one != key})
+        self._stop(key)
+        for device in (key,) if runner is None else runner.keys:
+            self.devices.remove(device, "it is not paired any more")
+        if found := self._found.get(key):
+            self._found[key] = replace(found, is_paired=link is None)  # until it announces so
+            self.devices.put(describe(found).device, "it is announced")
+        return key if runner is None else runner.name
+
+    async def _keep(self, pairings: dict[str, Pairing]) -> None:
+        try:
+            await to_thread.run_sync(self._file.save, pairings)
+        except UsageError as exc:
+            raise UnableError(str(exc)) from exc
+        self._pairings = pairings
+
+    def _library(self) -> HomekitPort:
+        if self._port is None:
+            from homebot.gateways.homekit.aiohomekit_port import AiohomekitPort  # noqa: PLC0415 - an extra
+
+            self._port = AiohomekitPort()
+        return self._port
+
+    def _default_file(self) -> Path | None:
+        folder = (self.context.service(Installation) or Installation()).folder
+        return None if folder is None else folder / f"{self.node.name}.pairings.json"
+
+    def _start(self, found: FoundAccessory) -> None:
+        if self._tasks is not None:
+            runner = AccessoryRunner(found, self._pairings[found.id], self.devices, self._library())
+            self._runners[found.id] = runner
+            self._tasks.start_soon(run_as, self.node.full_name, runner.run)
+
+    def _stop(self, key: str) -> None:
+        if (runner := self._runners.pop(key, None)) is not None:
+            runner.stop()
+
+    def _follow_state(self, state: GatewayState) -> None:
+        self.publish_state(state.state, state.reason if state.state == "unavailable" else "")
+
+    async def _follow_sightings(self, sightings: Subscription[Sighting]) -> None:
+        async for sighting in sightings:
+            if not self.devices.admits(sighting.key):
+                continue
+            try:
+                found = FoundAccessory.of(sighting)
+            except WireError as exc:
+                self.devices.reject(sighting.key, b"", str(exc))
+                continue
+            if found is not None and sighting.kind == "removed":
+                self._on_lost(found.id)
+            elif found is not None:
+                self._on_found(found)
+
+    def _on_found(self, found: FoundAccessory) -> None:
+        self._found[found.id] = found
+        if (runner := self._runners.get(found.id)) is not None:
+            runner.change(found)
+        elif found.id in self._pairings:
+            self._start(found)
+        else:
+            self.devices.put(describe(found).device, "it is announced")
+
+    def _on_lost(self, key: str) -> None:
+        """Remove an accessory that is not announced any more; one that is paired is only away."""
+        self._found.pop(key, None)
+        if key not in self._pairings:
+            self.devices.remove(key, "it is not announced any more")
+
+    def _problems(self) -> Iterator[str]:
+        waiting = (one for key, one in self._found.items() if key not in self._pairings)
+        return islice(chain(problems_of(self._runners.values()), map(_next_step, waiting)), MAX_PROBLEMS)
+
+    async def _perform(self, command: Command) -> None:
+        runner = next((one for one in self._runners.values() if command.key in one.keys), None)
+        if runner is None:
+            raise LinkError(f"{command.key[:100]} is not paired with homebot")
+        await runner.perform(command)
+
+
+def _next_step(found: FoundAccessory) -> str:
+    """Return why an accessory is not used, and what to do."""
+    command = f"`homebot pair '{found.name}' CODE`"
+    if found.is_paired:
+        return f"{found.name}: it is paired with another controller; remove it there, or reset it, then {command}"
+    return f"{found.name}: it is not paired yet; {command}, with the code that is printed on it"

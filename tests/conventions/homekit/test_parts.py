@@ -1,0 +1,209 @@
+"""Each service is a part with the capabilities of the vocabulary, read and written as the specification has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from tests.gateways.homekit.fake_accessories import accessory, characteristic, service
+
+from homebot.conventions.homekit.accessory import parse_accessories, short_type
+from homebot.conventions.homekit.parts import HomekitPart, parts_of
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+READ = ["pr", "ev"]
+
+
+def part(kind: str, values: Mapping[str, object], read_only: str = "", **limits: dict[str, object]) -> HomekitPart:
+    """The part that a service is, whose characteristics have these values."""
+    listed = [
+        characteristic(20 + at, name, value, READ if name in read_only.split() else None, **limits.get(f"c{name}", {}))
+        for at, (name, value) in enumerate(values.items())
+    ]
+    found = parse_accessories({"accessories": [accessory(1, "Thing", service(10, kind, *listed))]})
+    (only,) = parts_of(found[1])
+    return only
+
+
+def values(found: HomekitPart) -> dict[str, PlainValue]:
+    return {one.capability.name: one.read() for one in found.abilities if one.read is not None}
+
+
+def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[str, float]:
+    (write,) = (one.write for one in found.abilities if one.capability.name == capability)
+    assert write is not None
+    return write(value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "raw", "service_type", "expected"),
+    [
+        ("43", {"25": 1, "8": 40}, "light", {"on_off": True, "level": 40.0}),
+        ("43", {"25": True, "13": 120.0, "2F": 80.0}, "light", {"on_off": True, "color": (120.0, 80.0)}),
+        ("43", {"25": True, "CE": 370}, "light", {"on_off": True, "color_temperature": 2703.0}),
+        ("47", {"25": False, "26": True}, "plug", {"on_off": False, "plugged_in": True}),
+        ("49", {"25": True}, "switch", {"on_off": True}),
+        ("40", {"25": True, "29": 60.0, "28": 1}, "fan", {"on_off": True, "fan_speed": 60.0, "direction": "reverse"}),
+        ("B7", {"B0": 0, "29": 60.0, "BF": 1, "B6": 1}, "fan",
+         {"on_off": False, "fan_speed": 0.0, "fan_mode": "auto", "oscillation": True}),
+        ("BB", {"B0": 1, "A8": 0}, "fan", {"on_off": True, "fan_mode": "manual"}),
+        ("113", {"11A": False, "119": 30}, "speaker", {"volume": 30.0}),
+        ("D8", {"B0": 1}, "video_player", {"on_off": True}),
+        ("45", {"1D": 1, "1E": 1}, "door_lock", {"lock": "locked"}),
+        ("45", {"1D": 1, "1E": 0}, "door_lock", {"lock": "unlocking"}),
+        ("45", {"1D": 2, "1E": 1}, "door_lock", {"lock": "jammed"}),
+        ("45", {"1D": 3, "1E": 1}, "door_lock", {"lock": None}),
+        ("41", {"E": 3, "32": 1, "24": True}, "closure", {"movement": "closing", "problem": True}),
+        ("8C", {"6D": 100, "7C": 0, "72": 0}, "window_covering", {"position": 100.0, "movement": "closing"}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2}, "window_covering", {"position": 0.0, "movement": "closed"}),
+        ("8C", {"6D": 5, "7C": 5, "72": 2, "6C": -45, "7B": -45}, "window_covering",
+         {"position": 5.0, "movement": "open", "tilt": 50.0}),
+        ("8B", {"6D": 5, "7C": 5, "72": 1}, "closure", {"position": 5.0, "movement": "opening"}),
+        ("D0", {"B0": 1, "D2": 1, "D5": 0}, "water_valve", {"valve": "open"}),
+        ("D0", {"B0": 1, "D2": 0, "D5": 0}, "water_valve", {"valve": "opening"}),
+        ("D7", {"B0": 0}, "water_valve", {"valve": "closed"}),
+        ("7E", {"66": 3, "67": 1}, "x_alarm_panel", {"alarm": "arming"}),
+        ("7E", {"66": 4, "67": 1}, "x_alarm_panel", {"alarm": "triggered"}),
+        ("7E", {"66": 2, "67": 2}, "x_alarm_panel", {"alarm": "armed_night"}),
+        ("4A", {"F": 1, "33": 1, "11": 20.5, "35": 21.0, "10": 45.0}, "thermostat",
+         {"thermostat_action": "heating", "thermostat_mode": "heat", "local_temperature": 20.5,
+          "heating_setpoint": 21.0, "cooling_setpoint": None, "humidity": 45.0}),
+        ("4A", {"F": 0, "33": 3, "11": 20.5, "35": 21.0, "12": 19.0, "D": 25.0}, "thermostat",
+         {"thermostat_action": "idle", "thermostat_mode": "auto", "local_temperature": 20.5,
+          "heating_setpoint": 19.0, "cooling_setpoint": 25.0}),
+        ("BC", {"B0": 1, "B1": 3, "B2": 2, "11": 26.0, "D": 22.0}, "room_air_conditioner",
+         {"thermostat_mode": "cool", "thermostat_action": "cooling", "local_temperature": 26.0,
+          "cooling_setpoint": 22.0}),
+        ("BC", {"B0": 0, "B1": 0, "B2": 1, "11": 26.0, "12": 22.0}, "thermostat",
+         {"thermostat_mode": "off", "thermostat_action": "off", "local_temperature": 26.0, "heating_setpoint": 22.0}),
+        ("BD", {"B0": 1, "B3": 2, "B4": 1, "10": 40.0, "CA": 50.0}, "x_humidifier",
+         {"on_off": True, "humidifier_mode": "humidify", "humidity": 40.0, "humidity_setpoint": 50.0}),
+        ("85", {"22": True, "79": 1}, "occupancy_sensor", {"occupancy": True, "battery_low": True}),
+        ("86", {"71": 0}, "occupancy_sensor", {"occupancy": False}),
+        ("80", {"6A": 1, "7A": 0}, "contact_sensor", {"contact": True, "tamper": False}),
+        ("83", {"70": 1}, "water_leak_detector", {"water_leak": True}),
+        ("87", {"76": 1}, "smoke_co_alarm", {"smoke": True}),
+        ("7F", {"69": 0, "90": 3.5}, "smoke_co_alarm", {"carbon_monoxide_alarm": False, "carbon_monoxide": 3.5}),
+        ("97", {"92": 1, "93": 1400.0}, "air_quality_sensor", {"safety": True, "carbon_dioxide": 1400.0}),
+        ("8D", {"95": 2, "C6": 7.0, "C8": 90.0}, "air_quality_sensor",
+         {"air_quality_index": 2.0, "pm25": 7.0, "volatile_organic_compounds": 90.0}),
+        ("8A", {"11": -3.5}, "temperature_sensor", {"temperature": -3.5}),
+        ("82", {"10": 55.0}, "humidity_sensor", {"humidity": 55.0}),
+        ("84", {"6B": 120.0}, "light_sensor", {"illuminance": 120.0}),
+        ("96", {"68": 80, "8F": 2, "79": 0}, "x_battery",
+         {"battery": 80.0, "battery_charging": False, "battery_low": False}),
+        ("89", {"73": None}, "generic_switch", {}),
+    ],
+)  # fmt: skip
+def test_a_service_is_a_part_with_its_readings(
+    kind: str, raw: Mapping[str, object], service_type: str, expected: Mapping[str, PlainValue]
+) -> None:
+    found = part(kind, raw)
+    assert (found.part.id, found.part.service_type) == ("10", service_type)
+    assert values(found) == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "raw", "capability", "value", "expected"),
+    [
+        ("43", {"25": False}, "on_off", True, {"25": 1.0}),
+        ("43", {"25": False, "8": 50}, "level", 40.0, {"8": 40.0, "25": 1}),
+        ("43", {"25": True, "8": 50}, "level", 0.0, {"25": 0}),
+        ("43", {"25": False, "13": 0.0, "2F": 0.0}, "color", (120.0, 80.0), {"13": 120.0, "2F": 80.0, "25": 1}),
+        ("43", {"25": False, "CE": 300}, "color_temperature", 4000.0, {"CE": 250.0, "25": 1}),
+        ("B7", {"B0": 0, "29": 0.0}, "fan_speed", 60.0, {"29": 60.0, "B0": 1}),
+        ("40", {"25": True, "29": 50.0}, "fan_speed", 0.0, {"25": 0}),
+        ("45", {"1D": 0, "1E": 0}, "lock", "locked", {"1E": 1}),
+        ("41", {"E": 1, "32": 1}, "movement", "open", {"32": 0}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2}, "position", 30.0, {"7C": 30.0}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2}, "movement", "open", {"7C": 100}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2, "6F": False}, "movement", "stopped", {"6F": 1}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2, "6C": -45, "7B": -45}, "tilt", 0.0, {"7B": -90.0}),
+        ("8C", {"6D": 0, "7C": 0, "72": 2, "6E": 45, "7D": 45}, "tilt", 50.0, {"7D": 45.0}),
+        ("D0", {"B0": 0, "D2": 0}, "valve", "open", {"B0": 1.0}),
+        ("7E", {"66": 3, "67": 3}, "alarm", "armed_away", {"67": 1}),
+        ("4A", {"F": 0, "33": 1, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0, {"35": 22.0}),
+        ("4A", {"F": 0, "33": 2, "11": 20.0, "35": 20.0}, "cooling_setpoint", 22.0, {"35": 22.0}),
+        ("4A", {"F": 0, "33": 3, "11": 20.0, "35": 20.0, "12": 18.0}, "heating_setpoint", 19.0, {"12": 19.0}),
+        ("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0}, "thermostat_mode", "auto", {"33": 3}),
+        ("BC", {"B0": 1, "B1": 1, "B2": 0, "11": 20.0}, "thermostat_mode", "off", {"B0": 0}),
+        ("BC", {"B0": 0, "B1": 0, "B2": 0, "11": 20.0}, "thermostat_mode", "cool", {"B2": 2, "B0": 1}),
+        ("BD", {"B0": 1, "B3": 0, "B4": 0, "10": 40.0, "C9": 50.0}, "humidity_setpoint", 45.0, {"C9": 45.0}),
+        ("113", {"11A": False, "119": 30}, "volume", 10.0, {"119": 10.0}),
+    ],
+)
+def test_a_command_is_the_values_of_characteristics(
+    kind: str, raw: Mapping[str, object], capability: str, value: PlainValue, expected: Mapping[str, float]
+) -> None:
+    assert written(part(kind, raw), capability, value) == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "raw", "capability", "value"),
+    [
+        ("43", {"25": False}, "on_off", "on"),
+        ("43", {"25": False, "CE": 300}, "color_temperature", 100.0),
+        ("45", {"1D": 0, "1E": 0}, "lock", "jammed"),
+        ("8C", {"6D": 0, "7C": 0, "72": 2}, "movement", "stopped"),
+        ("4A", {"F": 0, "33": 2, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0),
+        ("7E", {"66": 3, "67": 3}, "alarm", "triggered"),
+    ],
+)
+def test_a_value_that_a_service_cannot_have_is_refused(
+    kind: str, raw: Mapping[str, object], capability: str, value: PlainValue
+) -> None:
+    with pytest.raises(RefusedError):
+        written(part(kind, raw), capability, value)
+
+
+def test_modes_and_setpoints_are_those_that_the_accessory_has() -> None:
+    heater = part(
+        "4A",
+        {"F": 0, "33": 1, "11": 20.0, "35": 20.0},
+        c33={"valid-values": [0, 1]},
+        c35={"minValue": 5, "maxValue": 30},
+    )
+    by_name = {one.capability.name: one.capability for one in heater.abilities}
+    assert by_name["thermostat_mode"].options == ("off", "heat")
+    assert by_name["heating_setpoint"].bounds == (5.0, 30.0)
+    assert "cooling_setpoint" not in by_name
+
+
+def test_what_cannot_be_written_cannot_be_set() -> None:
+    (on_off,) = part("49", {"25": True}, read_only="25").abilities
+    assert (on_off.capability.settable, on_off.write) == (False, None)
+
+
+def test_values_are_written_in_the_format_and_the_bounds_of_their_characteristic() -> None:
+    found = part("43", {"25": True, "8": 50, "13": 1.0}, c8={"minValue": 10, "maxValue": 90}).service.characteristics
+    assert [found["25"].encode(1.0), found["8"].encode(3.7), found["13"].encode(1.5)] == [True, 10, 1.5]
+    assert type(found["8"].encode(40.2)) is int
+
+
+@pytest.mark.parametrize(
+    ("uuid", "short"),
+    [
+        ("00000043-0000-1000-8000-0026BB765291", "43"),
+        ("43", "43"),
+        ("0000006d-0000-1000-8000-0026bb765291", "6D"),
+        ("E863F10D-079E-48FF-8F27-9C2605A29F52", "E863F10D-079E-48FF-8F27-9C2605A29F52"),
+        (7, ""),
+    ],
+)
+def test_a_type_is_as_short_as_it_can_be(uuid: object, short: str) -> None:
+    assert short_type(uuid) == short
+
+
+@pytest.mark.parametrize("listed", [None, [], {"accessories": 1}, {"accessories": [{"aid": 0, "services": []}]}])
+def test_what_lists_no_accessories_is_refused(listed: object) -> None:
+    with pytest.raises(WireError):
+        parse_accessories(listed)
+
+
+def test_services_and_characteristics_that_are_none_are_left_out() -> None:
+    good = characteristic(9, "25", True)
+    broken: list[object] = [1, {"iid": 3}, {"iid": "x", "type": "43", "characteristics": []}]
+    lamp = {"iid": 8, "type": "43", "characteristics": [good, 1, {"iid": 10}, {**good, "perms": "pr"}]}
+    (found,) = parts_of(parse_accessories({"accessories": [{"aid": 1, "services": [*broken, lamp]}]})[1])
+    assert values(found) == {"on_off": True}

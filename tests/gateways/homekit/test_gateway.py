@@ -1,0 +1,187 @@
+"""Accessories report and obey; bridges, buttons, silence, restarts and writes that come too late."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.gateways.homekit.fake_accessories import (
+    CODE,
+    FakeServer,
+    accessory,
+    characteristic,
+    lamp_service,
+    service,
+)
+from tests.gateways.homekit.house import house, reading
+
+pytestmark = pytest.mark.virtual_time
+
+KEY = "AA:BB:CC:DD:EE:01"
+ON = (1, 9)
+
+
+def lamp() -> FakeServer:
+    return FakeServer(KEY, "Hall", accessory(1, "Hall", lamp_service(), serial="SN-4711"))
+
+
+def lock_service() -> dict[str, object]:
+    state = characteristic(21, "1D", 0, ["pr", "ev"])
+    return service(20, "45", state, characteristic(22, "1E", 0, ["pr", "pw", "ev", "tw"], maxValue=1, minValue=0))
+
+
+def bridge() -> FakeServer:
+    button = service(30, "89", characteristic(31, "73", None, ["pr", "ev"], **{"valid-values": [0, 2]}))
+    return FakeServer(
+        KEY,
+        "Bridge",
+        accessory(1, "Bridge"),
+        accessory(2, "Lamp", lamp_service(), serial="SN-4711"),
+        accessory(3, "Back door", lock_service(), serial="SN-same1"),
+        accessory(4, "Button", button, serial="SN-same1"),
+    )
+
+
+async def test_a_paired_accessory_is_described_with_its_facts_and_reports() -> None:
+    server = lamp()
+    async with house(server) as home:
+        assert (await home.pair(server, CODE)).success
+        sightings, reports = home.sightings(), home.reports()
+        sighting = await home.sighted(sightings, lambda one: one.parts)
+        assert (sighting.key, sighting.name, sighting.authenticated) == (KEY, "Hall", True)
+        assert {"manufacturer", "model", "sw_version"} <= {one.key for one in sighting.metadata}
+        assert sighting.identifiers == (f"id:homekit {KEY} pairing", "id:SN-4711")
+        await reading(reports, "on_off", False)
+        server.report(*ON, True)
+        await reading(reports, "on_off", True)
+
+
+async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        assert (await home.send(KEY, "8", "level", 40.0)).success
+        assert server.written == [((1, 10), 40), ((1, 9), True)]
+        await reading(reports, "on_off", True)
+        await reading(reports, "level", 40.0)
+
+
+async def test_each_accessory_behind_a_bridge_is_a_device_and_one_that_is_gone_is_removed() -> None:
+    server = bridge()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        sightings = home.sightings()
+        door = await home.sighted(sightings, lambda one: one.name == "Back door")
+        assert door.key == f"{KEY}.3"
+        assert {one.key: one.value for one in door.metadata}["via_device"] == KEY
+        assert door.identifiers == ()  # another accessory has the same serial number
+        del server.accessories[2]
+        home.mdns.announce(server, version="2")
+        gone = await home.sighted(sightings, lambda one: one.kind == "removed")
+        assert gone.key == f"{KEY}.3"
+
+
+async def test_a_lock_is_written_in_time_and_says_that_it_is_on_its_way() -> None:
+    server = bridge()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "lock", "unlocked")
+        assert (await home.send(f"{KEY}.3", "20", "lock", "locked")).success
+        assert (server.written, server.timed) == ([((3, 22), 1)], [True])
+        await reading(reports, "lock", "locking")
+        server.report(3, 21, 1)
+        await reading(reports, "lock", "locked")
+
+
+async def test_each_press_of_a_button_is_an_event() -> None:
+    server = bridge()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "lock", "unlocked")
+        for _ in range(2):
+            server.report(4, 31, 0)
+            await reading(reports, "press", "single")
+        server.report(4, 31, 2)
+        await reading(reports, "press", "long")
+
+
+@pytest.mark.parametrize(("status", "problem"), [(-70402, "unreachable"), (70403, "unreachable"), (-70410, "refused")])
+async def test_a_status_says_whether_the_same_may_work_later(status: int, problem: str) -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        await reading(home.reports(), "on_off", False)
+        server.status = status
+        answer = await home.send(KEY, "8", "on_off", True)
+        assert (answer.success, answer.problem) == (False, problem)
+
+
+async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no_command_twice() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        assert (await home.send(KEY, "8", "on_off", True)).success
+        server.is_there = False
+        server.drop()
+        await reading(reports, "reachable", False)
+        answer = await home.send(KEY, "8", "on_off", False)
+        assert (answer.problem, server.written) == ("unreachable", [(ON, True)])
+        await anyio.sleep(100)
+        server.is_there = True
+        with anyio.fail_after(5):
+            await reading(reports, "reachable", True)
+        assert (await home.send(KEY, "8", "on_off", False)).success
+        assert server.written == [(ON, True), (ON, False)]
+
+
+async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_later() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        await reading(home.reports(), "on_off", False)
+        server.answers = anyio.Event()
+        answer = await home.send(KEY, "8", "on_off", True, expires_after=2.0)
+        assert (answer.problem, server.written) == ("unreachable", [])
+        server.answers.set()
+        await anyio.sleep(60)
+        assert server.written == []
+
+
+async def test_values_without_events_are_read_now_and_then() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        server.find(1, 9)["value"] = True
+        with anyio.fail_after(35):
+            await reading(reports, "on_off", True)
+
+
+async def test_an_accessory_that_sends_nonsense_is_rejected_and_then_heard_again() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        nonsense: list[object] = [None, [], {"characteristics": 1}, {"characteristics": [{"aid": 9, "iid": 9}, 1]}]
+        for event in nonsense:
+            server.send(event)
+        server.report(*ON, "yes")
+        server.report(*ON, True)
+        await reading(reports, "on_off", True)
+        assert home.gateway.devices.counters.rejected >= len(nonsense)
+
+
+async def test_without_the_gateway_that_finds_accessories_it_says_so() -> None:
+    server = lamp()
+    async with house(server) as home:
+        home.mdns.state("there is no network interface eth9")
+        await anyio.wait_all_tasks_blocked()
+        answer = await home.send(KEY, "8", "on_off", True)
+        assert not answer.success
