@@ -60,6 +60,11 @@ async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
             (await api.command("lmp1", "on"), 404, "did you mean lamp1"),
             (await api.command("light", "on"), 409, "several devices fit 'light'; give the id of one: "),
             (await api.get("/api/devices/nothing"), 404, "no device fits 'nothing'"),
+            *[
+                (await api.get(f"/api/{route}"), 400, "contains no search term")
+                for route in ("devices?q=%C2%A3", "devices/%C2%A3", "why/%C2%A3")
+            ],
+            (await api.command("£", "on"), 400, "contains no search term"),
             (await api.get("/api/devices?limit=201"), 400, "limit: Input should be less than or equal to 200"),
             (await api.get("/api/devices?quest=x"), 400, "known are q, limit"),
             (await api.get("/api/history?device=lamp1&since=soon"), 400, "'soon' is not a duration"),

@@ -99,6 +99,13 @@ async def test_a_request_is_what_it_should_be_or_is_refused(open_house: Any, req
         assert (await answer(house, request_text))[0] == status
 
 
+async def test_another_method_is_answered_with_the_one_that_there_is(open_house: Any) -> None:
+    """Source: RFC 9110, 15.5.6: such an answer has the header `Allow`."""
+    async with open_house() as house:
+        _, head = await answer(house, f"{GET.replace('/api/home', '/api/command')}\r\n")
+    assert "\r\nAllow: POST\r\n" in head
+
+
 async def test_a_body_that_is_too_long_is_told_the_limit(open_house: Any) -> None:
     async with open_house() as house:
         _, told = await answer(house, f"{CHUNKED}10001\r\n{'x' * 0x10001}\r\n")

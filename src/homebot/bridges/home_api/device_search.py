@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
+from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import FactIs, NameIs, Or, query_terms
 from homebot.devices.services import MOST_LISTED
 from homebot.devices.wording.json_message import JsonMessage
@@ -87,8 +88,14 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     raise ProblemError(HTTPStatus.CONFLICT, problem)
 
 
-async def listed(home: HomeCalls, **request: object) -> ListDevicesResponse:
-    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short."""
+async def listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:
+    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short.
+
+    Raises:
+        UsageError: *query* is no query.
+    """
+    parse_query(query)
+    request["query"] = query
     return cast("ListDevicesResponse", await home.call(LIST_DEVICES, request))
 
 

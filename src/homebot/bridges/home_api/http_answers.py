@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from http import HTTPStatus
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from pydantic import BaseModel, ValidationError
@@ -15,11 +15,21 @@ from homebot.errors import HomebotError, UsageError
 
 __all__ = ["ApiRequest", "HttpAnswer", "answer", "problem_body"]
 
-HttpAnswer: TypeAlias = tuple[HTTPStatus, str, bytes]
-"""Status, content type and body."""
-
 _JSON: Final = "application/json"
 _OPENAPI: Final = "/api/openapi.json"
+
+
+class HttpAnswer(NamedTuple):
+    """The answer to a request.
+
+    Attributes:
+        allow: With 405, the methods of the address.
+    """
+
+    status: HTTPStatus
+    content_type: str
+    body: bytes
+    allow: str = ""
 
 
 class ApiRequest(NamedTuple):
@@ -32,25 +42,25 @@ class ApiRequest(NamedTuple):
 
 
 async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
-    """Return status, content type and body of the answer to *request*; never raises an error of homebot."""
+    """Return the answer to *request*; never raises an error of homebot."""
     try:
         if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
-            return HTTPStatus.OK, _JSON, openapi_text()
+            return HttpAnswer(HTTPStatus.OK, _JSON, openapi_text())
         route, question = _question(request)
         found = await route.handle(home, question)
     except ProblemError as exc:
-        return problem_body(exc.status, str(exc))
+        return problem_body(exc.status, str(exc))._replace(allow=exc.allow)
     except UsageError as exc:
         return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
     except HomebotError as exc:
         return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
-    return HTTPStatus.OK, _JSON, _text(found)
+    return HttpAnswer(HTTPStatus.OK, _JSON, _text(found))
 
 
 def problem_body(status: HTTPStatus, detail: str) -> HttpAnswer:
-    """Return status, content type and body of an error."""
+    """Return the answer that reports an error."""
     problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail)
-    return status, "application/problem+json", _text(problem)
+    return HttpAnswer(status, "application/problem+json", _text(problem))
 
 
 def _text(found: BaseModel) -> bytes:
@@ -66,7 +76,7 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
         raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
     route = fitting[0]
     if request.method != route.method:
-        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}")
+        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}", route.method)
     try:
         if route.method == "POST":
             if request.content_type.partition(";")[0].strip().lower() != _JSON:

@@ -64,11 +64,12 @@ def openapi_text() -> bytes:
 def _operation(route: ApiRoute) -> dict[str, Any]:
     answer = {"description": "Done.", "content": {"application/json": {"schema": _named(route.answer)}}}
     problem = {"content": {"application/problem+json": {"schema": _named(shapes.Problem)}}}
+    too_long = {"description": "The address is longer than 8 KiB.", "content": {"text/plain": {}}}
     problems = {str(one.value): {"description": one.phrase, **problem} for one in shapes.PROBLEMS}
     operation: dict[str, Any] = {
         "operationId": route.handle.__name__,
         "summary": (route.handle.__doc__ or "").partition("\n")[0],
-        "responses": {"200": answer, **problems},
+        "responses": {"200": answer, "414": too_long, **problems},
     }
     if route.method == "POST":
         content = {"application/json": {"schema": _named(route.question)}}

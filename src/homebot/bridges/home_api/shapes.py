@@ -35,11 +35,17 @@ _Name: TypeAlias = Annotated[ShortText, Field(min_length=1)]
 
 
 class ProblemError(HomebotError):
-    """A request that cannot be carried out, with the status of its answer."""
+    """A request that cannot be carried out.
 
-    def __init__(self, status: HTTPStatus, detail: str) -> None:
+    Attributes:
+        status: The status of its answer.
+        allow: With 405, the methods of the address.
+    """
+
+    def __init__(self, status: HTTPStatus, detail: str, allow: str = "") -> None:
         super().__init__(detail)
         self.status = status
+        self.allow = allow
 
 
 class _Question(BaseModel):

@@ -219,7 +219,7 @@ async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
         return
 
 
-def http_response(status: HTTPStatus, content_type: str, body: bytes) -> Response:
+def http_response(status: HTTPStatus, content_type: str, body: bytes, allow: str = "") -> Response:
     """Return an answer of the HTTP API, which no page of another server can load."""
     headers = {
         "Content-Type": content_type,
@@ -228,6 +228,7 @@ def http_response(status: HTTPStatus, content_type: str, body: bytes) -> Respons
         "X-Content-Type-Options": "nosniff",
         "Cross-Origin-Resource-Policy": "same-origin",
         "Connection": "close",
+        **({"Allow": allow} if allow else {}),
     }
     return Response(status.value, status.phrase, Headers(headers), body)
 

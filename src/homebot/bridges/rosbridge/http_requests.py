@@ -59,7 +59,7 @@ class HttpRequests:
         *,
         is_page: bool,
     ) -> HttpAnswer:
-        """Return status, content type and body of the answer; a request whose client leaves is given up."""
+        """Return the answer; a request whose client leaves is given up."""
         connection.has_arrived()
         posted, owners = connection.posted, self._shared.owners()
         access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
