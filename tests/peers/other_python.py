@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2] / ".venv-peers"
 INSTALLED_WITHIN = 300.0
 
 
-def python_with(package: str, *versions: str) -> str:
+def python_with(package: str, *versions: str, pinned: Path | None = None) -> str:
     """Return a Python that has *package*; the test is skipped where it cannot be installed.
 
     For fixtures of the session, which come before a test has entered a network of its own.
@@ -21,6 +21,7 @@ def python_with(package: str, *versions: str) -> str:
     Args:
         package: The package, as pip names it.
         versions: The versions of Python that it runs on, the best first: ``3.12``.
+        pinned: A file of requirements that holds the package and all that a test needs of its dependencies.
     """
     home = ROOT / package
     python = home / "bin" / "python"
@@ -30,7 +31,7 @@ def python_with(package: str, *versions: str) -> str:
             pytest.skip(f"{package} needs Python {' or '.join(versions)}, which is not installed")
         for command in (
             [base, "-m", "venv", "--clear", str(home)],
-            [str(python), "-m", "pip", "install", "-q", package],
+            [str(python), "-m", "pip", "install", "-q", *(["--no-deps", "-r", str(pinned)] if pinned else [package])],
         ):
             try:
                 done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=INSTALLED_WITHIN)

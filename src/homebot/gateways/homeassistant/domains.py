@@ -260,7 +260,7 @@ _NUMBER: Final = EsphomeComponent(
         ),
     ),
 )
-_SELECT: Final = EsphomeComponent("x_setting", (choice_row("option", "state", "options", "select_option"),))
+_SELECT: Final = EsphomeComponent("x_setting", (choice_row("option", "state", "options", "select_option", "option"),))
 
 
 def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import anyio
+import anyio.lowlevel
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
 
@@ -16,6 +18,7 @@ MAX_FRAME_BYTES = 64 * 1024 * 1024
 """Longest frame: all states of 10,000 entities, some 1 kB each, and much more for those with long attributes."""
 
 OPENS_WITHIN = 10.0
+CLOSES_WITHIN = 1.0
 ALIVE_WITHIN = 20.0
 """In seconds; a peer that does not answer a ping for this long is lost."""
 
@@ -54,7 +57,7 @@ async def opened(url: str) -> AsyncIterator[HomeAssistantSocket]:
         proxy=None,
         compression=None,
         open_timeout=OPENS_WITHIN,
-        close_timeout=1.0,
+        close_timeout=CLOSES_WITHIN,
         ping_interval=ALIVE_WITHIN,
         ping_timeout=ALIVE_WITHIN,
         max_size=MAX_FRAME_BYTES,
@@ -66,4 +69,6 @@ async def opened(url: str) -> AsyncIterator[HomeAssistantSocket]:
     try:
         yield HomeAssistantSocket(connection)
     finally:
-        await connection.close()
+        with anyio.move_on_after(CLOSES_WITHIN, shield=True):
+            await connection.close()
+            await anyio.lowlevel.cancel_shielded_checkpoint()  # its own tasks end after it
