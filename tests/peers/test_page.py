@@ -10,8 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import anyio
 import pytest
 from anyio import to_thread
+from anyio.abc import SocketAttribute, SocketStream
 from tests.peers.chromium import Page, chromium
 from tests.peers.node_package import node_folder
 
@@ -37,6 +39,35 @@ VIEWS = (
     ("#/nonsense", "There is no such view."),
 )
 """Views, each with a text that it shows."""
+
+STRANGER = """
+const [port, done] = arguments;
+const found = [];
+const ask = async (path, how) => {
+  try {
+    found.push(await (await fetch(`http://127.0.0.1:${port}${path}`, how)).text());
+  } catch {
+    return;
+  }
+};
+const socket = new WebSocket(`ws://127.0.0.1:${port}`, "homebot.log_in");
+socket.onopen = () => {
+  socket.send(JSON.stringify({ op: "auth", token: "" }));
+  socket.send(JSON.stringify({ op: "call_service", service: "/discovery/list" }));
+};
+socket.onmessage = (event) => {
+  found.push(event.data);
+  socket.close();
+};
+socket.onclose = async () => {
+  const body = JSON.stringify({ device: "philips165", do: "on" });
+  await ask("/api/devices");
+  await ask("/api/command", { method: "POST", headers: { "Content-Type": "application/json" }, body });
+  await ask("/api/command", { method: "POST", mode: "no-cors", body });
+  done(found.filter((text) => text));
+};
+"""
+"""What a page of another program tries; returns what it was answered."""
 
 AXE = """
 const done = arguments[0];
@@ -131,6 +162,27 @@ async def test_a_name_with_markup_is_a_name(page: OpenPage) -> None:
         assert own.problems() == []
 
 
+async def test_a_page_of_another_port_of_this_computer_neither_reads_nor_commands(page: OpenPage) -> None:
+    async def serve(stream: SocketStream) -> None:
+        async with stream:
+            await stream.receive()
+            await stream.send(b"HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nConnection: close\r\n\r\n<p>game</p>")
+
+    async with page() as own, await anyio.create_tcp_listener(local_host="127.0.0.1") as listener:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(listener.serve, serve)
+            port: int = listener.extra(SocketAttribute.local_port)  # noqa: S610 - of anyio
+            door = own.url.rstrip("/").rpartition(":")[2]
+            await to_thread.run_sync(own.browser.get, f"http://127.0.0.1:{port}/")
+            assert await to_thread.run_sync(own.browser.execute_async_script, STRANGER, door) == []
+            tasks.cancel_scope.cancel()
+        await own.open("#/journal", shows="Nothing has happened yet.")
+        # The same script as a part of the page is answered, so it asks rightly.
+        answers = await to_thread.run_sync(own.browser.execute_async_script, STRANGER, door)
+        assert "philips165" in answers[0]
+        assert "confirmed" in answers[2]
+
+
 async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: OpenPage) -> None:
     async with page(token="hunter2") as own:
         text = await own.open(shows="a valid token is needed")
@@ -153,10 +205,17 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.write("input[type=password]", "hunter2")
         await own.click("form button")
         await own.shows("Waiting for your approval")
+        await own.open(LAMP, shows="not approved")
+        await own.click("button[role=switch]")
+        await own.shows("refused (approval)", "[role=alert]")
+        await own.open("#/system", shows="Waiting for your approval")
         await own.click("button[aria-label='show what approving roomlights405 allows']")
         await own.shows("home425/lights/roomlights405", ".box")
         await own.click(".box button")
         await own.hides("roomlights405", "main section")
+        await own.open(LAMP, shows="roomlights405")
+        await own.click("button[role=switch]")
+        await own.shows("confirmed after", "[role=alert]")
         assert own.problems() == []
 
 
