@@ -12,6 +12,8 @@ from anyio import to_thread
 from tests.patience import PATIENCE
 from tests.peers.network import missing_programs
 
+from homebot.bridges.rosbridge import Door
+
 __all__ = ["Page", "chromium"]
 
 _FLAGS = (
@@ -49,9 +51,10 @@ def chromium() -> Iterator[Any]:
 class Page:
     """The page of one running homebot. The browser is asked from a thread, in which homebot goes on."""
 
-    def __init__(self, browser: Any, port: int) -> None:
+    def __init__(self, browser: Any, door: Door) -> None:
         self.browser = browser
-        self.url = f"http://127.0.0.1:{port}/"
+        self.door = door
+        self.url = f"http://127.0.0.1:{door.port}/"
         browser.get_log("browser")  # that of the page before
 
     async def open(self, view: str = "", *, shows: str) -> str:
@@ -68,6 +71,10 @@ class Page:
 
     async def hides(self, text: str, place: str = "#page") -> None:
         await to_thread.run_sync(lambda: self._until(lambda: text not in self._text(place)))
+
+    async def connected(self, clients: int) -> None:
+        """Wait until the door has so many clients."""
+        await to_thread.run_sync(lambda: self._until(lambda: self.door.client_count == clients))
 
     async def click(self, selector: str) -> None:
         await to_thread.run_sync(lambda: self.clicked(selector))

@@ -104,7 +104,7 @@ def page(browser: Any) -> OpenPage:
         async with Runtime(config, house=world or thesis_world(), robot="robot") as runtime:
             assert runtime.door is not None
             try:
-                yield Page(browser, runtime.door.port)
+                yield Page(browser, runtime.door)
             finally:
                 browser.execute_script("sessionStorage.clear()")
                 browser.get("about:blank")
@@ -172,7 +172,7 @@ async def test_a_page_of_another_port_of_this_computer_neither_reads_nor_command
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(listener.serve, serve)
             port: int = listener.extra(SocketAttribute.local_port)  # noqa: S610 - of anyio
-            door = own.url.rstrip("/").rpartition(":")[2]
+            door = own.door.port
             await to_thread.run_sync(own.browser.get, f"http://127.0.0.1:{port}/")
             assert await to_thread.run_sync(own.browser.execute_async_script, STRANGER, door) == []
             tasks.cancel_scope.cancel()
@@ -181,6 +181,26 @@ async def test_a_page_of_another_port_of_this_computer_neither_reads_nor_command
         answers = await to_thread.run_sync(own.browser.execute_async_script, STRANGER, door)
         assert "philips165" in answers[0]
         assert "confirmed" in answers[2]
+
+
+async def test_a_page_that_is_not_looked_at_is_not_connected(page: OpenPage) -> None:
+    def leave(browser: Any) -> str:
+        looked_at: str = browser.current_window_handle
+        browser.switch_to.new_window("tab")
+        return looked_at
+
+    def come_back(browser: Any, looked_at: str) -> None:
+        browser.close()
+        browser.switch_to.window(looked_at)
+
+    async with page() as own:
+        await own.open(shows="3 devices")
+        await own.connected(1)
+        looked_at = await to_thread.run_sync(leave, own.browser)
+        await own.connected(0)
+        await to_thread.run_sync(come_back, own.browser, looked_at)
+        await own.connected(1)
+        await own.shows("3 devices")
 
 
 async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: OpenPage) -> None:

@@ -110,7 +110,7 @@ async def test_every_view_of_a_house_that_is_lived_in_fits(browser: Any) -> None
             await anyio.sleep(LIVED)
             assert runtime.door is not None
             # Virtual time stands still while a thread works.
-            await to_thread.run_sync(look, Page(browser, runtime.door.port))
+            await to_thread.run_sync(look, Page(browser, runtime.door))
 
 
 def look(page: Page) -> None:
