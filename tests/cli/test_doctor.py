@@ -95,6 +95,15 @@ def test_weak_batteries_and_devices_without_room_are_no_problems(
     assert found["HB405"]["rows"] == [{"what": "attic", "why": "Attic"}]
 
 
+def test_a_container_is_healthy_though_devices_are_silent_and_parts_have_failed(
+    homebot_with: Callable[..., Homebot], capsys: Text
+) -> None:
+    homebot = homebot_with(StillHouse().node, None)
+    assert main(["--door", homebot.door, "doctor"]) == 1
+    assert main(["--door", homebot.door, "doctor", "--gateways"]) == 0
+    assert "HB" not in capsys.readouterr().out.rpartition("gateway mqtt")[2]
+
+
 def offline(capsys: Text, *words: str) -> tuple[int, dict[str, dict[str, object]]]:
     code = main(["doctor", "--offline", "--json", *words])
     return code, findings(capsys.readouterr().out)

@@ -71,6 +71,7 @@ given up; `asks dropped`, requests for a device's state and
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot doctor``."""
     set_client_command(parser, _doctor, _EXAMPLES)
+    parser.add_argument("--gateways", action="store_true", help="ask only whether it runs and its gateways work")
     parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--offline", action="store_true", help="check what homebot needs to start; it need not run")
@@ -109,9 +110,9 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     for name, state in sorted(gateways.items()):
         texts += [_gateway_line(name, state)] if state is not None and state.state == "active" else []
         findings += gateway_finding(name, state)
-    for name, health in sorted(_health(door).items()):
+    for name, health in () if options.gateways else sorted(_health(door).items()):
         findings += health_findings(name, health, now, everything=options.counts)
-    findings += _device_findings(door, now)
+    findings += () if options.gateways else _device_findings(door, now)
     texts.append(f"devices: {total}, unconfirmed: {unconfirmed}")
     states = {name: "silent" if state is None else state.state for name, state in gateways.items()}
     facts = {"home": door.home, "door": door.where, "gateways": states, "devices": total, "unconfirmed": unconfirmed}
