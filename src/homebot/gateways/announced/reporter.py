@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -118,7 +119,7 @@ class DeviceReporter:
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
         """Publish whether a device, or one of its parts, is reachable, by *address*; empty for no more."""
-        reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
+        reading = _reachable(part, reachable)
         stream = device.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
         self.publish_report(device.key, (reading,), address, stream, retained=retained)
 
@@ -138,3 +139,8 @@ class DeviceReporter:
     def dispose(self, stream: str) -> None:
         """Keep no report of *stream* for late joiners any more."""
         self._reports.dispose(stream)
+
+
+@lru_cache(maxsize=256)  # a bridge that comes or goes says the same of each announcement
+def _reachable(part: str, reachable: bool | None) -> Reading:  # noqa: FBT001 - the value itself
+    return Reading(part=part, capability=REACHABLE, value=Value.of(reachable))

@@ -263,9 +263,7 @@ class StateReader:
         self, stored: StoredAnnouncement, part: str, shared: SharedReachability, *, retained: bool
     ) -> None:
         reachable = shared.value
-        if part in stored.reachable and reachable is stored.reachable[part]:
-            return
-        if part not in stored.reachable and reachable is None:
+        if reachable is stored.reachable.get(part):
             return
         stored.record_reachable(part, reachable)
         self._reporter.report_reachable(stored, part, shared.address, reachable=reachable, retained=retained)
