@@ -180,6 +180,7 @@ class MqttGateway(Gateway):
                     return
                 await self._handle(batch)
                 connection.ack(batch)
+                del batch  # while it waits for the next one: all that a broker retains is tens of megabytes
 
     def _asked_responses(self) -> Responses:
         from homebot.gateways.mqtt.responses import Responses  # noqa: PLC0415 - likewise
