@@ -80,13 +80,12 @@ class CommandLog:
 
     def _write(self, note: JournalNote, asked: _Asked | None) -> None:
         if note.kind == "published":
-            self._log(asked or (note, None), f"text {note.text!r}", "")
+            self._log(asked or (note, None), note)
         if note.kind == "would" or asked is None:  # is logged already
             return
         outcome = note.outcome
         if outcome is not None and not isinstance(outcome, AlreadySo):  # nothing was sent
-            is_failure = not outcome.succeeded and not isinstance(outcome, Superseded)
-            self._log(asked, _wanted_text(asked[0]), f": {outcome.text}", is_failure=is_failure)
+            self._log(asked, note)
         if not isinstance(outcome, AlreadySo | Refused | Gone):
             self._add_turn(*asked)
 
@@ -106,12 +105,16 @@ class CommandLog:
         why = _CAUSES.get(cause, "by hand or by itself")
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
 
-    def _log(self, asked: _Asked, what: str, end: str, *, is_failure: bool = False) -> None:
+    def _log(self, asked: _Asked, ended: JournalNote) -> None:
+        """Log a command, unless its issuer has too many lines: then none of the text is made."""
         note, device = asked
         if (held_back := self._limit.allows(note.issuer)) is None:
             return
+        outcome = ended.outcome
         by = note.issuer.removeprefix("/").replace("client:", "client ") or "another program"
-        text = f"{_label(note, device)} → {what}, by {by}{end}{more_like_this(held_back)}"
+        what = f"text {ended.text!r}, by {by}" if outcome is None else f"{_wanted_text(note)}, by {by}: {outcome.text}"
+        text = f"{_label(note, device)} → {what}{more_like_this(held_back)}"
+        is_failure = outcome is not None and not outcome.succeeded and not isinstance(outcome, Superseded)
         log = self._node.log.warning if is_failure else self._node.log.info
         log(COMMAND, message=text, device=note.device, issuer=note.issuer, command=note.command)
 
