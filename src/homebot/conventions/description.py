@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from homebot.devices.part import Part
@@ -89,8 +90,7 @@ class AutoExpiry(NamedTuple):
     only: PlainValue = None
 
 
-@dataclass(frozen=True, slots=True)
-class DescribedPart:
+class DescribedPart(NamedTuple):
     """A part and its codec.
 
     Attributes:
@@ -159,8 +159,7 @@ class TextEndpoint(NamedTuple):
     command_address: str
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceAnnounced:
+class DeviceAnnounced(NamedTuple):
     """The description of a device in one announcement, which replaces an earlier one with its key.
 
     Attributes:
@@ -190,7 +189,7 @@ class DeviceAnnounced:
     parts: tuple[DescribedPart, ...]
     topic: str
     area: str = ""
-    facts: Mapping[str, str] = field(default_factory=dict)
+    facts: Mapping[str, str] = MappingProxyType({})
     availability: Availability | None = None
     owns: tuple[str, ...] = ()
     implies_alive: bool = False

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
 from operator import attrgetter
@@ -194,7 +193,7 @@ def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPa
             counts[one.part.id] = counts.get(one.part.id, 1) + 1
             part_id = f"{one.part.id}_{counts[one.part.id]}"
         is_own = part_id == one.part.id
-        found[part_id] = one if is_own else replace(one, part=one.part.model_copy(update={"id": part_id}))
+        found[part_id] = one if is_own else one._replace(part=one.part.model_copy(update={"id": part_id}))
     return tuple(found.values())
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -207,12 +207,11 @@ def test_a_reserved_topic_is_for_no_device(topic: str, number: int, is_first: bo
 def test_a_device_that_takes_no_commands_is_not_asked_for_its_state_on_a_reserved_topic(topic: str) -> None:
     product = next(one for one in products() if any(part.state_requests for part in one[0].parts))[0]
     asked = next(part for part in product.parts if part.state_requests)
-    sensor = replace(
-        asked,
+    sensor = asked._replace(
         part=asked.part.model_copy(update={"writes": ()}),
         state_requests=(Publication("own/get", b""), Publication(topic, b"")),
     )
-    described, _ = understood().without(replace(product, convention="other", parts=(sensor,)))
+    described, _ = understood().without(product._replace(convention="other", parts=(sensor,)))
     assert [one.topic for one in described.parts[0].state_requests] == ["own/get"]
 
 

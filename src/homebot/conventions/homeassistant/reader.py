@@ -6,7 +6,6 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 from importlib import import_module
 from typing import TypeAlias, cast
@@ -70,7 +69,7 @@ class HomeAssistantReader:
                 build = builder_of(component.platform)
                 part = self._shapes.part(config, build) if component.platform in SHAPED else build(config)
                 if config_topic.component == DEVICE:
-                    part = replace(part, availability=cached_availability(config))
+                    part = part._replace(availability=cached_availability(config))
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
@@ -80,7 +79,7 @@ class HomeAssistantReader:
             if not part.part.capabilities and config.is_secret:
                 continue
             if part.part.id in parts:
-                part = replace(part, part=part.part.model_copy(update={"id": component.discovery_id}))
+                part = part._replace(part=part.part.model_copy(update={"id": component.discovery_id}))
             parts[part.part.id] = part, config
         if broken is not None and not parts:
             self.rejected -= 1
@@ -138,7 +137,7 @@ def _shared_availability(
 
 
 def _without(whole: Availability, part: DescribedPart) -> DescribedPart:
-    return part if part.availability is None or part.availability != whole else replace(part, availability=None)
+    return part if part.availability is None or part.availability != whole else part._replace(availability=None)
 
 
 def _facts(parts: _Parts) -> dict[str, str]:

@@ -10,7 +10,6 @@ device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``compon
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache, partial
 
@@ -211,7 +210,7 @@ def build_image(config: DiscoveryConfig) -> DescribedPart:
 
 def _build_picture(config: DiscoveryConfig, topic: str) -> DescribedPart:
     described = Entity(config, "camera", config.clean_text("device_class") or "image").build()
-    return replace(described, part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))
+    return described._replace(part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))
 
 
 def build_update(config: DiscoveryConfig) -> DescribedPart:

@@ -203,7 +203,7 @@ class _PartsBuilder:
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
     part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
-    return replace(described, part=part)
+    return described._replace(part=part)
 
 
 def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:

@@ -6,7 +6,7 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.long_json import parse_list
@@ -160,7 +160,7 @@ class Zigbee2MqttReader:
             return
         self._rules[base] = rule
         changed = {
-            ieee: _KnownDevice(one.topic, replace(one.described, availability=availability))
+            ieee: _KnownDevice(one.topic, one.described._replace(availability=availability))
             for ieee, one in self._devices[base].items()
             if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
         }

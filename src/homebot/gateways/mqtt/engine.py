@@ -15,11 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 import anyio
 import anyio.lowlevel
 
-from homebot.conventions.convention import (
-    Convention,
-    ProblemReportingConvention,
-    TextConvention,
-)
+from homebot.conventions.convention import Convention, ProblemReportingConvention, TextConvention
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.health import Count, HealthResponse

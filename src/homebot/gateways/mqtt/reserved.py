@@ -6,7 +6,6 @@ An app may publish there by itself, if it has reason to; a command to a device n
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -80,7 +79,7 @@ class ReservedTopics:
             return described, ()
         parts = tuple([_without(reserved, part) for part in described.parts])
         refused = dict.fromkeys(topic for part in described.parts for topic in part.part.writes if topic in reserved)
-        return replace(described, parts=parts), tuple(f"{topic}: {reserved[topic]}" for topic in refused)
+        return described._replace(parts=parts), tuple(f"{topic}: {reserved[topic]}" for topic in refused)
 
 
 _TOPIC = attrgetter("topic")
@@ -92,7 +91,7 @@ def _without(reserved: Mapping[str, str], described: DescribedPart) -> Described
     if not reserved.keys().isdisjoint(part.writes):
         capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
         part = part.model_copy(update={"capabilities": capabilities, "writes": ()})
-    return replace(described, part=part, state_requests=asks)
+    return described._replace(part=part, state_requests=asks)
 
 
 def _is_state_topic(convention: TextConvention, topic: str) -> bool:
