@@ -154,6 +154,16 @@ async def test_what_happens_is_in_the_journal_at_once_with_the_reason(page: Open
         assert own.problems() == []
 
 
+async def test_a_large_house_is_searched_by_words(page: OpenPage) -> None:
+    async with page(World.of(*(SimulatedLamp(f"lamp{number}") for number in range(31)))) as own:
+        await own.open(shows="31 devices")
+        await own.write("input[type=search]", "LAMP7 light")
+        await own.hides("lamp8")
+        await own.shows("lamp7")
+        await own.write("input[type=search]", "x")
+        await own.shows("No device has these words")
+
+
 async def test_a_name_with_markup_is_a_name(page: OpenPage) -> None:
     """Whoever names a device may not run a script at its owner's."""
     async with page(World.of(SimulatedLamp(MARKUP))) as own:

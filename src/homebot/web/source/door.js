@@ -6,8 +6,8 @@ const LONGEST_DELAY = 10_000;
 const ANSWER_WITHIN = 15_000;
 const TOKEN = "homebot.token";
 
-/** "connecting", "open", or "refused": a token is needed; with the reason in `reason`. */
-export const connection = signal({ state: "connecting", reason: "" });
+/** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
+export const connection = signal({ state: "connecting", reason: "", home: "" });
 
 const calls = new Map(); // by id: resolve, reject, timer
 const topics = new Map(); // by topic: handlers
@@ -90,7 +90,7 @@ function reconnect() {
 }
 
 function open() {
-  if (connection.value.state !== "connecting") connection.value = { state: "connecting", reason: "" };
+  if (connection.value.state !== "connecting") become("connecting");
   const own = new WebSocket(location.origin.replace(/^http/, "ws"), "homebot.log_in");
   socket = own;
   own.onopen = () => {
@@ -105,10 +105,10 @@ function open() {
     socket = null;
     failAll();
     if (event.code === 1008) {
-      connection.value = { state: "refused", reason: event.reason };
+      become("refused", event.reason);
       return;
     }
-    connection.value = { state: "connecting", reason: "homebot cannot be reached" };
+    become("connecting", "homebot cannot be reached");
     retry = setTimeout(open, delay);
     delay = Math.min(2 * delay, LONGEST_DELAY);
   };
@@ -120,7 +120,7 @@ function receive(own, frame) {
     for (const handler of topics.get(frame.topic) ?? []) handler(frame.msg);
   } else if (frame.op === "service_response" && frame.id === "page-open") {
     delay = FIRST_DELAY;
-    connection.value = { state: "open", reason: "", home: frame.values?.home ?? "" };
+    become("open", "", frame.values?.home);
     for (const opener of openers) opener();
   } else if (frame.op === "service_response") {
     finish(frame.id, frame.result ? null : new Error(String(frame.values)), frame.values);
@@ -138,6 +138,10 @@ function finish(id, error, values) {
 
 function failAll() {
   for (const id of [...calls.keys()]) finish(id, new Error("homebot cannot be reached"));
+}
+
+function become(state, reason = "", home = connection.value.home) {
+  connection.value = { state, reason, home };
 }
 
 function send(frame) {

@@ -1,5 +1,5 @@
 // The page: its header, the view that the address names, the token, and the outcome of the last command.
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 import { outcome } from "./acting.js";
 import { connect, connection, logIn, logOut, token } from "./door.js";
@@ -50,7 +50,7 @@ function Page() {
         : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>log in</button>`}
     </header>
     ${(mustLogIn || isLoggingIn.value) && html`<${LogIn} reason=${mustLogIn ? reason : ""} />`}
-    <main>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
+    <main class=${state === "open" ? "" : "old"}>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>${outcome.value?.text}</p>`;
 }
 
@@ -75,6 +75,7 @@ addEventListener("hashchange", () => {
   document.querySelector("main")?.scrollTo?.(0, 0);
   scrollTo(0, 0);
 });
+effect(() => (document.title = connection.value.home || "homebot"));
 loadUnits();
 follow();
 connect();

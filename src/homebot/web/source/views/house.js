@@ -1,34 +1,52 @@
 // The house by room, live.
+import { computed, signal } from "@preact/signals";
 import { Component } from "preact";
 import { Switch } from "../acting.js";
 import { count, deviceOf, isLoaded, rooms } from "../house.js";
 import { html } from "../html.js";
 import { label, summary } from "../words.js";
 
+const MANY = 30; // devices from which on they can be searched
+
+const sought = signal("");
+const found = computed(() => {
+  const words = sought.value.toLowerCase().split(" ").filter(Boolean);
+  if (!words.length) return rooms.value;
+  const fits = (id, room) => {
+    const { name = "", type = "" } = deviceOf(id)?.peek() ?? {};
+    const text = `${name} ${label(type)} ${room}`.toLowerCase();
+    return words.every((word) => text.includes(word));
+  };
+  return rooms.value.map(([room, ids]) => [room, ids.filter((id) => fits(id, room))]).filter(([, ids]) => ids.length);
+});
+
 export function House() {
   if (!isLoaded.value) return html`<p class="empty">Asking homebot for its devices …</p>`;
   if (!count.value)
     return html`<p class="empty">No device is known yet. They appear here as the gateways find them.</p>`;
-  return html`<div class="rooms">
-    ${rooms.value.map(
-      ([room, ids]) => html`<section class="room" key=${room}>
-        <h2>${room || "Without a room"} <small>${ids.length}</small></h2>
-        <table>
-          <colgroup><col class="name" /><col /><col class="act" /></colgroup>
-          <thead class="hidden">
-            <tr>
-              <th>Device</th>
-              <th>State</th>
-              <th>Switch</th>
-            </tr>
-          </thead>
-          <tbody>
-            ${ids.map((id) => html`<${Row} key=${id} id=${id} />`)}
-          </tbody>
-        </table>
-      </section>`,
-    )}
-  </div>`;
+  return html`
+    ${count.value > MANY && html`<p class="choices"><label>Search <input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label></p>`}
+    ${!found.value.length && html`<p class="empty">No device has these words in its name, type or room.</p>`}
+    <div class="rooms">
+      ${found.value.map(
+        ([room, ids]) => html`<section class="room" key=${room}>
+          <h2>${room || "Without a room"} <small>${ids.length}</small></h2>
+          <table>
+            <colgroup><col class="name" /><col /><col class="act" /></colgroup>
+            <thead class="hidden">
+              <tr>
+                <th>Device</th>
+                <th>State</th>
+                <th>Switch</th>
+              </tr>
+            </thead>
+            <tbody>
+              ${ids.map((id) => html`<${Row} key=${id} id=${id} />`)}
+            </tbody>
+          </table>
+        </section>`,
+      )}
+    </div>`;
 }
 
 /** A row is rendered again by its own signal alone, never by the list. */
