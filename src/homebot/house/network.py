@@ -10,14 +10,17 @@ import importlib
 import os
 import secrets
 import socket
+import tempfile
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from random import Random
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
+from anyio import to_thread
 
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
@@ -26,6 +29,7 @@ from homebot.plugins import check_extra
 
 if TYPE_CHECKING:
     from homebot.house.homeassistant import SimulatedHomeAssistant
+    from homebot.house.homekit import SimulatedHomekitBridge
     from homebot.house.matter import SimulatedMatterServer
 
 __all__ = ["FAMILIES", "HouseNetwork", "ServedFamily", "kinds_of"]
@@ -61,7 +65,7 @@ def _family(
     kinds: frozenset[str], device: str, gateway: str, libraries: tuple[str, ...], **options: object
 ) -> ServedFamily:
     """Return a family with libraries of the extra of its gateway, or of another one that has them."""
-    extra = {"ble": "testing", "homeassistant": "matter"}.get(gateway, gateway)
+    extra = {"ble": "testing", "homeassistant": "matter", "homekit": "testing"}.get(gateway, gateway)
     return ServedFamily(kinds, f"homebot.house.{device}", gateway, extra, libraries, options)
 
 
@@ -79,6 +83,7 @@ FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
         "coap": _family(_COAP, "coap_devices:CoapDevice", "coap", ("aiocoap",)),
         "esphome": _family(_ALL, "esphome:EsphomeServedDevice", "mdns", ("aioesphomeapi", "zeroconf"), announced=True),
         "home_assistant": _family(_ALL, "homeassistant:ServedEntity", "homeassistant", ("aiohttp",)),
+        "homekit": _family(_ALL - {"power_meter"}, "homekit:ServedAccessory", "homekit", ("pyhap",)),
         "matter": _family(_ALL, "matter:ServedMatterNode", "matter", ("aiohttp",)),
         "matter_bridge": _family(_ALL, "matter:BridgedMatterDevice", "matter", ("aiohttp",)),
         "matter_plug": _family(_LAMP, "matter:ServedMatterNode", "matter", ("aiohttp",), kind="plug"),
@@ -108,6 +113,7 @@ class HouseNetwork:
         self._families = {name: FAMILIES[name] for name in families if name in FAMILIES}
         self._ports: dict[str, int] = {}
         self._options: dict[str, dict[str, object]] = {}
+        self._pairings = Path(tempfile.gettempdir()) / f"homebot-{secrets.token_hex(8)}.pairings.json"
 
     @asynccontextmanager
     async def running(self, random: Random | None) -> AsyncIterator[tuple[object, ...]]:
@@ -141,6 +147,11 @@ class HouseNetwork:
                 home.token = os.environ.setdefault(TOKEN, home.token)
                 await stack.enter_async_context(_served(home))
                 self._options["homeassistant"] = {"server": home}
+            if "homekit" in gateways:
+                homekit = await to_thread.run_sync(importlib.import_module, "homebot.house.homekit")  # reads files
+                bridge: SimulatedHomekitBridge = homekit.SimulatedHomekitBridge(LOOPBACK, self._pairings)
+                await stack.enter_async_context(_served(bridge))
+                self._options["homekit"] = {"bridge": bridge}
             if "nfc" in gateways:
                 from homebot.house.nfc import TagField  # noqa: PLC0415 - likewise
 
@@ -159,6 +170,8 @@ class HouseNetwork:
         for name, family in self._families.items():
             check_extra(f"a simulated device of {name!r}", family.extra, *family.libraries)
             found[family.gateway] = self._settings(family.gateway)
+        if "homekit" in found:
+            found["mdns"] = self._settings("mdns")  # which finds the accessories
         return found
 
     def connect(
@@ -186,6 +199,8 @@ class HouseNetwork:
                 return {"serve_directory": f"{LOOPBACK}:{self._port(gateway)}"}
             case "matter":
                 return {"url": f"ws://{LOOPBACK}:{self._port(gateway)}/ws"}
+            case "homekit":
+                return {"pairings": str(self._pairings)}
             case "homeassistant":
                 os.environ.setdefault(TOKEN, secrets.token_hex(16))
                 return {"url": f"http://{LOOPBACK}:{self._port(gateway)}", "token_env": TOKEN}
@@ -205,7 +220,9 @@ class HouseNetwork:
 
 
 @asynccontextmanager
-async def _served(server: SimulatedHomeAssistant | SimulatedMatterServer) -> AsyncIterator[None]:
+async def _served(
+    server: SimulatedHomeAssistant | SimulatedHomekitBridge | SimulatedMatterServer,
+) -> AsyncIterator[None]:
     async with anyio.create_task_group() as tasks:
         await tasks.start(server.serve)
         yield

@@ -1,0 +1,181 @@
+"""A HomeKit bridge by HAP-python, with which homebot is paired from the start; the one file that imports it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import uuid
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import anyio
+from anyio import to_thread
+from anyio.abc import TaskStatus
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+from pyhap.accessory import Accessory, Bridge
+from pyhap.accessory_driver import AccessoryDriver
+from pyhap.loader import Loader
+
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dialects.wire import hardware_address
+from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.homekit.services import SERVICES
+
+__all__ = ["BridgedAccessory", "SimulatedHomekitBridge"]
+
+ID: Final = "02:48:42:00:00:01"
+HAP_TYPE: Final = "_hap._tcp.local."
+PIN: Final = "031-45-154"
+
+
+class _Driver(AccessoryDriver):  # type: ignore[misc]
+    def persist(self) -> None:
+        """Keep nothing: the house is made anew each time."""
+
+    def add_accessory(self, accessory: Accessory) -> None:
+        """Serve an accessory, without a file."""
+        self.accessory, accessory.aid = accessory, 1
+
+
+class _Advertiser:
+    """The newest announcement of the driver, which would leave tasks behind if it announced by itself."""
+
+    def __init__(self) -> None:
+        self.changed = anyio.Event()
+        self.service = DnsSdService(HAP_TYPE, "", "", 0)
+
+    async def async_register_service(self, info: Any, **_: object) -> None:
+        """Announce a service."""
+        txt = {key: str(value) for key, value in info.decoded_properties.items()}
+        label = info.name.removesuffix(f".{HAP_TYPE}")
+        self.service = DnsSdService(HAP_TYPE, label, info.server.removesuffix(".local."), info.port, txt)
+        self.changed.set()
+
+    async_update_service = async_register_service
+
+
+class _Bridge(Bridge):  # type: ignore[misc]
+    def setup_message(self) -> None:
+        """Print nothing."""
+
+
+class BridgedAccessory(Accessory):  # type: ignore[misc]
+    """An accessory behind the bridge.
+
+    Args:
+        on_write: Gets the values of characteristics that a controller wrote, by their names.
+    """
+
+    def __init__(
+        self, driver: AccessoryDriver, device: SimulatedDeviceInfo, on_write: Callable[[Mapping[str, float]], None]
+    ) -> None:
+        super().__init__(driver, device.device_id)
+        self.set_info_service("1.0", "homebot", f"SIM-{device.kind}", hardware_address(device, 16))
+        name, *optional = SERVICES[device.kind]
+        self._service = self.add_preload_service(name, chars=optional)
+        self._service.setter_callback = on_write
+        self.is_there = False
+
+    @property
+    def available(self) -> bool:
+        """True while the bridge reaches it."""
+        return self.is_there
+
+    def show(self, values: Mapping[str, object]) -> None:
+        """Set the values of characteristics, and send events for those that changed."""
+        for name, value in values.items():
+            self._service.get_characteristic(name).set_value(value)
+
+
+class SimulatedHomekitBridge:
+    """The bridge of a house.
+
+    Args:
+        address: The address to listen on.
+        pairings: The file with homebot's key, as the HomeKit gateway keeps it; it is there while it is served.
+    """
+
+    def __init__(self, address: str, pairings: Path) -> None:
+        self._address = address
+        self._pairings = pairings
+        self._own_key, self._client_key = Ed25519PrivateKey.generate(), Ed25519PrivateKey.generate()
+        self._client_id = str(uuid.uuid4())
+        self._devices: list[tuple[SimulatedDeviceInfo, Callable[[Mapping[str, float]], None]]] = []
+        self._accessories: dict[SimulatedDeviceInfo, BridgedAccessory] = {}
+        self._is_needed, self._is_ready = anyio.Event(), anyio.Event()
+
+    def add(self, device: SimulatedDeviceInfo, on_write: Callable[[Mapping[str, float]], None]) -> None:
+        """Add a device, before any is reached."""
+        self._devices.append((device, on_write))
+
+    async def reach(self, device: SimulatedDeviceInfo) -> BridgedAccessory:
+        """Return the accessory that a device is; the bridge announces itself once the first is reached."""
+        self._is_needed.set()
+        await self._is_ready.wait()
+        return self._accessories[device]
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve homebot until cancelled; then vanish without a goodbye."""
+        await to_thread.run_sync(self._write_pairings)
+        try:
+            task_status.started()
+            await self._is_needed.wait()
+            await self._serve(await to_thread.run_sync(Loader))
+        finally:
+            with anyio.CancelScope(shield=True):
+                await to_thread.run_sync(partial(self._pairings.unlink, missing_ok=True))
+
+    async def _serve(self, loader: Loader) -> None:
+        with socket.socket() as probe:
+            probe.bind((self._address, 0))
+            port = probe.getsockname()[1]
+        advertiser = _Advertiser()
+        driver = _Driver(
+            address=self._address,
+            port=port,
+            persist_file="",
+            pincode=PIN.encode(),
+            loop=asyncio.get_running_loop(),
+            mac=ID,
+            async_zeroconf_instance=advertiser,
+            loader=loader,
+        )
+        bridge = _Bridge(driver, "Simulated bridge")
+        for device, on_write in self._devices:
+            self._accessories[device] = accessory = BridgedAccessory(driver, device, on_write)
+            bridge.add_accessory(accessory)
+        driver.add_accessory(bridge)
+        driver.state.private_key, driver.state.public_key = self._own_key, self._own_key.public_key()
+        client_key = self._client_key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
+        driver.state.add_paired_client(self._client_id.encode(), client_key, b"\x01")
+        await driver.async_start()
+        self._is_ready.set()
+        try:
+            while True:
+                advertiser.changed = anyio.Event()
+                async with anyio.create_task_group() as tasks:
+                    await tasks.start(announce_service, advertiser.service, self._address)
+                    await advertiser.changed.wait()
+                    tasks.cancel_scope.cancel()
+        finally:
+            driver.aio_stop_event.set()
+            driver.http_server.async_stop()
+
+    def _write_pairings(self) -> None:
+        keys = {
+            "AccessoryPairingID": ID,
+            "AccessoryLTPK": _public(self._own_key),
+            "iOSPairingId": self._client_id,
+            "iOSDeviceLTSK": self._client_key.private_bytes_raw().hex(),
+            "iOSDeviceLTPK": _public(self._client_key),
+        }
+        self._pairings.touch(0o600)
+        self._pairings.write_text(json.dumps({ID: keys}))
+
+
+def _public(key: Ed25519PrivateKey) -> str:
+    return key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw).hex()

@@ -1,0 +1,103 @@
+"""HomeKit accessories of a simulated house, as homebot finds them: by other people's code at both ends."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from tests.loopback import alone_on_loopback
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.devices import Device, Devices
+from homebot.devices.handles import Light
+from homebot.devices.outcomes import Confirmed
+from homebot.devices.value import PlainValue
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import parse_world
+from homebot.house.dialect import DeviceState
+from homebot.house.homekit.services import SERVICES, orders_of, values_of
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.runtime import Runtime
+
+
+@asynccontextmanager
+async def house(devices: Mapping[str, Mapping[str, object]]) -> AsyncIterator[tuple[Node, World]]:
+    """A house without apps, and a node that looks on."""
+    config = parse_config({"gateways": {"mqtt": {}}}, "test")
+    tables = {name: {"room": "hall", "dialect": "homekit", **one} for name, one in devices.items()}
+    world = parse_world({"rooms": {"hall": {}}, "devices": tables}, "x")
+    async with alone_on_loopback(), MemoryBroker() as broker:
+        host = HostedBroker.in_memory(broker)
+        async with (
+            Runtime(config, house=world, with_door=False, services=[host]) as runtime,
+            Node(runtime.graph, "onlooker") as node,
+        ):
+            yield node, world
+
+
+async def found(node: Node, names: set[str]) -> dict[str, Device]:
+    with anyio.fail_after(PATIENCE):
+        while True:
+            devices = {one.name: one for one in await Devices(node).find()}
+            if devices.keys() >= names:
+                return devices
+            await anyio.sleep(0.05)
+
+
+@pytest.mark.slow
+async def test_each_kind_is_a_device_and_a_lamp_obeys() -> None:
+    async with house({kind: {"kind": kind} for kind in SERVICES}) as (node, world):
+        devices = await found(node, set(SERVICES))
+        types = {kind: devices[kind].parts[0].part.service_type for kind in SERVICES}
+        (lamp,) = await Devices(node).find(Light)
+        outcome = await lamp.turn_on()
+        assert (type(outcome), world.device("lamp").state()) == (Confirmed, "on")
+    assert types == {
+        "lamp": "light",
+        "window": "closure",
+        "cover": "window_covering",
+        "lock": "door_lock",
+        "contact": "contact_sensor",
+        "motion": "occupancy_sensor",
+        "lux": "light_sensor",
+        "thermostat": "thermostat",
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "state", "values"),
+    [
+        ("lamp", DeviceState(text="on", is_on=True, brightness=0.4, kelvin=2500.0),
+         {"On": True, "Brightness": 40, "ColorTemperature": 400}),
+        ("cover", DeviceState(text="closing", position=0.3, way=-1), {"CurrentPosition": 30, "PositionState": 0}),
+        ("lock", DeviceState(text="locked"), {"LockCurrentState": 1, "LockTargetState": 1}),
+        ("contact", DeviceState(text="open"), {"ContactSensorState": 1}),
+        ("motion", DeviceState(text="motion"), {"MotionDetected": True}),
+        ("lux", DeviceState(text="0", value=0.0), {"CurrentAmbientLightLevel": 0.0001}),
+    ],
+)  # fmt: skip
+def test_a_state_is_the_values_of_characteristics(
+    kind: str, state: DeviceState, values: Mapping[str, PlainValue]
+) -> None:
+    assert values_of(kind, state) == values
+
+
+@pytest.mark.parametrize(
+    ("values", "orders"),
+    [
+        ({"On": 1}, ("on",)),
+        ({"On": 0}, ("off",)),
+        ({"Brightness": 40, "On": 1}, ("0.4",)),
+        ({"TargetPosition": 30}, ("0.3",)),
+        ({"HoldPosition": 1}, ("stop",)),
+        ({"LockTargetState": 0}, ("unlock",)),
+        ({"TargetTemperature": 21.5}, ("21.5",)),
+    ],
+)
+def test_written_characteristics_are_orders(values: Mapping[str, float], orders: tuple[str, ...]) -> None:
+    assert orders_of(values) == orders
