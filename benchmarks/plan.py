@@ -30,7 +30,7 @@ class Plan:
         return min(normal, 2) if self.quick else normal
 
     def count(self, normal: int) -> int:
-        return max(1, normal // 5) if self.quick else normal
+        return max(1, normal // 20) if self.quick else normal
 
     def ask_home_assistant(self, job: str, **facts: str | int) -> float:
         """Return how many deliveries or calls a second it made."""

@@ -17,6 +17,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
+from tests.sizes import size
 
 from homebot.apps import App, NoSettings
 from homebot.apps.store import MOST_BYTES, MOST_KEYS, MOST_VALUE_BYTES, Store
@@ -289,7 +290,7 @@ anyio.run(main)
 async def test_a_kill_while_it_is_written_loses_nothing_that_was_written_before(tmp_path: Path) -> None:
     """The values of one moment stay together."""
     path, chance = tmp_path / STORE_FILE, random.Random(7)  # noqa: S311
-    for _ in range(8):
+    for _ in range(size(3, 8)):
         with subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True) as program:
             assert program.stdout is not None
             assert program.stdout.readline() == "begins\n"

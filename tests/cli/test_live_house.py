@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import fcntl
 import os
 import pty
@@ -31,6 +32,7 @@ from homebot.house.description import parse_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
+from homebot.support.virtual_time import VirtualTimeLoop
 
 FAMILY = Path(homebot.__file__).parent / "house" / "family"
 CONFIG = load_config(FAMILY / "home.toml")
@@ -91,10 +93,14 @@ async def test_the_first_minute_has_every_scene_and_a_run_is_as_the_one_before()
         assert re.search(re.sub(r"\d+ (ms|s ago)", r"\\d+ \1", words), text), line
 
 
-@pytest.mark.virtual_time
+@pytest.fixture(scope="module")
+def picture() -> HousePicture:
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        return runner.run(watched(10.0))
+
+
 @pytest.mark.parametrize(("width", "height"), [(100, 30), (80, 24), (60, 20), (20, 5)])
-async def test_the_picture_fits_the_terminal(width: int, height: int) -> None:
-    picture = await watched(10.0)
+def test_the_picture_fits_the_terminal(picture: HousePicture, width: int, height: int) -> None:
     lines = ["".join(text for text, _ in line) for line in lines_of(picture, width, height)]
     assert len(lines) <= max(height, 8)
     assert lines[-1] == "hint"

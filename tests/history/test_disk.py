@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from tests.sizes import size
 
 from homebot.history.batch import Batch, Series
 from homebot.history.history_file import HistoryFile
@@ -80,7 +81,7 @@ def test_a_kill_while_it_writes_damages_nothing(tmp_path: Path) -> None:
     """All batches but the last are there."""
     path = tmp_path / "history.sqlite"
     code = KILLED.format(tests=str(Path(__file__).parent), path=str(path))
-    for turn in range(4):
+    for turn in range(size(2, 4)):
         with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
             assert process.stdout.readline() == "ready\n"

@@ -60,9 +60,9 @@ def config(component: str, name: str, **more: Any) -> tuple[str, bytes]:
 
 
 def long_lists() -> Iterator[tuple[str, bytes]]:
-    for number in range(size(150, 400)):
+    for number in range(size(80, 400)):
         yield config("select", f"select{number}", options=texts(f"o{number}", 2000, 80))
-    for number in range(size(150, 400)):
+    for number in range(size(80, 400)):
         lamp = f"lamp{number}"
         yield config("light", lamp, effect_list=texts(lamp, 2000, 80), effect_command_topic=f"e/{lamp}")
 

@@ -8,6 +8,7 @@ import tracemalloc
 from collections.abc import Callable
 
 import pytest
+from tests.sizes import size
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
@@ -18,7 +19,7 @@ from homebot.messages import Time
 
 pytestmark = pytest.mark.slow
 
-DEVICES, PARTS = 400, 300
+DEVICES, PARTS = size(150, 400), 300
 
 
 def many_devices(number: int) -> tuple[str, dict[str, object]]:
@@ -79,7 +80,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
 @pytest.mark.no_cover
 @pytest.mark.parametrize(
     ("make", "count", "most"),
-    [(many_devices, DEVICES, 12_500), (many_parts, 10, 2_400 * PARTS)],
+    [(many_devices, DEVICES, 12_500), (many_parts, size(4, 10), 2_400 * PARTS)],
     ids=["devices", "parts"],
 )
 def test_a_device_and_a_part_take_little(
