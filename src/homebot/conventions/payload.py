@@ -100,7 +100,7 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
         start = len(text) - len(text.lstrip(_SPACES))
-        value, end = decode_json(text, start) if not unique else _UNIQUE.raw_decode(text, start)
+        value, end = (_UNIQUE if unique else _RECORDING_DECODER).raw_decode(text, start)
         if rest := text[end:].lstrip(_SPACES):
             raise json.JSONDecodeError("Extra data", text, len(text) - len(rest))
     except RecursionError:

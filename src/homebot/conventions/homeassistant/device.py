@@ -180,14 +180,10 @@ MAX_SOURCES = 16
 class _PayloadAvailability(NamedTuple):
     """One topic with two payloads; see :class:`AvailabilitySource`."""
 
+    topic: str
     source: ValueSource
     available: str
     unavailable: str
-
-    @property
-    def topic(self) -> str:
-        """The topic, or a declared filter."""
-        return self.source.topic
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device is reachable; None for any other payload."""
@@ -230,7 +226,7 @@ def _source(config: DiscoveryConfig, topic_key: str, template_key: str) -> _Payl
     if source is None:
         return None
     available = config.text("payload_available", "online")
-    return _PayloadAvailability(source, available, config.text("payload_not_available", "offline"))
+    return _PayloadAvailability(source.topic, source, available, config.text("payload_not_available", "offline"))
 
 
 _MODES: Mapping[str, AvailabilityMode] = {mode: mode for mode in get_args(AvailabilityMode)}

@@ -105,13 +105,13 @@ _MAX_MEMBERS = 100
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
     device = device_in(to_json((announced.device, announced.origin)))
     if config_topic.component == DEVICE:
-        described, whole = _shared_availability(config_topic, announced, parts)
+        key, (described, whole) = config_topic.key, _shared_availability(config_topic, announced, parts)
     else:
         ((part, config),) = parts.values()
-        described, whole = (part,), cached_availability(config)
+        key, described, whole = config.discovery_id, (part,), cached_availability(config)
     facts = _facts(parts)
     return DeviceAnnounced(
-        key=config_topic.key,
+        key=key,
         convention="homeassistant",
         identifiers=device.identifiers,
         name=device.name or described[0].part.name or clean_text(config_topic.object_id),

@@ -91,6 +91,7 @@ def is_called(topic: str, aliases: frozenset[str]) -> bool:
     return is_level or not aliases.isdisjoint(place_of(topic).numbers)
 
 
+@lru_cache(maxsize=4096)
 def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:
     """Return the names of a device with all topics below *owns*: their last levels, and its hardware addresses."""
     found = {prefix.rpartition("/")[2].casefold() for prefix in owns}
