@@ -19,6 +19,7 @@ from homebot.devices import (
     FindDevices,
     Follow,
     GetChanges,
+    KeyValue,
     QueryDevices,
     Sighting,
     StateChange,
@@ -163,6 +164,7 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting, tell: T
             lamp.model_copy(update={"key": f"k{one}", "identifiers": (f"id:other-{one}",), "name": f"Other {one}"})
             for one in range(210)
         ]
+        lamp = lamp.model_copy(update={"metadata": (*lamp.metadata, KeyValue(key="position", value="6,1.5"))})
         await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
         ask = house.asker.create_client(ListDevices, LIST_DEVICES)
 
@@ -176,6 +178,7 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting, tell: T
             "is_reachable": True,
             "waits": False,
             "states": [{"part": "l", "capability": "on_off", "value": True}],
+            "position": [6.0, 1.5],
         }
         first = await ask.call(ListDevices.Request(limit=1000))
         rest = await ask.call(ListDevices.Request(offset=200))

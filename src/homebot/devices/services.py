@@ -181,6 +181,7 @@ class ListedDevice(Message):
         is_reachable: False if it reports that it cannot be reached.
         waits: Whether its commands wait for the owner's approval.
         states: The latest value of each capability that people use.
+        position: Its x and y on the plan of the home, in metres; empty if they are not known.
     """
 
     id: str
@@ -191,6 +192,7 @@ class ListedDevice(Message):
     is_reachable: bool
     waits: bool
     states: tuple[Reading, ...]
+    position: tuple[float, ...] = ()
 
 
 class ListDevicesResponse(ServiceAnswer):

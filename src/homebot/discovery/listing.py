@@ -6,6 +6,7 @@ from homebot.devices import Device
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.services import ListedDevice
 from homebot.devices.value import Reading
+from homebot.discovery.description import position_of
 
 __all__ = ["listed"]
 
@@ -16,6 +17,7 @@ def listed(device: Device, *, needs_approval: bool) -> ListedDevice:
     Args:
         needs_approval: Whether a device that can hurt waits for the owner's approval.
     """
+    position = position_of(device.facts)
     used = {one.id for one in device.parts if not one.part.category}
     return ListedDevice(
         id=device.id,
@@ -30,4 +32,5 @@ def listed(device: Device, *, needs_approval: bool) -> ListedDevice:
             for one in device.states
             if one.part in used
         ),
+        position=() if position is None else (position.x, position.y),
     )
