@@ -5,26 +5,32 @@ Source: Home Assistant core 2024.3, ``components``: climate, fan, humidifier and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Final
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.esphome.entity import EntityRow, EsphomeComponent, Fields, options_of, read_flag, whole_of
+from homebot.conventions.esphome.entity import (
+    EntityRow,
+    EsphomeComponent,
+    Fields,
+    ReadField,
+    options_of,
+    read_flag,
+    whole_of,
+)
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.homeassistant.rows import (
-    SWITCH_ROW,
+    SWITCH,
+    Condition,
     bounds_of,
-    celsius_row,
-    choice_row,
+    choice,
     has,
-    number_row,
-    read_celsius,
+    percent,
     read_number,
     read_text,
-    target,
-    write_celsius,
+    sensed,
 )
 from homebot.support.numbers import to_number
 
@@ -34,6 +40,28 @@ _SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING = 1, 2, 4, 8, 16, 32
 _LOW, _HIGH = "target_temp_low", "target_temp_high"
 _HEATS, _COOLS = frozenset({"heat", "heat_cool", "auto"}), frozenset({"cool", "heat_cool"})
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
+_ANY_CELSIUS = (-100.0, 200.0)
+
+
+def _celsius(field: str) -> ReadField:
+    def read(info: Fields, state: Fields) -> PlainValue:
+        number = to_number(state.get(field))
+        return to_celsius(number, 3) if number is not None and info.get("is_fahrenheit") else number
+
+    return read
+
+
+def _bounds(info: Fields) -> tuple[float, float] | tuple[()]:
+    bounds = bounds_of(info, "min_temp", "max_temp")
+    return celsius_bounds(*bounds) if bounds and info.get("is_fahrenheit") else bounds
+
+
+def _to_number(name: str, info: Fields, value: PlainValue) -> float:
+    """Return a commanded setpoint in the unit of Home Assistant, within the entity's bounds."""
+    celsius = require_number(name, value, *(_bounds(info) or _ANY_CELSIUS), "°C")
+    number = to_fahrenheit(celsius, 3) if info.get("is_fahrenheit") else celsius
+    least, most = bounds_of(info, "min_temp", "max_temp") or (number, number)
+    return min(max(number, least), most)
 
 
 def _modes(info: Fields) -> tuple[str, ...]:
@@ -52,37 +80,33 @@ def _is_pair(info: Fields) -> bool:
     return bool(features & _PAIR) and (not features & _SINGLE or info.get("state") == "heat_cool")
 
 
-def _has_single(info: Fields, modes: Iterable[str]) -> bool:
-    return bool(whole_of(info, "supported_features") & _SINGLE) and not set(modes).isdisjoint(_modes(info))
+def _heats(info: Fields) -> bool:
+    """Return whether it has a target to heat to: a single one that is not only for cooling, or a pair."""
+    modes = _modes(info)
+    is_single = has(_SINGLE)(info) and (_COOLS.isdisjoint(modes) or not _HEATS.isdisjoint(modes))
+    return bool(is_single or has(_PAIR)(info))
 
 
-def _has_heating(info: Fields) -> bool:
-    single = whole_of(info, "supported_features") & _SINGLE and _COOLS.isdisjoint(_modes(info))
-    return bool(single or _has_single(info, _HEATS) or has(_PAIR)(info))
+def _cools(info: Fields) -> bool:
+    return bool((has(_SINGLE)(info) and not _COOLS.isdisjoint(_modes(info))) or has(_PAIR)(info))
 
 
-def _has_cooling(info: Fields) -> bool:
-    return _has_single(info, _COOLS) or bool(has(_PAIR)(info))
-
-
-def _setpoint(name: str, end: str, when: Callable[[Fields], bool]) -> EntityRow:
+def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
     """Return the row of a setpoint: one end of the pair in the mode ``heat_cool``, and else the single target."""
 
     def read(info: Fields, state: Fields) -> PlainValue:
-        return read_celsius(end if _is_pair(info) else "temperature")(info, state)
+        return _celsius(end if _is_pair(info) else "temperature")(info, state)
 
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
-        number = write_celsius(name, info, value)
+        number = _to_number(name, info, value)
         if not _is_pair(info):
-            if not whole_of(info, "supported_features") & _SINGLE:
-                raise RefusedError(f"{name} {number:g}", "it has no such setpoint in its mode")
             return {"service": "set_temperature", "temperature": number}
         ends = {one: to_number(info.get(one)) for one in (_LOW, _HIGH)} | {end: number}
         if None in ends.values():
             raise RefusedError(f"{name} {number:g}", "its other setpoint is unknown, and both are set together")
         return {"service": "set_temperature", **ends}
 
-    return target(name, read, write, when)
+    return EntityRow(name, read, write, "", when, (), _bounds, "°C")
 
 
 def _write_on(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -95,77 +119,61 @@ def _write_on(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "set_hvac_mode", "hvac_mode": mode}
 
 
-def _humidity_row(name: str, when: object) -> EntityRow:
-    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
-        least, most = bounds_of(info, "min_humidity", "max_humidity") or (0.0, 100.0)
-        return {"service": "set_humidity", "humidity": round(require_number(name, value, least, most, "%"))}
-
-    return EntityRow(
-        name,
-        number_row(name, "humidity").read,
-        write,
-        "",
-        when if callable(when) else None,
-        bounds=lambda info: bounds_of(info, "min_humidity", "max_humidity"),
-    )
+def _humidity(info: Fields) -> tuple[float, float]:
+    return bounds_of(info, "min_humidity", "max_humidity") or (0.0, 100.0)
 
 
-_MEASURED_HUMIDITY: Final = number_row("humidity", "current_humidity", when=lambda info: "current_humidity" in info)
+def _write_humidity(info: Fields, value: PlainValue, _code: str) -> Fields:
+    humidity = round(require_number("humidity_setpoint", value, *_humidity(info), "%"))
+    return {"service": "set_humidity", "humidity": humidity}
+
+
+_HUMIDITY_SETPOINT: Final = EntityRow(
+    "humidity_setpoint", read_number("humidity", 1.0, 0, 100), _write_humidity, bounds=_humidity
+)
+_MEASURED: Final = (
+    sensed("local_temperature", "current_temperature", _celsius("current_temperature"), unit="°C"),
+    sensed("humidity", "current_humidity", read_number("current_humidity", 1.0, 0, 100)),
+)
+
+
+def _is_on(_info: Fields, state: Fields) -> PlainValue:
+    return state.get("state") != "off"
+
 
 CLIMATE: Final = EsphomeComponent(
     _climate_type,
     (
-        _setpoint("heating_setpoint", _LOW, _has_heating),
-        _setpoint("cooling_setpoint", _HIGH, _has_cooling),
-        celsius_row("local_temperature", "current_temperature"),
-        _MEASURED_HUMIDITY,
-        _humidity_row("humidity_setpoint", has(_HUMIDITY)),
-        choice_row("thermostat_mode", "state", "hvac_modes", "set_hvac_mode", "hvac_mode"),
-        EntityRow("on_off", lambda _info, state: state.get("state") != "off", _write_on, "", _modes),
-        EntityRow("thermostat_action", read_text("hvac_action"), when=lambda info: "hvac_action" in info),
-        choice_row("fan_mode", "fan_mode", "fan_modes", "set_fan_mode", when=has(_FAN)),
-        choice_row("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(_PRESET)),
-        choice_row("swing_mode", "swing_mode", "swing_modes", "set_swing_mode", when=has(_SWING)),
+        _setpoint("heating_setpoint", _LOW, _heats),
+        _setpoint("cooling_setpoint", _HIGH, _cools),
+        *_MEASURED,
+        replace(_HUMIDITY_SETPOINT, when=has(_HUMIDITY)),
+        choice("thermostat_mode", "state", "hvac_modes", "set_hvac_mode", "hvac_mode"),
+        EntityRow("on_off", _is_on, _write_on, "", _modes),
+        sensed("thermostat_action", "hvac_action", read_text("hvac_action")),
+        choice("fan_mode", "fan_mode", "fan_modes", "set_fan_mode", when=has(_FAN)),
+        choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(_PRESET)),
+        choice("swing_mode", "swing_mode", "swing_modes", "set_swing_mode", when=has(_SWING)),
     ),
 )
 
-
-def _write_heater(info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"service": "set_temperature", "temperature": write_celsius("heating_setpoint", info, value)}
-
-
-_WATER_TARGET, _WATER_MODE, _WATER_SWITCH = 1, 2, 8
-
-WATER_HEATER: Final = EsphomeComponent(
+WATER_HEATER: Final = EsphomeComponent(  # its single target is its setpoint, as that of a thermostat
     "water_heater",
     (
-        target("heating_setpoint", read_celsius("temperature"), _write_heater, has(_WATER_TARGET)),
-        celsius_row("local_temperature", "current_temperature"),
-        choice_row(
-            "water_heater_mode",
-            "state",
-            "operation_list",
-            "set_operation_mode",
-            "operation_mode",
-            has(_WATER_MODE),
-        ),
-        EntityRow(
-            "on_off",
-            lambda _info, state: state.get("state") != "off",
-            SWITCH_ROW.write,
-            "",
-            has(_WATER_SWITCH),
-        ),
+        _setpoint("heating_setpoint", _LOW, has(1)),
+        _MEASURED[0],
+        choice("water_heater_mode", "state", "operation_list", "set_operation_mode", "operation_mode", has(2)),
+        EntityRow("on_off", _is_on, SWITCH.write, "", has(8)),
     ),
 )
 
 HUMIDIFIER: Final = EsphomeComponent(
     "x_humidifier",
     (
-        SWITCH_ROW,
-        _humidity_row("humidity_setpoint", None),
-        _MEASURED_HUMIDITY,
-        choice_row("humidifier_mode", "mode", "available_modes", "set_mode", when=has(1)),
+        SWITCH,
+        _HUMIDITY_SETPOINT,
+        _MEASURED[1],
+        choice("humidifier_mode", "mode", "available_modes", "set_mode", when=has(1)),
     ),
 )
 
@@ -183,15 +191,13 @@ def _read_speed(info: Fields, state: Fields) -> PlainValue:
     return 0.0 if state.get("state") == "off" else read_number("percentage", 1.0, 0, 100)(info, state)
 
 
-_SPEED = number_row("fan_speed", "percentage", "set_percentage", when=has(1))
-
 FAN: Final = EsphomeComponent(
     "fan",
     (
-        SWITCH_ROW,
-        replace(_SPEED, read=_read_speed),
+        SWITCH,
+        replace(percent("fan_speed", "percentage", "set_percentage", when=has(1)), read=_read_speed),
         EntityRow("oscillation", read_flag("oscillating"), _write_oscillation, "", has(2)),
         EntityRow("direction", read_text("direction"), _write_direction, "", has(4)),
-        choice_row("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),
+        choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),
     ),
 )

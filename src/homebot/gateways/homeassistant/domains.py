@@ -27,13 +27,13 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.gateways.homeassistant.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
 from homebot.gateways.homeassistant.rows import (
-    SWITCH_ROW,
+    SWITCH,
     bounds_of,
-    choice_row,
+    choice,
     has,
-    move_rows,
-    number_row,
-    push_row,
+    moves,
+    percent,
+    push,
     read_number,
     read_state,
     read_text,
@@ -117,7 +117,7 @@ def _read_white(info: Fields, state: Fields) -> PlainValue:
 _LIGHT: Final = EsphomeComponent(
     "light",
     (
-        EntityRow("on_off", SWITCH_ROW.read, _write_lamp("on_off")),
+        EntityRow("on_off", SWITCH.read, _write_lamp("on_off")),
         _lamp_row("level", _read_level),
         _lamp_row("color_temperature", _read_white),
         _lamp_row("color", _read_color),
@@ -125,29 +125,14 @@ _LIGHT: Final = EsphomeComponent(
     ),
 )
 
-_OPENINGS = read_state(_named("open", "closed", "opening", "closing"))
+_OPENINGS = ("open", "closed", "opening", "closing")
 
 
-def _openings(name: str, domain: str) -> tuple[EntityRow, EntityRow]:
-    moves = {"open": (1, "open"), "closed": (2, "close"), "stopped": (8, "stop")}
-    return move_rows(name, {move: (bit, f"{verb}_{domain}") for move, (bit, verb) in moves.items()}, _OPENINGS)
+def _opening(name: str, domain: str) -> tuple[EntityRow, ...]:
+    services = {"open": (1, f"open_{domain}"), "closed": (2, f"close_{domain}"), "stopped": (8, f"stop_{domain}")}
+    position = percent("position", "current_position", f"set_{domain}_position", "position", has(4))
+    return (*moves(name, services, *_OPENINGS), position)
 
-
-_COVER: Final = EsphomeComponent(
-    lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
-    (
-        *_openings("movement", "cover"),
-        number_row("position", "current_position", "set_cover_position", "position", has(4)),
-        number_row("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
-    ),
-)
-_VALVE: Final = EsphomeComponent(
-    "water_valve",
-    (
-        *_openings("valve", "valve"),
-        number_row("position", "current_position", "set_valve_position", "position", has(4)),
-    ),
-)
 
 _LOCK_STATES = _named("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
 
@@ -184,7 +169,7 @@ def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     return {"service": services[state], **({"code": code} if code else {})}
 
 
-_VACUUM: Mapping[str, tuple[int, str]] = {
+_VACUUM = {
     "cleaning": (8192, "start"),
     "paused": (4, "pause"),
     "idle": (8, "stop"),
@@ -192,12 +177,6 @@ _VACUUM: Mapping[str, tuple[int, str]] = {
     "spot": (1024, "clean_spot"),
 }
 _MOWER = {"mowing": (1, "start_mowing"), "paused": (2, "pause"), "docked": (4, "dock")}
-
-
-def _moving(service_type: str, name: str, moves: Mapping[str, tuple[int, str]], *more: EntityRow) -> EsphomeComponent:
-    states = _named("cleaning", "mowing", "docked", "paused", "idle", "returning", "error")
-    rows = (*move_rows(name, moves, read_state(states)), *more)
-    return EsphomeComponent(service_type, rows)
 
 
 def _write_tone(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -215,11 +194,9 @@ _PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", 
 _MEDIA_PLAYER: Final = EsphomeComponent(
     lambda info: "video_player" if _class_of(info) == "tv" else "speaker",
     (
-        EntityRow(
-            "on_off", read_state(_PLAYER_ON), SWITCH_ROW.write, when=has_feature("supported_features", 128 | 256)
-        ),
-        number_row("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
-        choice_row("option", "source", "source_list", "select_source", when=has(2048)),
+        EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
+        percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
+        choice("option", "source", "source_list", "select_source", when=has(2048)),
         EntityRow("value", read_text("state")),
     ),
 )
@@ -260,7 +237,7 @@ _NUMBER: Final = EsphomeComponent(
         ),
     ),
 )
-_SELECT: Final = EsphomeComponent("x_setting", (choice_row("option", "state", "options", "select_option", "option"),))
+_SELECT: Final = EsphomeComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
 
 
 def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -278,7 +255,7 @@ _TEXT: Final = EsphomeComponent(  # a password can be set but is never read
     ),
 )
 _BUTTON: Final = EsphomeComponent(
-    "x_setting", (push_row("push", "press"), push_row("locate", "press", lambda info: _class_of(info) == "identify"))
+    "x_setting", (push("push", "press"), push("locate", "press", lambda info: _class_of(info) == "identify"))
 )
 
 _MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
@@ -318,20 +295,29 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
     "climate": CLIMATE,
     "water_heater": WATER_HEATER,
     "light": _LIGHT,
-    "cover": _COVER,
+    "cover": EsphomeComponent(
+        lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
+        (
+            *_opening("movement", "cover"),
+            percent("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
+        ),
+    ),
     "lock": EsphomeComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
-    "valve": _VALVE,
+    "valve": EsphomeComponent("water_valve", _opening("valve", "valve")),
     "fan": FAN,
     "humidifier": HUMIDIFIER,
-    "vacuum": _moving(
+    "vacuum": EsphomeComponent(
         "robotic_vacuum_cleaner",
-        "vacuum",
-        _VACUUM,
-        choice_row("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
-        number_row("battery", "battery_level", when=has(64)),
-        push_row("locate", "locate", has(512)),
+        (
+            *moves("vacuum", _VACUUM, "cleaning", "docked", "paused", "idle", "returning", "error"),
+            choice("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
+            percent("battery", "battery_level", when=has(64)),
+            push("locate", "locate", has(512)),
+        ),
     ),
-    "lawn_mower": _moving("x_lawn_mower", "mower", _MOWER),
+    "lawn_mower": EsphomeComponent(
+        "x_lawn_mower", moves("mower", _MOWER, "mowing", "docked", "paused", "returning", "error")
+    ),
     "alarm_control_panel": EsphomeComponent(
         "x_alarm_panel",
         (EntityRow("alarm", read_state(_named(*_ALARM_STATES)), _write_alarm, options=_ALARM_STATES),),
@@ -339,14 +325,12 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
     "siren": EsphomeComponent(
         "siren",
         (
-            SWITCH_ROW,
+            SWITCH,
             EntityRow("siren_tone", None, _write_tone, when=_tones, options=_tones),
-            EntityRow(
-                "volume", None, number_row("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)
-            ),
+            EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
         ),
     ),
-    "switch": EsphomeComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH_ROW,)),
+    "switch": EsphomeComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH,)),
     "media_player": _MEDIA_PLAYER,
     "event": EsphomeComponent(
         "generic_switch",
@@ -369,7 +353,7 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
         ),
     ),
     "device_tracker": EsphomeComponent("x_tracker", (EntityRow("place", read_text("state")),)),
-    "scene": EsphomeComponent("x_scene", (push_row("scene", "turn_on"),)),
+    "scene": EsphomeComponent("x_scene", (push("scene", "turn_on"),)),
     "number": _NUMBER,
     "input_number": _NUMBER,
     "select": _SELECT,
@@ -378,7 +362,7 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
     "input_text": _TEXT,
     "button": _BUTTON,
     "input_button": _BUTTON,
-    "input_boolean": EsphomeComponent("x_setting", (SWITCH_ROW,)),
+    "input_boolean": EsphomeComponent("x_setting", (SWITCH,)),
     "date": _moment("date"),
     "time": _moment("time"),
     "datetime": _moment("datetime"),

@@ -8,18 +8,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from homebot.conventions.homeassistant.device import DeviceInfo
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.part import Part
 from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.homeassistant.domains import DOMAINS
 from homebot.gateways.homeassistant.entity import HomeAssistantEntity
-from homebot.gateways.homeassistant.registries import DeviceEntry, Registries, own_entry
+from homebot.gateways.homeassistant.registries import Registries
 
 __all__ = ["EntityChange", "HomeAssistantEntities"]
 
 MAX_PARTS = 200
 """Of one device."""
+
+_MAX_FACT = 255
 
 _ORDER = {domain: number for number, domain in enumerate(DOMAINS)}
 
@@ -80,7 +83,7 @@ class HomeAssistantEntities:
             if len(self._entities) >= self._max_entities:
                 self.left_out += 1
                 return None
-            entry = self.registries.entities.get(entity_id) or own_entry(entity_id)
+            entry = self.registries.entity(entity_id)
             entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
         is_described_anew = entity.put(fields, is_new=is_new)
         entity.forget(gone)
@@ -96,31 +99,27 @@ class HomeAssistantEntities:
 
     def lose_all(self) -> None:
         """Apply that no states are known: those that come next are all there are."""
-        for entity in self._entities.values():
-            entity.has_state = entity.is_available = False
+        for entity_id in self._entities:
+            self.lose(entity_id)
 
-    def forget_unregistered(self) -> bool:
-        """Forget the entities without a state that no registry has; return whether there were any."""
-        known, before = self.registries.entities, len(self._entities)
-        self._entities = {key: one for key, one in self._entities.items() if one.has_state or key in known}
-        return len(self._entities) < before
+    def regroup(self, *, forget: bool = False) -> dict[str, tuple[HomeAssistantEntity, ...]]:
+        """Group the entities anew by the registries; return them by the keys of their devices.
 
-    def regroup(self) -> dict[str, tuple[HomeAssistantEntity, ...]]:
-        """Group the entities anew by the registries; return them by the keys of their devices."""
+        Args:
+            forget: Whether entities are gone that have no state, and never had an entry.
+        """
         groups: dict[str, dict[str, HomeAssistantEntity]] = {}
-        known = self.registries.entities
-        gone = [key for key, one in self._entities.items() if one.is_registered and not one.has_state]
-        for entity_id in gone:
-            if entity_id not in known:
-                del self._entities[entity_id]
         for entity_id, entity in sorted(self._entities.items(), key=_order):
-            entity.entry = known.get(entity_id) or own_entry(entity_id)
-            device = self.registries.devices.get(entity.entry.device_id)
-            if entity.is_left_out or (device is not None and device.is_left_out):
+            is_gone = not entity.has_state and not self.registries.has_entity(entity_id)
+            if is_gone and (forget or entity.entry.key != entity_id):
+                del self._entities[entity_id]
                 continue
-            parts = groups.setdefault(entity.entry.key if device is None else entity.entry.device_id, {})
+            entity.entry = entry = self.registries.entity(entity_id)
+            if entity.is_left_out or self.registries.is_left_out(entry.device_id):
+                continue
+            parts = groups.setdefault(entry.device_id or entry.key, {})
             if len(parts) < MAX_PARTS:
-                parts.setdefault(entity.entry.part_id, entity)
+                parts.setdefault(entry.part_id, entity)
         self._parts = groups
         self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
@@ -154,18 +153,20 @@ class HomeAssistantEntities:
     def describe(self, key: str) -> GatewayDevice:
         """Describe a device by its registries and the attributes of its entities."""
         entities = self.of(key)
-        device = self.registries.devices.get(key) or _own_device(entities[0])
-        areas = (device.area_id, *(one.entry.area_id for one in entities))
-        area, floor = self.registries.area_of(*areas)
-        labels = self.registries.labels_of([*device.labels, *(label for one in entities for label in one.entry.labels)])
-        facts = {**device.metadata, "floor": floor, "tags": ", ".join(labels), "entities": _listed(entities)}
+        ids = [one.entity_id for one in entities]
+        device = self.registries.device(key) or DeviceInfo((), "", "", {})
+        name = device.name or entities[0].name or ids[0].partition(".")[2].replace("_", " ")
+        area, floor = self.registries.place(key, ids)
+        lists = {"tags": "labels", "aliases": "aliases"}
+        facts = {fact: ", ".join(self.registries.listed(field, key, ids)) for fact, field in lists.items()}
+        facts |= {**device.facts, "floor": floor, "entities": ", ".join(ids)[:_MAX_FACT]}
         self._devices[key] = described = GatewayDevice(
             key,
-            device.name,
-            _parts_of(entities, device.name),
-            {name: text for name, text in facts.items() if text},
+            name,
+            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in _parts_of(entities)),
+            {fact: text for fact, text in facts.items() if text},
             device.identifiers,
-            authenticated=True,  # Home Assistant has it, and proved by its address and our token that it is the owner's
+            authenticated=True,  # our token proved that it is the owner's Home Assistant
             area=area,
             raw_address=f"homeassistant/{key}",
             native=False,  # the gateway of its own protocol knows it better
@@ -173,21 +174,11 @@ class HomeAssistantEntities:
         return described
 
 
+def _parts_of(entities: Iterable[HomeAssistantEntity]) -> list[Part]:
+    return [one.part() for one in entities]
+
+
 def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, str]:
     """Return the sort key of an entity: settings last, and then as :data:`DOMAINS` are sorted."""
     entity_id, entity = one
     return bool(entity.entry.category), _ORDER[entity.domain], entity_id
-
-
-def _own_device(entity: HomeAssistantEntity) -> DeviceEntry:
-    return DeviceEntry(entity.name or entity.entity_id.partition(".")[2].replace("_", " "), (), {})
-
-
-def _parts_of(entities: Iterable[HomeAssistantEntity], name: str) -> tuple[Part, ...]:
-    """Return the parts; one that is called as its device has no name of its own."""
-    parts = [one.part() for one in entities]
-    return tuple(one.model_copy(update={"name": ""}) if one.name == name else one for one in parts)
-
-
-def _listed(entities: Iterable[HomeAssistantEntity]) -> str:
-    return ", ".join(one.entity_id for one in entities)[:255]

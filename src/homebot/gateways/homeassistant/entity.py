@@ -76,11 +76,6 @@ class HomeAssistantEntity:
         self._rows: dict[str, EntityRow] = {}
 
     @property
-    def is_registered(self) -> bool:
-        """True if a registry has, or had, it."""
-        return self.entry.key != self.entity_id
-
-    @property
     def is_left_out(self) -> bool:
         """True for one that homebot does not use: no type of its domain, a secret, or a scene that could hurt."""
         kind = DOMAINS.get(self.domain)

@@ -206,9 +206,9 @@ class HomeAssistantGateway(Gateway):
         if values:
             await self.devices.report(key, values, entity.entry.part_id)
 
-    async def _describe_all(self, why: str) -> None:
+    async def _describe_all(self, why: str, *, forget: bool = False) -> None:
         """Group the entities, publish the devices, report their values, and remove those that are gone."""
-        groups = self._entities.regroup()
+        groups = self._entities.regroup(forget=forget)
         for key in set(self.devices.keys) - groups.keys():
             self.devices.remove(key, "Home Assistant no longer has it")
         for key, entities in groups.items():
@@ -229,8 +229,7 @@ class HomeAssistantGateway(Gateway):
             since_forgotten += pause
             if since_forgotten >= FORGOTTEN_AFTER:
                 since_forgotten = 0.0
-                if self._entities.forget_unregistered():
-                    self._mark_stale("entity")
+                await self._describe_all("Home Assistant reaches it", forget=True)
             for key in self.devices.keys:
                 if any(one.is_available for one in self._entities.of(key)):
                     self.devices.put(self._entities.device(key), "Home Assistant reaches it")
