@@ -253,7 +253,8 @@ async def try_out(home: HomeAssistant, seen: House, entity: str, table: dict[str
             before = (await home.states())[entity]
             answer = await seen.command(key, part.id, capability.name, value, CODE)
             after = await settled(home, entity)
-            result = changes(before, after) if answer.success else answer.message
+            news = shown(after["state"]) if capability.name == "on_off" else changes(before, after)
+            result = news if answer.success else answer.message
             table[entity].append(f"    {capability.name} := {shown(value)}  ->  {result}")
             now = seen.values.get((key, part.id, capability.name))
             if answer.success and capability.readable and not is_about(capability.name, now, value):

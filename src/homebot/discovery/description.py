@@ -84,7 +84,7 @@ def describe_device(
             area, outer_areas = plan.locate(area)
     return DeviceDescription(
         name=first.name,
-        names=tuple(dict.fromkeys(map(_NAME, believed))),
+        names=tuple(dict.fromkeys((*map(_NAME, believed), *_announced(facts, "aliases")))),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, parts),
         area=area,
@@ -94,6 +94,7 @@ def describe_device(
         facts=facts,
         addresses=addresses(ordered, main),
         merged=merged,
+        tags=tuple(dict.fromkeys(_announced(facts, "tags"))),
     )
 
 
@@ -151,7 +152,7 @@ def with_stated_facts(
         names=names,
         area=area,
         outer_areas=outer_areas,
-        tags=tuple(_values(own, "tag")),
+        tags=tuple(dict.fromkeys((*_values(own, "tag"), *described.tags))),
         facts=((*own, *described.facts)[: MAX_FACTS - len(taught)] + tuple(taught)),
     )
 
@@ -176,6 +177,11 @@ def position_of(facts: Iterable[Fact]) -> Position | None:
             except UsageError:  # a device's own word for something else
                 continue
     return None
+
+
+def _announced(facts: Iterable[Fact], name: str) -> Iterator[str]:
+    """Return the texts of a hub, separated by commas, such as the labels that people gave a device there."""
+    return (one for fact in facts if fact.name == name for text in fact.value.split(",") if (one := text.strip()))
 
 
 def _values(facts: Iterable[Fact], name: str) -> Iterator[str]:

@@ -112,9 +112,14 @@ class SourceRecord:
         return prefix + sighting.key
 
 
-def preference(source: SourceRecord) -> tuple[bool, bool, int]:
-    """Return the sort key of sources on one device: claimed ones last, own conventions and older ones first."""
-    return source.is_claimed, not source.sighting.native, source.number
+def preference(source: SourceRecord) -> tuple[bool, bool, bool, int]:
+    """Return the sort key of sources on one device: claimed ones last, own conventions and older ones first.
+
+    An announcement that is neither the device's own nor of any convention is of a hub that passes its devices on: it
+    comes after all others.
+    """
+    sighting = source.sighting
+    return source.is_claimed, not sighting.native, not (sighting.native or sighting.convention), source.number
 
 
 _DESCRIPTION = itemgetter(

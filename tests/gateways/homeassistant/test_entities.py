@@ -1,0 +1,222 @@
+"""Entities of Home Assistant as devices."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import pytest
+
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, RefusedError, UnableError, WireError, WrongCodeError
+from homebot.gateways.homeassistant.entities import HomeAssistantEntities
+from homebot.gateways.homeassistant.entity import HomeAssistantEntity
+
+NOW = datetime(2026, 11, 22, 8, 0, tzinfo=UTC)
+HUB = {
+    "id": "d1",
+    "name": "Hall hub",
+    "name_by_user": None,
+    "manufacturer": "Acme",
+    "model": "H1",
+    "area_id": "hall",
+    "identifiers": [["acme", "h1"]],
+}
+
+
+def entity_entry(entity_id: str, **fields: object) -> dict[str, object]:
+    return {"entity_id": entity_id, "id": f"r-{entity_id}", "unique_id": entity_id.upper(), **fields}
+
+
+def home(*entries: dict[str, object], device: dict[str, object] | None = None) -> HomeAssistantEntities:
+    """A Home Assistant with these entries, and one device."""
+    entities = HomeAssistantEntities(100)
+    entities.registries.put("device", [{**HUB, **(device or {})}])
+    entities.registries.put("entity", list(entries))
+    entities.registries.put("area", [{"area_id": "hall", "name": "Hall", "floor_id": "f1"}])
+    entities.registries.put("floor", [{"floor_id": "f1", "name": "Ground floor"}])
+    entities.registries.put("label", [{"label_id": "night", "name": "At night"}])
+    return entities
+
+
+def state(text: str, **attributes: object) -> dict[str, object]:
+    return {"s": text, "a": attributes, "c": "1", "lc": NOW.timestamp()}
+
+
+def only(entity_id: str, text: str, **attributes: object) -> HomeAssistantEntity:
+    """An entity by itself, in this state."""
+    entities = home()
+    entities.put(entity_id, state(text, **attributes), is_new=True)
+    ((entity,),) = entities.regroup().values()
+    entity.part()
+    return entity
+
+
+def test_the_entities_of_a_device_are_its_parts_and_its_area_its_room() -> None:
+    """Labels are tags, and the floor, the aliases and the entity ids are facts."""
+    lamp = entity_entry("light.hall", device_id="d1", original_name="Lamp", labels=["night"], aliases=["Big lamp"])
+    power = entity_entry("sensor.power", device_id="d1", original_name="Power", entity_category="diagnostic")
+    hidden = entity_entry("switch.led", device_id="d1", name="LED", hidden_by="user")
+    disabled = entity_entry("switch.other", device_id="d1", disabled_by="user")
+    entities = home(lamp, power, hidden, disabled)
+    for entity_id in ("sensor.power", "switch.led", "switch.other", "light.hall"):
+        entities.put(entity_id, state("on"), is_new=True)
+    assert list(entities.regroup()) == ["d1"]
+    device = entities.describe("d1")
+    assert (device.name, device.area, device.native) == ("Hall hub", "Hall", False)
+    assert [(one.id, one.name, one.category) for one in device.parts] == [
+        ("light_LIGHT.HALL", "Lamp", ""),
+        ("switch_SWITCH.LED", "LED", "config"),
+        ("sensor_SENSOR.POWER", "Power", "diagnostic"),
+    ]
+    assert device.metadata == {
+        "manufacturer": "Acme",
+        "model": "H1",
+        "floor": "Ground floor",
+        "tags": "At night",
+        "aliases": "Big lamp",
+        "entities": "light.hall, switch.led, sensor.power",
+    }
+
+
+@pytest.mark.parametrize(
+    ("device", "expected"),
+    [
+        ({"identifiers": [["mqtt", "zigbee2mqtt_0x00158d0001abcdef"]]}, "eui64:00158d0001abcdef"),
+        ({"connections": [["mac", "AA:BB:CC:00:11:22"]]}, "mac:aabbcc001122"),
+        ({"connections": [["zigbee", "00:15:8d:00:01:ab:cd:ef"]]}, "eui64:00158d0001abcdef"),
+        ({"identifiers": [["matter", "serial_4711-A"]]}, "id:4711-A"),
+        ({"identifiers": [["hue", "uuid-1"]]}, "id:hue:uuid-1"),
+        ({"connections": [["upnp", "uuid:1-2"]]}, "id:upnp:uuid:1-2"),
+    ],
+)
+def test_a_device_has_the_identifiers_that_its_own_protocol_gives_it(device: dict[str, object], expected: str) -> None:
+    entities = home(entity_entry("light.hall", device_id="d1"), device=device)
+    entities.put("light.hall", state("on"), is_new=True)
+    entities.regroup()
+    assert expected in entities.describe("d1").identifiers
+
+
+@pytest.mark.parametrize(
+    "device", [{"identifiers": [["mqtt", "homebot_villa_robot"]]}, {"disabled_by": "user"}], ids=["own", "disabled"]
+)
+def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[str, object]) -> None:
+    entities = home(entity_entry("light.hall", device_id="d1"), device=device)
+    entities.put("light.hall", state("on"), is_new=True)
+    assert entities.regroup() == {}
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "attributes"),
+    [
+        ("sensor.code", {"friendly_name": "Keypad code"}),
+        ("scene.leave", {"entity_id": ["light.hall", "lock.door"]}),
+        ("camera.door", {}),
+        ("script.leave", {}),
+    ],
+)
+def test_secrets_and_scenes_that_move_locks_are_left_out(entity_id: str, attributes: dict[str, object]) -> None:
+    entities = home()
+    entities.put(entity_id, state("on", **attributes), is_new=True)
+    assert entities.regroup() == {}
+
+
+def test_unavailable_is_unreachable_and_unknown_is_unknown() -> None:
+    gone, unknown = only("switch.a", "unavailable"), only("switch.a", "unknown")
+    assert (gone.is_available, dict(gone.read(is_change=True))) == (False, {})
+    assert (unknown.is_available, unknown.read(is_change=True)) == (True, {"on_off": None})
+
+
+def test_a_renamed_entity_is_the_same_part_and_one_that_is_reloaded_stays() -> None:
+    entities = home(entity_entry("light.hall", device_id="d1"))
+    entities.put("light.hall", state("on"), is_new=True)
+    entities.put("switch.yaml", state("on"), is_new=True)
+    entities.regroup()
+    before = entities.describe("d1").parts
+    renamed = {**entity_entry("light.hall", device_id="d1"), "entity_id": "light.new"}
+    entities.lose("light.hall")
+    entities.lose("switch.yaml")
+    entities.put("light.new", state("on"), is_new=True)
+    entities.registries.put("entity", [renamed])
+    assert list(entities.regroup()) == ["switch.yaml", "d1"] or list(entities.regroup()) == ["d1", "switch.yaml"]
+    assert [one.id for one in entities.describe("d1").parts] == [one.id for one in before]
+    assert entities.describe("d1").parts[0].payloads != before[0].payloads  # an approval was for the old entity
+    with pytest.raises(LinkError, match="unavailable"):
+        entities.entity("switch.yaml", "switch_yaml")
+    assert list(entities.regroup(forget=True)) == ["d1"]
+    with pytest.raises(UnableError):
+        entities.entity("switch.yaml", "switch_yaml")
+
+
+def test_entities_beyond_the_limit_are_left_out_and_counted() -> None:
+    entities = HomeAssistantEntities(1)
+    for number in range(3):
+        entities.put(f"light.l{number}", state("on"), is_new=True)
+    assert (len(entities.regroup()), entities.left_out) == (1, 2)
+
+
+def test_an_event_is_reported_when_it_happens_and_not_again_when_it_is_restored() -> None:
+    entity = only("event.bell", "unknown", event_types=["ring"], event_type=None)
+    entity.put({"s": NOW.isoformat(), "a": {"event_type": "ring"}, "lc": NOW.timestamp() + 0.1}, is_new=False)
+    assert entity.read(is_change=True) == {"press": "ring"}
+    assert entity.read(is_change=False) == {}
+    entity.put({"s": NOW.isoformat(), "lc": NOW.timestamp() + 3600}, is_new=False)
+    assert entity.read(is_change=True) == {}
+
+
+def test_an_assumed_state_proves_nothing() -> None:
+    (capability,) = only("switch.a", "on", assumed_state=True).part().capabilities
+    assert capability.echoed
+
+
+def test_degrees_fahrenheit_are_converted_both_ways() -> None:
+    entities = HomeAssistantEntities(9)
+    entities.celsius = False
+    told = {"hvac_modes": ["heat", "off"], "min_temp": 45, "max_temp": 95, "temperature": 68, "supported_features": 1}
+    entities.put("climate.hall", state("heat", **told), is_new=True)
+    ((entity,),) = entities.regroup().values()
+    entity.part()
+    assert entity.read(is_change=False)["heating_setpoint"] == 20.0
+    assert entity.call("heating_setpoint", 21.0).data == {"temperature": 69.8}
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "attributes", "capability", "value", "called"),
+    [
+        (
+            "light.a",
+            {"supported_color_modes": ["rgbw"]},
+            "color",
+            (120.0, 50.0),
+            ("turn_on", {"hs_color": (120.0, 50.0)}),
+        ),
+        ("light.a", {"supported_color_modes": ["hs"]}, "level", 0.0, ("turn_off", {})),
+        ("valve.a", {"supported_features": 15}, "valve", "open", ("open_valve", {})),
+        ("lawn_mower.a", {"supported_features": 7}, "mower", "docked", ("dock", {})),
+        ("lock.a", {"code_format": "\\d+"}, "lock", "unlocked", ("unlock", {"code": "1234"})),
+    ],
+)
+def test_a_command_is_the_call_of_a_service(
+    entity_id: str, attributes: dict[str, object], capability: str, value: PlainValue, called: tuple[str, object]
+) -> None:
+    call = only(entity_id, "off", **attributes).call(capability, value, code="1234" if "lock" in entity_id else "")
+    assert (call.entity_id, call.service, dict(call.data)) == (entity_id, *called)
+
+
+def test_a_lock_with_a_code_needs_it() -> None:
+    with pytest.raises(WrongCodeError):
+        only("lock.a", "locked", code_format="\\d+").call("lock", "unlocked")
+
+
+def test_a_transition_is_passed_on_and_an_unknown_capability_refused() -> None:
+    lamp = only("light.a", "on", supported_color_modes=["brightness"])
+    assert lamp.call("level", 50.0, transition=2.0).data == {"brightness": 128, "transition": 2.0}
+    with pytest.raises(RefusedError, match="this part takes on_off, level"):
+        lamp.call("color", (1.0, 2.0))
+
+
+@pytest.mark.parametrize("change", [5, {}, {"s": None}, {"+": 3}], ids=str)
+def test_an_invalid_change_is_refused(change: object) -> None:
+    entities = home()
+    entities.put("light.a", state("on"), is_new=True)
+    with pytest.raises(WireError, match="the state of light"):
+        entities.put("light.a", change, is_new=False)

@@ -1,0 +1,84 @@
+"""A house that Home Assistant knows as well, or alone."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import AsyncIterator, Iterable, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.loopback import alone_on_loopback
+from tests.patience import PATIENCE
+
+from homebot.config import parse_config
+from homebot.devices import Device, Devices
+from homebot.graph import Node
+from homebot.house.description import parse_world
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.runtime import Runtime
+
+pytestmark = pytest.mark.slow
+
+KINDS = ("contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window")
+
+
+@asynccontextmanager
+async def serving(home: SimulatedHomeAssistant, kinds: Iterable[str]) -> AsyncIterator[None]:
+    """Let a Home Assistant have these devices of the house too."""
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(home.serve)
+        for kind in kinds:
+            entity = ServedEntity(SimulatedDeviceInfo("home425", kind, kind, kind, "hall"), lambda _: None, home)
+            entity.begin(DeviceState(text="off"), has_power=True)
+            await tasks.start(entity.serve)
+        yield
+        tasks.cancel_scope.cancel()
+
+
+@asynccontextmanager
+async def house(tables: Mapping[str, object], gateways: Mapping[str, object]) -> AsyncIterator[Node]:
+    world = parse_world({"rooms": {"hall": {}}, "devices": tables}, "x")
+    async with MemoryBroker() as broker:
+        config = parse_config({"gateways": {"mqtt": {"act": True}, **gateways}}, "test")
+        services = [HostedBroker.in_memory(broker)]
+        async with (
+            Runtime(config, house=world, with_door=False, services=services) as runtime,
+            Node(runtime.graph, "onlooker") as node,
+        ):
+            yield node
+
+
+async def found(node: Node, *gateways: str) -> tuple[Device, ...]:
+    """Wait until all devices are found, each by these gateways, the ones that take its commands first."""
+    with anyio.fail_after(PATIENCE):
+        while True:
+            devices = await Devices(node).find()
+            ways = [tuple(one.gateway for one in part.routes) for device in devices for part in device.parts]
+            if ways == [gateways] * len(KINDS):
+                return devices
+            await anyio.sleep(0.05)
+
+
+@pytest.mark.parametrize("dialect", ["homeassistant", "homeassistant_device"])
+async def test_a_house_that_home_assistant_has_too_has_each_device_once_and_its_own_protocol_first(
+    dialect: str, tmp_path: Path
+) -> None:
+    tables = {kind: {"kind": kind, "room": "hall", "dialect": dialect} for kind in KINDS}
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        home = SimulatedHomeAssistant(port=probe.getsockname()[1])
+    token = tmp_path / "token"
+    token.touch(mode=0o600)
+    token.write_text(home.token)
+    table = {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)}
+    async with alone_on_loopback(), house(tables, {"homeassistant": table}) as node:
+        await found(node, "mqtt")
+        async with serving(home, KINDS):
+            devices = await found(node, "mqtt", "homeassistant")
+    assert sorted(one.name for one in devices) == sorted(KINDS)
+    assert {one.area for one in devices} == {"hall"}
