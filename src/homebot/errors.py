@@ -18,6 +18,8 @@
     │   ├── RefusedError            a login, subscription, publish or command was answered with no
     │   └── UnableError             a part cannot do that as it is described; nothing was sent
     ├── LinkError                   the way to a peer outside is down: try again later
+    │   ├── BusyError               the peer did nothing with the request now
+    │   └── CertificateError        the peer has another certificate than one that is trusted
     ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
     ├── AbortError                  a part awaited a cancelled task, or raised an exit of Python: likewise
     └── ServiceError                a service call brought no response
@@ -37,6 +39,8 @@ from collections.abc import Collection
 
 __all__ = [
     "AbortError",
+    "BusyError",
+    "CertificateError",
     "ClosedError",
     "ConfigError",
     "DuplicateNameError",
@@ -200,6 +204,14 @@ class UnableError(PeerError):
 
 class LinkError(HomebotError):
     """A connection to a broker or gateway is missing, was lost or timed out; it may work later."""
+
+
+class BusyError(LinkError):
+    """A peer did nothing with a request, and says that it may work later."""
+
+
+class CertificateError(LinkError):
+    """A peer shows another certificate than one that is trusted; nothing was sent."""
 
 
 class ExitError(HomebotError):

@@ -12,7 +12,7 @@ from typing import Final
 import aiohttp
 
 from homebot.conventions.payload import clean_text
-from homebot.errors import LinkError, RefusedError, WireError
+from homebot.errors import BusyError, CertificateError, LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import OwnAddressError
 from homebot.support.connect_errors import connect_problem
 
@@ -35,6 +35,8 @@ def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iter
         check_status(f"{what} {where}", exc.status, has_login=has_login)
     except aiohttp.ClientResponseError as exc:
         raise WireError(f"{where} broke the rules of HTTP: {clean_text(exc.message, 80)}") from None
+    except aiohttp.ClientConnectorCertificateError:
+        raise CertificateError(f"the certificate of {where} is not trusted") from None
     except aiohttp.ClientSSLError as exc:
         raise LinkError(f"{where} cannot be reached with TLS: {type(exc).__name__}") from None
     except aiohttp.ClientConnectorError as exc:
@@ -56,13 +58,13 @@ def check_status(what: str, status: int, *, has_login: bool = False) -> None:
         has_login: Whether the request carried credentials.
 
     Raises:
-        LinkError: It says that the request may work later.
+        BusyError: It says that the request may work later.
         RefusedError: It is another; that is the code.
     """
     if 200 <= status < 300:
         return
     if status in _LATER:
-        raise LinkError(f"{what}: the server answered {status}, it may work later")
+        raise BusyError(f"{what}: the server answered {status}, it may work later")
     raise RefusedError(what, _reason(status, has_login=has_login), status)
 
 

@@ -65,12 +65,13 @@ def _family(
     kinds: frozenset[str], device: str, gateway: str, libraries: tuple[str, ...], **options: object
 ) -> ServedFamily:
     """Return a family with libraries of the extra of its gateway, or of another one that has them."""
-    extra = {"ble": "testing", "homeassistant": "matter", "homekit": "testing"}.get(gateway, gateway)
+    extra = {"ble": "testing", "homeassistant": "matter", "homekit": "testing", "hue": "testing"}.get(gateway, gateway)
     return ServedFamily(kinds, f"homebot.house.{device}", gateway, extra, libraries, options)
 
 
 _LAMP = frozenset({"lamp"})
 _SHELLYS = frozenset({"cover", "lamp", "window"})
+_HUE = frozenset({"contact", "lamp", "lux", "motion"})
 _SENSORS = frozenset({"contact", "lux", "motion", "power_meter", "thermostat"})
 _COAP = frozenset({"lamp", "lux", "motion", "thermostat"})
 _ALL = frozenset({"contact", "cover", "lamp", "lock", "lux", "motion", "power_meter", "thermostat", "window"})
@@ -84,6 +85,7 @@ FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
         "esphome": _family(_ALL, "esphome:EsphomeServedDevice", "mdns", ("aioesphomeapi", "zeroconf"), announced=True),
         "home_assistant": _family(_ALL, "homeassistant:ServedEntity", "homeassistant", ("aiohttp",)),
         "homekit": _family(_ALL - {"power_meter"}, "homekit:ServedAccessory", "homekit", ("pyhap",)),
+        "hue": _family(_HUE, "hue:HueHouseDevice", "hue", ("aiohttp", "trustme")),
         "matter": _family(_ALL, "matter:ServedMatterNode", "matter", ("aiohttp",)),
         "matter_bridge": _family(_ALL, "matter:BridgedMatterDevice", "matter", ("aiohttp",)),
         "matter_plug": _family(_LAMP, "matter:ServedMatterNode", "matter", ("aiohttp",), kind="plug"),
@@ -152,6 +154,11 @@ class HouseNetwork:
                 bridge: SimulatedHomekitBridge = homekit.SimulatedHomekitBridge(LOOPBACK, self._pairings)
                 await stack.enter_async_context(_served(bridge))
                 self._options["homekit"] = {"bridge": bridge}
+            if "hue" in gateways:
+                from homebot.house.hue import paired_bridge  # noqa: PLC0415 - likewise
+
+                paired = paired_bridge(LOOPBACK, self._port("hue"), self._pairings.with_suffix(".hue"))
+                self._options["hue"] = {"bridge": await stack.enter_async_context(paired)}
             if "nfc" in gateways:
                 from homebot.house.nfc import TagField  # noqa: PLC0415 - likewise
 
@@ -204,6 +211,8 @@ class HouseNetwork:
             case "homeassistant":
                 os.environ.setdefault(TOKEN, secrets.token_hex(16))
                 return {"url": f"http://{LOOPBACK}:{self._port(gateway)}", "token_env": TOKEN}
+            case "hue":
+                return {"pairings": str(self._pairings.with_suffix(".hue"))}
             case "nfc":
                 return {"backend": "nfcpy", "devices": [f"udp:{LOOPBACK}:{self._port(gateway)}"]}
             case _:
@@ -212,7 +221,7 @@ class HouseNetwork:
     def _port(self, gateway: str) -> int:
         """Return the port at which a gateway and its devices meet; one that was free when it was asked for first."""
         if gateway not in self._ports:
-            kind = socket.SOCK_STREAM if gateway in {"homeassistant", "matter"} else socket.SOCK_DGRAM
+            kind = socket.SOCK_STREAM if gateway in {"homeassistant", "hue", "matter"} else socket.SOCK_DGRAM
             with socket.socket(socket.AF_INET, kind) as probe:
                 probe.bind((LOOPBACK, 0))
                 self._ports[gateway] = probe.getsockname()[1]

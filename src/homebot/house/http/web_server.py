@@ -6,6 +6,7 @@ to a WebSocket, or as events, waits in a queue of its own: of 100 messages the o
 
 from __future__ import annotations
 
+import ssl
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -111,17 +112,22 @@ class WebServer:
         device: The device.
         address: The address to listen on.
         port: The port; 0 for a free one.
+        tls: The server's side of TLS; None for none.
 
     Attributes:
         address: The same.
         port: The port, once it serves.
         peers: The open WebSockets and streams of events.
+        tls: The same.
     """
 
-    def __init__(self, device: WebDevice, address: str = "127.0.0.1", port: int = 0) -> None:
+    def __init__(
+        self, device: WebDevice, address: str = "127.0.0.1", port: int = 0, tls: ssl.SSLContext | None = None
+    ) -> None:
         self.address = address
         self.port = port
         self.peers: list[WebPeer] = []
+        self.tls = tls
         self._device = device
 
     def broadcast(self, text: bytes) -> None:
@@ -137,7 +143,7 @@ class WebServer:
         runner = web.AppRunner(app, shutdown_timeout=SHUTDOWN, handler_cancellation=True, access_log=None)
         await runner.setup()
         try:
-            await web.TCPSite(runner, self.address, self.port).start()
+            await web.TCPSite(runner, self.address, self.port, ssl_context=self.tls).start()
             self.port = int(runner.addresses[0][1])
             task_status.started()
             await anyio.sleep_forever()

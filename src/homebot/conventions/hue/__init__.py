@@ -1,0 +1,1 @@
+"""Philips Hue: the resources of a bridge, their values and commands. Pure."""

@@ -1,0 +1,170 @@
+"""Devices of a Hue bridge, with their parts, made of its resources. Pure."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Final
+
+from homebot.conventions.hue.light_rows import LIGHT_ROWS
+from homebot.conventions.hue.resource_row import Fields, HueRow, at
+from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.service_rows import SERVICE_ROWS
+from homebot.conventions.payload import text_of
+from homebot.devices.identity import identifiers
+from homebot.devices.part import Category, Part
+from homebot.support.numbers import whole_number
+
+__all__ = ["HueDevice", "HueService", "bridge_identifiers", "devices_of"]
+
+_ROWS: Final = (*LIGHT_ROWS, *SERVICE_ROWS)
+_TYPES: Final[Mapping[str, tuple[str, Category]]] = {
+    "light": ("light", ""),
+    "motion": ("occupancy_sensor", ""),
+    "camera_motion": ("occupancy_sensor", ""),
+    "temperature": ("temperature_sensor", ""),
+    "light_level": ("light_sensor", ""),
+    "contact": ("contact_sensor", ""),
+    "tamper": ("x_binary_sensor", "diagnostic"),
+    "device_power": ("x_battery", "diagnostic"),
+    "button": ("generic_switch", ""),
+    "bell_button": ("generic_switch", ""),
+    "relative_rotary": ("generic_switch", ""),
+    "scene": ("x_scene", ""),
+    "smart_scene": ("x_scene", ""),
+}
+"""By type of resource: type and category of the part."""
+
+_REACHABLE: Final = {"connected": True, "disconnected": False, "connectivity_issue": False}
+"""By status in the radio network; other states mean that it only sends, or is still searched for."""
+
+_PLUG: Final = "plug"
+
+
+@dataclass(frozen=True, slots=True)
+class HueService:
+    """A resource as the part of a device: its id, its type, the part, and the rows of its capabilities."""
+
+    id: str
+    type: str
+    part: Part
+    rows: tuple[HueRow, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class HueDevice:
+    """A device, or the scenes of a room or zone.
+
+    Attributes:
+        id: The id of its resource.
+        is_bridge: Whether it is the bridge itself.
+        reachable: Whether the bridge reaches it; None if that is unknown.
+    """
+
+    id: str
+    name: str
+    services: tuple[HueService, ...]
+    area: str = ""
+    identifiers: tuple[str, ...] = ()
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    is_bridge: bool = False
+    reachable: bool | None = None
+
+
+def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
+    """Return the identifiers of the bridge with an id, the EUI-64 of its hardware address: ``001788fffe123456``."""
+    return identifiers((bridge_id, f"{bridge_id[:6]}{bridge_id[10:]}"))
+
+
+def devices_of(resources: HueResources) -> tuple[HueDevice, ...]:
+    """Return the devices behind a bridge with that itself, and the scenes of each room and zone as one device."""
+    rooms, zones = _groups(resources, "room"), _groups(resources, "zone")
+    devices = (_device(resources, rid, one, rooms.get(rid, [""])[0], zones) for rid, one in resources.of_type("device"))
+    return (*devices, *_scenes(resources))
+
+
+def _groups(resources: HueResources, kind: str) -> dict[str, list[str]]:
+    """Return the names of the rooms of each device, or of the zones of each service."""
+    groups: dict[str, list[str]] = {}
+    for _, group in resources.of_type(kind):
+        for rid, _ in resources.referred(group, "children"):
+            groups.setdefault(rid, []).append(_name(group))
+    return groups
+
+
+def _device(resources: HueResources, rid: str, device: Fields, area: str, zones: Mapping[str, list[str]]) -> HueDevice:
+    services = tuple(resources.referred(device, "services"))
+    bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
+    radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
+    named = dict.fromkeys(zone for service, _ in services for zone in zones.get(service, ()))
+    facts = {
+        "manufacturer": text_of(at(device, "product_data", "manufacturer_name")),
+        "model": text_of(at(device, "product_data", "product_name")),
+        "model_id": text_of(at(device, "product_data", "model_id")),
+        "sw_version": text_of(at(device, "product_data", "software_version")),
+        "tags": ", ".join(named),
+    }
+    return HueDevice(
+        rid,
+        _name(device),
+        tuple(_services(device, services)),
+        area,
+        (*bridge_identifiers(bridge), *identifiers((text_of(radio.get("mac_address")),))),
+        {name: value for name, value in facts.items() if value},
+        bool(bridge),
+        _REACHABLE.get(text_of(radio.get("status"))),
+    )
+
+
+def _scenes(resources: HueResources) -> Iterator[HueDevice]:
+    groups: dict[str, list[HueService]] = {}
+    for rid, scene in resources.of_type("scene", "smart_scene"):
+        group = at(scene, "group", "rid")
+        if isinstance(group, str) and resources.get(group):
+            groups.setdefault(group, []).append(_service(rid, scene, rid, _name(scene)))
+    for group, services in groups.items():
+        name = _name(resources.get(group))
+        is_room = resources.get(group).get("type") == "room"
+        yield HueDevice(group, f"{name} scenes".strip(), tuple(services), name if is_room else "")
+
+
+def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:
+    """Yield the services that are parts: ``light``, or ``button-1`` and ``button-2`` if there are several."""
+    used = [(rid, one, text_of(one.get("type"))) for rid, one in listed if one.get("type") in _TYPES]
+    counts = Counter(kind for _, _, kind in used)
+    numbers: dict[str, set[int]] = {}
+    for rid, one, kind in used:
+        if counts[kind] == 1:
+            yield _service(rid, one, kind, "", is_plug=_is_plug(device))
+            continue
+        taken = numbers.setdefault(kind, set())
+        own = whole_number(at(one, "metadata", "control_id")) or whole_number(one.get("service_id")) or 1
+        number = next(free for free in count(own) if free not in taken)
+        taken.add(number)
+        name = _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
+        yield _service(rid, one, f"{kind}-{number}", name, is_plug=_is_plug(device))
+
+
+def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False) -> HueService:
+    kind = text_of(resource.get("type"))
+    service_type, category = _TYPES[kind]
+    rows = tuple(row for row in _ROWS if row.type == kind and row.needs in resource)
+    part = Part(
+        id=part_id,
+        name=name,
+        service_type=_PLUG if kind == "light" and is_plug else service_type,
+        advertised=kind,
+        category=category,
+        capabilities=tuple(row.describe(resource) for row in rows),
+    )
+    return HueService(rid, kind, part, rows)
+
+
+def _is_plug(device: Fields) -> bool:
+    return _PLUG in {at(device, "metadata", "archetype"), at(device, "product_data", "product_archetype")}
+
+
+def _name(resource: Fields) -> str:
+    return text_of(at(resource, "metadata", "name"))

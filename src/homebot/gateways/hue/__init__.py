@@ -1,0 +1,6 @@
+"""The gateway to Philips Hue bridges; the CLIP API v2."""
+
+from homebot.gateways.hue.gateway import HueGateway
+from homebot.gateways.hue.settings import HueGatewaySettings
+
+__all__ = ["HueGateway", "HueGatewaySettings"]

@@ -1,0 +1,292 @@
+"""One Hue bridge: connects to it, publishes its devices, follows their changes, and carries out commands.
+
+The stream of events is opened first, and all resources are read then, so that no change is missed; both again after
+each loss. A bridge sends nothing while nothing changes: it is asked for itself every ten seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import anyio
+import anyio.lowlevel
+from pydantic import SecretStr
+
+from homebot.conventions.hue.devices import HueDevice, HueService, bridge_identifiers, devices_of
+from homebot.conventions.hue.resource_row import Fields
+from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.service_rows import press_of
+from homebot.conventions.payload import as_fields, compact_json, parse_json, shown, text_of
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
+from homebot.errors import CertificateError, LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.announced.device_runner import DeviceRunner
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.hue.certificate import only_certificate
+from homebot.support.backoff import Backoff
+from homebot.support.isolation import ungrouped
+
+if TYPE_CHECKING:
+    from homebot.gateways.event_stream import ServerEvent
+    from homebot.gateways.hue.bridge_link import BridgeLink
+
+__all__ = ["BridgeRunner", "HuePairing"]
+
+WATCH_EVERY: Final = 10.0
+"""Seconds between two questions whether the bridge is still there."""
+
+REFRESH_EVERY: Final = 60.0
+"""Seconds between two confirmations of the devices that the bridge reaches."""
+
+LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=3.0, late_cap=3.0, late_after=300.0, jitter=0.5)
+"""After a lost connection. An attempt costs one packet in the local network, also after hours."""
+
+MAX_ADDRESSES: Final = 3
+_NO_ACCESS: Final = frozenset({401, 403})
+
+
+@dataclass(frozen=True, slots=True)
+class HuePairing:
+    """The pairing with a bridge: the application key that it made, and its certificate in PEM."""
+
+    key: SecretStr
+    certificate: str
+
+
+class BridgeRunner(DeviceRunner):
+    """Works with one bridge, which is a device itself.
+
+    Args:
+        bridge_id: Its id, which is its key.
+        name: The name that it is listed by before it answers.
+        devices: The devices of the gateway.
+        on_state: Called when it was connected, or a try failed.
+
+    Attributes:
+        origins: The beginnings of its addresses (``https://192.168.1.20``), the newest first.
+        pairing: The pairing; None if there is none.
+    """
+
+    def __init__(
+        self,
+        bridge_id: str,
+        name: str,
+        devices: PublishedDevices,
+        on_state: Callable[[], None],
+        pairing: HuePairing | None = None,
+    ) -> None:
+        super().__init__(name, bridge_id, devices, LOST_BACKOFF)
+        self.origins: tuple[str, ...] = ()
+        self.pairing = pairing
+        self._on_state = on_state
+        self._resources = HueResources()
+        self._described: dict[str, HueDevice] = {}
+        self._places: dict[str, tuple[str, HueService]] = {}
+        self._pressed: dict[str, str] = {}
+        self._link: BridgeLink | None = None
+        self._has_missed = self._has_answered = False
+
+    @property
+    def is_connected(self) -> bool:
+        """True while the bridge answers."""
+        return self._link is not None
+
+    @property
+    def keys(self) -> Iterable[str]:
+        """The keys of its devices."""
+        return self._described.keys()
+
+    def forget_devices(self, why: str) -> None:
+        """Remove its devices, but the bridge itself."""
+        for key in self._described.keys() - {self.key}:
+            self._devices.remove(key, why)
+        self._described = {key: one for key, one in self._described.items() if key == self.key}
+
+    def add_origin(self, origin: str) -> None:
+        """Try an address first from now on, at once if there is no connection."""
+        if origin not in self.origins:
+            self.origins = (origin, *self.origins)[:MAX_ADDRESSES]
+            if self._link is None:
+                self.restart()
+        self.wake()
+
+    async def work(self) -> None:
+        """Connect, and follow the bridge until the connection is lost."""
+        pairing = self.pairing
+        if pairing is None:
+            raise PeerError(f"it is not paired: press its button, then run `homebot pair '{self.name}'`")
+        failed: LinkError | PeerError = LinkError(f"the address of {self.name} is not known yet")
+        for origin in self.origins:
+            self._has_answered = False
+            try:
+                await self._follow(origin, pairing)
+            except CertificateError:
+                changed = f"its certificate at {origin.removeprefix('https://')} is not that of its pairing"
+                failed = PeerError(f"{changed}; if it was reset, press its button and run `homebot pair '{self.name}'`")
+            except LinkError as exc:
+                failed = failed if isinstance(failed, PeerError) else exc
+            if self._has_answered:
+                break  # it is tried again there, before its other addresses
+        raise failed
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the bridge has accepted it."""
+        if self._link is None:
+            raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
+        device = self._described[command.key]
+        service = next(one for one in device.services if one.part.id == command.part)
+        row = next(one for one in service.rows if one.capability == command.capability)
+        value, resource = command.value.plain(), self._resources.get(service.id)
+        if row.write is None:
+            raise RefusedError(command.capability, "it cannot be set")
+        body = row.write(resource, value, command.transition)
+        kind, rid = ("device", device.id) if row.at_owner else (service.type, service.id)
+        await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
+
+    def list_unheard(self) -> None:
+        """Publish the bridge by its id and name alone."""
+        device = GatewayDevice(self.key, self.name, identifiers=bridge_identifiers(self.key), service_type="bridge")
+        self._devices.put(device, "it was found", confirmed=False)
+
+    def on_end(self) -> None:
+        """Publish that there is no connection."""
+        super().on_end()
+        self._on_state()
+
+    async def _follow(self, origin: str, pairing: HuePairing) -> None:
+        from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415 - an extra
+
+        try:
+            async with bridge_client(origin, only_certificate(pairing.certificate), pairing.key) as client:
+                link = BridgeLink(client, origin, self.clock)
+                async with link.events() as events:
+                    self._link, self._has_answered = link, True
+                    await self._read_all(link)
+                    self.origins = (origin, *(one for one in self.origins if one != origin))
+                    self.on_answer()
+                    self.report_reachable(reachable=True)
+                    self._on_state()
+                    with ungrouped():
+                        async with anyio.create_task_group() as tasks:
+                            tasks.start_soon(self._watch, link)
+                            async for event in events:
+                                await self._on_event(event)
+        except RefusedError as exc:
+            if exc.code not in _NO_ACCESS:
+                raise
+            remedy = f"press its button, then run `homebot pair '{self.name}'`"
+            raise PeerError(f"it does not know homebot any more: {remedy}") from exc
+        finally:
+            self._link = None
+
+    async def _read_all(self, link: BridgeLink) -> None:
+        self._has_missed = False
+        self._resources.replace(await link.read())
+        self._describe("the bridge listed it")
+        for key, device in self._described.items():
+            for service in device.services:
+                await self._report(key, service, None, is_old=device.reachable is False)
+            await anyio.lowlevel.checkpoint()
+
+    async def _watch(self, link: BridgeLink) -> None:
+        """Notice that the bridge is gone, confirm the devices that it reaches, and read again what was missed."""
+        refreshed_at = self.clock.monotonic()
+        while True:
+            await anyio.sleep(WATCH_EVERY)
+            if self._has_missed:
+                await self._read_all(link)
+            else:
+                await link.read("bridge")
+            if self.clock.monotonic() - refreshed_at >= REFRESH_EVERY:
+                refreshed_at = self.clock.monotonic()
+                for key, device in self._described.items():
+                    if device.reachable is not False:
+                        self._put(key, device, "the bridge reaches it")
+
+    def _describe(self, why: str) -> None:
+        """Publish the devices, and remove those that the bridge no longer has."""
+        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources)}
+        for gone in self._described.keys() - devices.keys():
+            self._devices.remove(gone, "the bridge no longer has it")
+        self._described = devices
+        self._places = {service.id: (key, service) for key, one in devices.items() for service in one.services}
+        self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
+        for key, device in devices.items():
+            if device.is_bridge:
+                self.name = device.name or self.name
+            self._put(key, device, why)
+            if device.reachable is not None and not device.is_bridge:
+                self._devices.report_reachable(key, reachable=device.reachable)
+
+    def _put(self, key: str, device: HueDevice, why: str) -> None:
+        published = GatewayDevice(
+            key,
+            device.name or key,
+            tuple(one.part for one in device.services),
+            device.metadata if device.is_bridge else {**device.metadata, "via_device": self.name},
+            device.identifiers,
+            area=device.area,
+            service_type="bridge" if device.is_bridge else "",
+        )
+        self._devices.put(published, why, confirmed=device.reachable is not False)
+
+    async def _on_event(self, event: ServerEvent) -> None:
+        """Apply one event, which has the changes of many resources."""
+        await anyio.lowlevel.checkpoint()
+        payload = event.data.encode()
+        try:
+            parts = parse_json(payload, len(payload) or 1)
+        except WireError as exc:
+            if self._admits(self.key):
+                self.reject(payload, str(exc))
+            return
+        changes = [
+            change for one in (parts if isinstance(parts, list) else ()) for change in self._apply(as_fields(one))
+        ]
+        if any(is_described_anew for _, is_described_anew in changes):  # once all its resources are there
+            self._describe("the bridge reported it")
+        for item, _ in changes:
+            await self._publish(item)
+
+    def _apply(self, event: Fields) -> Iterator[tuple[Fields, bool]]:
+        """Apply the changes of an event that are valid; yield each with whether devices or parts may differ now."""
+        kind, items = text_of(event.get("type")), event.get("data")
+        for item in items if isinstance(items, list) else ():
+            rid = text_of(as_fields(item).get("id"))
+            source = self._places[rid][0] if rid in self._places else shown(rid)
+            if not self._admits(source):
+                continue
+            try:
+                yield as_fields(item), self._resources.change(kind, item)
+            except WireError as exc:
+                self._devices.reject(source, compact_json(item).encode(), str(exc))
+
+    async def _publish(self, item: Fields) -> None:
+        """Publish a change of a part."""
+        key, service = self._places.get(text_of(item.get("id")), ("", None))
+        if service is not None:
+            self._put(key, self._described[key], "it reported")
+            await self._devices.deliver_raw(key, compact_json(item).encode())
+            await self._report(key, service, item)
+
+    def _admits(self, source: str) -> bool:
+        admitted = self._devices.admits(source)
+        self._has_missed = self._has_missed or not admitted
+        return admitted
+
+    async def _report(self, key: str, service: HueService, change: Fields | None, *, is_old: bool = False) -> None:
+        """Report the values that a change has, or all of them for None."""
+        resource = self._resources.get(service.id)
+        values: dict[frozenset[str], dict[str, PlainValue]] = {}
+        for row in service.rows:
+            if row.read is not None and (change is None or row.fields & change.keys()):
+                values.setdefault(row.fields, {})[row.capability] = row.read(resource)
+        for together in values.values():
+            await self._devices.report(key, together, service.part.id, retained=is_old)
+        press, time = press_of(change or {})
+        if press and (not time or self._pressed.get(service.id) != time):
+            self._pressed[service.id] = time
+            await self._devices.report(key, {"press": press}, service.part.id)

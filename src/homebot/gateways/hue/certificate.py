@@ -1,0 +1,47 @@
+"""The certificate of a bridge: read once when it is paired, and the only one that is trusted from then on.
+
+A bridge has a certificate that it signed itself, or one by an authority of Signify, for its id, which no computer looks
+up.
+"""
+
+from __future__ import annotations
+
+import ssl
+from functools import partial
+
+import anyio.to_thread
+
+from homebot.errors import LinkError
+from homebot.gateways.http_address import parse_url, shown_url
+from homebot.support.connect_errors import connect_problem
+
+__all__ = ["fetch_certificate", "only_certificate"]
+
+_WITHIN = 5.0
+
+
+def only_certificate(certificate: str) -> ssl.SSLContext:
+    """Return a context that trusts a server with this certificate, in PEM, and no other.
+
+    Raises:
+        OSError: It is no certificate.
+    """
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname = False
+    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # the authority of the bridge is not known here
+    context.load_verify_locations(cadata=certificate)
+    return context
+
+
+async def fetch_certificate(origin: str) -> str:
+    """Return the certificate that a server shows, in PEM.
+
+    Raises:
+        LinkError: It cannot be reached.
+    """
+    url = parse_url(origin)
+    fetch = partial(ssl.get_server_certificate, (url.host or "", url.port or 443), timeout=_WITHIN)
+    try:
+        return await anyio.to_thread.run_sync(fetch)
+    except OSError as exc:
+        raise LinkError(f"{shown_url(url)} cannot be reached: {connect_problem(exc)}") from None

@@ -1,0 +1,214 @@
+"""The gateway to Philips Hue bridges: finds them, pairs with them by their button, and works with each.
+
+A bridge is found by an mDNS gateway, whose sightings this gateway follows on the graph, or by its configured address.
+It is a device before it is paired, so that ``homebot pair`` can name it.
+"""
+
+from __future__ import annotations
+
+import re
+import socket
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import ClassVar, Final
+
+import anyio
+import anyio.to_thread
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import BaseModel, SecretStr
+
+from homebot.conventions.payload import as_fields, text_of
+from homebot.devices import GatewayNames, Sighting
+from homebot.devices.gateway_messages import Command
+from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
+from homebot.gateways.announced.device_runner import problems_of
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext
+from homebot.gateways.http_address import http_origin
+from homebot.gateways.hue.bridge import BridgeRunner, HuePairing
+from homebot.gateways.hue.certificate import fetch_certificate, only_certificate
+from homebot.gateways.hue.settings import HueGatewaySettings
+from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.plugins import check_extra
+from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
+from homebot.support.installation import Installation
+from homebot.support.isolation import run_as
+
+__all__ = ["HueGateway"]
+
+SERVICE_TYPE: Final = "_hue._tcp"
+MAX_BRIDGES: Final = 20
+PRESSED_WITHIN: Final = 30.0
+"""Seconds in which the button may be pressed: as long as a bridge accepts a program after that."""
+
+_EACH: Final = 1.0
+_SIGHTINGS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_ID: Final = re.compile(r"[0-9a-f]{16}")
+_NONE: Final = "no Hue bridge was found; is the mDNS gateway on, or give its address as `bridges`"
+
+
+class HueGateway(Gateway):
+    """Brings the devices of Hue bridges onto the graph."""
+
+    Settings: ClassVar[type[BaseModel]] = HueGatewaySettings
+
+    def __init__(self, node: Node, settings: HueGatewaySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        folder = (self.context.service(Installation) or Installation()).folder
+        beside_index = None if folder is None else folder / f"{node.name}.pairings.json"
+        self._file = PairingFile(settings.pairings or beside_index)
+        self._pairings: dict[str, dict[str, object]] = {}
+        self._bridges: dict[str, BridgeRunner] = {}
+        self._tasks: TaskGroup | None = None
+        self._tried = anyio.Event()
+        self.devices = PublishedDevices(
+            self, self._perform, settings, find_problems=lambda: problems_of(self._bridges.values())
+        )
+        PairingServices(self, node)
+        names = GatewayNames(settings.found_by)
+        node.create_subscription(Sighting, names.received_topics, self._on_sighting, _SIGHTINGS)
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Look for the library."""
+        del settings
+        check_extra('the gateway "hue"', "hue", "aiohttp")
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Work with all bridges until cancelled; ready after the first attempt to reach one."""
+        self._tried = anyio.Event()
+        self._pairings = await anyio.to_thread.run_sync(self._file.load)
+        async with anyio.create_task_group() as self._tasks:
+            for key, bridge in self._bridges.items():  # found before it served
+                bridge.pairing = self._pairing_of(key)
+                self._run(bridge.run)
+            for key, kept in self._pairings.items():
+                self._found(key, text_of(kept.get("name")), text_of(kept.get("origin")))
+            for address in self._settings.bridges:
+                self._run(partial(self._identify, f"https://{address}"))
+            if not self._bridges and not self._settings.bridges:
+                self._publish_state()
+            await self._tried.wait()
+            task_status.started()
+
+    async def pair(self, key: str, code: str) -> str:
+        """Pair with a bridge of which the button was pressed, or is pressed within :data:`PRESSED_WITHIN`.
+
+        Raises:
+            LinkError: It cannot be reached.
+            RefusedError: Its button was not pressed; or it is no bridge, or a code was given.
+        """
+        from homebot.gateways.hue.bridge_link import bridge_client, create_key  # noqa: PLC0415 - an extra
+
+        bridge = self._bridge(key)
+        if code:
+            raise RefusedError(f"pairing {bridge.name}", "a bridge has no code: press its button instead")
+        origin = bridge.origins[0]
+        certificate = await fetch_certificate(origin)
+        made: SecretStr | None = None
+        async with bridge_client(origin, only_certificate(certificate)) as client:
+            with anyio.move_on_after(PRESSED_WITHIN):
+                while (made := await create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
+                    await anyio.sleep(_EACH)
+        if made is None:
+            reason = f"its button was not pressed within {PRESSED_WITHIN:g} s; press it, and run the command again"
+            raise RefusedError(f"pairing {bridge.name}", reason)
+        secrets = {"key": made.get_secret_value(), "certificate": certificate}
+        await self._keep(bridge, self._pairings | {key: {"name": bridge.name, "origin": origin, **secrets}})
+        return bridge.name
+
+    async def unpair(self, key: str) -> str:
+        """Forget the key of a bridge, and its devices."""
+        bridge = self._bridge(key)
+        await self._keep(bridge, {other: kept for other, kept in self._pairings.items() if other != key})
+        bridge.forget_devices(f"{bridge.name} is not paired any more")
+        return bridge.name
+
+    def _bridge(self, key: str) -> BridgeRunner:
+        bridge = self._bridges.get(key)
+        if bridge is None:
+            raise RefusedError(f"pairing {key[:100]}", "it is no Hue bridge; pair with the bridge that it belongs to")
+        return bridge
+
+    async def _keep(self, bridge: BridgeRunner, pairings: dict[str, dict[str, object]]) -> None:
+        """Keep the pairings in the file, and connect to a bridge anew."""
+        try:
+            await anyio.to_thread.run_sync(self._file.save, pairings)
+        except UsageError as exc:
+            raise RefusedError(f"pairing {bridge.name}", str(exc)) from exc
+        self._pairings = pairings
+        bridge.pairing = self._pairing_of(bridge.key)
+        bridge.restart()
+
+    def _pairing_of(self, key: str) -> HuePairing | None:
+        kept = self._pairings.get(key, {})
+        secret, certificate = kept.get("key"), kept.get("certificate")
+        is_whole = isinstance(secret, str) and isinstance(certificate, str)
+        return HuePairing(SecretStr(str(secret)), str(certificate)) if is_whole else None
+
+    def _on_sighting(self, sighting: Sighting) -> None:
+        """Follow the sightings of bridges by the mDNS gateway."""
+        facts = {one.key: one.value for one in sighting.metadata}
+        address, port = facts.get("ip_address", ""), facts.get("port", "")
+        if sighting.kind == "removed" or sighting.service_type != SERVICE_TYPE or not port.isdecimal():
+            return
+        try:
+            origin = http_origin(address, int(port), "https")
+        except WireError as exc:
+            self.devices.reject(address, b"", str(exc))
+        else:
+            self._found(facts.get("txt_bridgeid", ""), sighting.name, origin)
+
+    def _found(self, bridge_id: str, name: str, origin: str) -> None:
+        """Work with a bridge, or remember another address of one."""
+        key = bridge_id.casefold()
+        if key in self._bridges:
+            self._bridges[key].add_origin(origin)
+        elif not _ID.fullmatch(key):
+            self.devices.reject(origin, bridge_id.encode(errors="replace"), "a bridge has 16 hexadecimal digits as id")
+        elif len(self._bridges) >= MAX_BRIDGES:
+            self.devices.counters.devices_refused += 1
+        else:
+            name = name or f"Hue bridge {key[-6:]}"
+            bridge = BridgeRunner(key, name, self.devices, self._publish_state, self._pairing_of(key))
+            bridge.origins = (origin,)
+            self._bridges[key] = bridge
+            self._run(bridge.run)
+
+    def _run(self, work: Callable[[], Awaitable[None]]) -> None:
+        if self._tasks is not None:
+            self._tasks.start_soon(run_as, self.node.full_name, work)
+
+    async def _identify(self, origin: str) -> None:
+        """Ask a configured address for the id of its bridge, until it answers."""
+        from homebot.gateways.hue.bridge_link import bridge_client  # noqa: PLC0415 - an extra
+
+        retries = BackoffCounter(self.node.graph.clock, self.random)
+        while True:
+            try:
+                async with bridge_client(origin, only_certificate(await fetch_certificate(origin))) as client:
+                    about = as_fields(await client.get_json(f"{origin}/api/0/config"))
+            except HomebotError as exc:
+                self._publish_state(str(exc))
+                await anyio.sleep(retries.fail(DEVICE_BACKOFF))
+            else:
+                self._found(text_of(about.get("bridgeid")), text_of(about.get("name")), origin)
+                break
+
+    def _publish_state(self, problem: str = "") -> None:
+        """Publish whether the gateway reaches a bridge."""
+        if any(one.is_connected for one in self._bridges.values()):
+            self.publish_state("active")
+        else:
+            problems = (f"{one.name}: {one.problem}" for one in self._bridges.values() if one.problem)
+            self.publish_state("unavailable", next(problems, problem or _NONE))
+        self._tried.set()
+
+    async def _perform(self, command: Command) -> None:
+        bridge = next((one for one in self._bridges.values() if command.key in one.keys), None)
+        if bridge is None:
+            raise LinkError(f"the bridge of {command.key[:100]} is not connected")
+        await bridge.perform(command)

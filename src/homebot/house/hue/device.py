@@ -1,0 +1,110 @@
+"""Simulated devices behind the Hue bridge of a house."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import anyio
+from anyio.abc import TaskStatus
+
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.hue.bridge import SimulatedHueBridge
+from homebot.house.hue.resources import Resource, device_resources, light_orders, resource_uuid, state_fields
+
+__all__ = ["HueHouseDevice"]
+
+
+class HueHouseDevice(ServedDevice):
+    """A lamp or sensor of the house in the radio network of a bridge.
+
+    Args:
+        device: Its name and kind.
+        on_command: Gets each command for it.
+        bridge: The bridge.
+        kind: Its kind at the bridge, where it is another: ``plug`` for a lamp at a plug.
+    """
+
+    def __init__(
+        self,
+        device: SimulatedDeviceInfo,
+        on_command: Callable[[str], None],
+        bridge: SimulatedHueBridge,
+        kind: str = "",
+    ) -> None:
+        super().__init__(device, on_command)
+        self.kind = kind or device.kind
+        self._bridge = bridge
+        self._is_there = False
+
+    @property
+    def owner_id(self) -> str:
+        """The id of its device."""
+        return resource_uuid(self.device.home, self.device.device_id)
+
+    def resource_id(self, service: str) -> str:
+        """Return the id of one of its services."""
+        return resource_uuid(self.device.home, self.device.device_id, service)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be reachable by the bridge until cancelled."""
+        self._is_there = True
+        self._bridge.add(device_resources(self.device, self.kind, self.state), self, self.device.room)
+        task_status.started()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            self._is_there = False
+            self._bridge.change(self.resource_id("zigbee_connectivity"), {"status": "connectivity_issue"})
+
+    def show(self) -> None:
+        """Report the fields that have changed."""
+        if not self._is_there:
+            return
+        for rid, one in tuple(self._bridge.resources.items()):
+            owner = one.get("owner")
+            if isinstance(owner, dict) and owner.get("rid") == self.owner_id:
+                self._bridge.change(rid, self._fields(rid, str(one["type"])))
+
+    def obey(self, body: Mapping[str, object]) -> None:
+        """Carry out a command to its light; the house knows nothing of colours and effects."""
+        light = self._bridge.resources[self.resource_id("light")]
+        changed: Resource = {}
+        if isinstance(body.get("color"), dict):
+            changed["color"] = _joined(light["color"], body["color"])
+            changed["color_temperature"] = _joined(light["color_temperature"], {"mirek": None, "mirek_valid": False})
+        elif "color_temperature" in body:
+            changed["color_temperature"] = _joined(light["color_temperature"], {"mirek_valid": True})
+        if (effect := _effect(body)) is not None:
+            changed["effects"] = _joined(light["effects"], {"status": effect})
+            changed["effects_v2"] = _joined(
+                light["effects_v2"], {"status": _joined(_status(light), {"effect": effect})}
+            )
+        if changed:
+            self._bridge.change(self.resource_id("light"), changed)
+        for order in light_orders(body):
+            self.on_command(order)
+
+    def _fields(self, rid: str, service: str) -> Resource:
+        found = state_fields(service, self.kind, self.state)
+        if service == "light" and self.kind != "plug":
+            now = self._bridge.resources[rid]["color_temperature"]
+            if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
+                found["color_temperature"] = now
+        return found
+
+
+def _joined(before: object, change: object) -> Resource:
+    return {**(before if isinstance(before, dict) else {}), **(change if isinstance(change, dict) else {})}
+
+
+def _status(light: Mapping[str, object]) -> object:
+    effects = light.get("effects_v2")
+    return effects.get("status") if isinstance(effects, dict) else None
+
+
+def _effect(body: Mapping[str, object]) -> str | None:
+    newer, older = body.get("effects_v2"), body.get("effects")
+    action = newer.get("action") if isinstance(newer, dict) else older
+    effect = action.get("effect") if isinstance(action, dict) else None
+    return effect if isinstance(effect, str) else None

@@ -1,0 +1,129 @@
+"""The gateway to Hue bridges keeps the contract, with a simulated bridge over HTTPS."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import ClassVar
+
+import anyio
+import anyio.to_thread
+import pytest
+from anyio.abc import TaskGroup, TaskStatus
+from tests.gateways.hue.bridges import bridge_with_certificate, pairings_of
+
+from homebot.conventions.light_color import to_hue_saturation
+from homebot.devices.value import PlainValue
+from homebot.gateways import Gateway
+from homebot.gateways.hue import HueGateway, HueGatewaySettings
+from homebot.graph import Node
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.hue import HueHouseDevice, SimulatedHueBridge
+from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.slow
+
+INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "")
+
+
+class HueLamp(Lamp):
+    """A lamp behind a bridge that homebot is paired with."""
+
+    settings: ClassVar[Mapping[str, PlainValue]] = {
+        "level": 40.0,
+        "color": (30.0, 60.0),
+        "color_temperature": 2700.0,
+        "effect": "candle",
+        "locate": True,
+    }
+
+    def __init__(self, tasks: TaskGroup, folder: Path, bridge: SimulatedHueBridge, certificate: str) -> None:
+        self.tasks = tasks
+        self.folder = folder
+        self.bridge, self.certificate = bridge, certificate
+        self.bridge.resources.clear()  # the bridge itself is no device here: the suite knows one
+        self.device = HueHouseDevice(INFO, lambda _: None, self.bridge)
+        self.device.begin(DeviceState(text="off"), has_power=True)
+        super().__init__(self.device.owner_id, "light", address=self.device.owner_id)
+        self.light = self.device.resource_id("light")
+        self._serving: anyio.CancelScope | None = None
+
+    async def announce(self) -> None:
+        await self.tasks.start(self.device.serve)
+
+    async def report(self, *, on: bool) -> None:
+        self.bridge.change(self.light, {"on": {"on": not on}})
+        self.bridge.change(self.light, {"on": {"on": on}})
+
+    def raw(self, *, on: bool) -> bytes:
+        owner = {"rid": self.key, "rtype": "device"}
+        item = {"id": self.light, "type": "light", "owner": owner, "on": {"on": on}}
+        return json.dumps(item, separators=(",", ":")).encode()
+
+    async def misbehave(self) -> None:
+        for number in range(2000):
+            change = {"id": f"stranger-{number}", "type": "light", "on": "?" * 5_000}
+            self.bridge.send_text(f"data: {json.dumps([{'type': 'update', 'data': [change]}])}")
+            if number % 50 == 49:
+                await anyio.sleep(0.02)
+
+    async def withdraw(self) -> None:
+        rids = [rid for rid, one in self.bridge.resources.items() if self.key in {rid, _owner(one)}]
+        self.bridge.remove(rids)
+
+    async def told(self) -> bool | None:
+        told = [body["on"] for kind, _, body in self.bridge.commands if kind == "light" and "on" in body]
+        return None if not told else told[-1] == {"on": True}
+
+    async def told_value(self, capability: str) -> PlainValue:
+        for kind, _, body in reversed(self.bridge.commands):
+            match body:
+                case {"dimming": {"brightness": level}} if capability == "level":
+                    return float(level)
+                case {"color": {"xy": {"x": x, "y": y}}} if capability == "color":
+                    return to_hue_saturation("xy", (x, y), (2000, 6500))
+                case {"color_temperature": {"mirek": mirek}} if capability == "color_temperature":
+                    return 1e6 / float(mirek)
+                case {"effects": {"effect": effect}} if capability == "effect":
+                    return str(effect)
+                case {"identify": {"action": "identify"}} if capability == "locate":
+                    return kind == "device"
+        return None
+
+    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
+        with anyio.CancelScope() as self._serving:
+            await self.bridge.serve(task_status=task_status)
+
+    async def lose_link(self) -> None:
+        assert self._serving is not None
+        self._serving.cancel()
+        await anyio.sleep(0.05)
+
+    async def mend_link(self) -> None:
+        await self.tasks.start(self._serve)
+
+
+def _owner(resource: Mapping[str, object]) -> object:
+    owner = resource.get("owner")
+    return owner["rid"] if isinstance(owner, dict) else None
+
+
+class TestHueGateway(GatewayContract):
+    """One lamp."""
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        with TemporaryDirectory() as folder:
+            async with anyio.create_task_group() as tasks:
+                lamp = HueLamp(tasks, Path(folder), *await anyio.to_thread.run_sync(bridge_with_certificate))
+                await lamp.mend_link()
+                yield lamp
+                tasks.cancel_scope.cancel()
+
+    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
+        assert isinstance(lamp, HueLamp)
+        path = pairings_of(lamp.bridge, lamp.certificate, lamp.folder)
+        return HueGateway(node, HueGatewaySettings.model_validate({"pairings": path, **settings}))
