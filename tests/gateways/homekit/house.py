@@ -61,9 +61,11 @@ class HomekitHouse:
         client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
         return await client.call(command, timeout=PATIENCE)
 
-    async def troubles(self) -> tuple[str, ...]:
+    async def health(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The problems, and the notes."""
         client = self.watcher.create_client(GetHealth, self.gateway.names.health)
-        return (await client.call(HealthRequest(), timeout=PATIENCE)).troubles
+        answer = await client.call(HealthRequest(), timeout=PATIENCE)
+        return answer.troubles, answer.notes
 
 
 async def reading(reports: Subscription[Report], capability: str, wanted: PlainValue) -> Report:

@@ -152,6 +152,20 @@ async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_la
         assert server.written == []
 
 
+async def test_one_that_announces_the_id_of_another_does_not_end_its_connection() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        (link,) = server.links
+        home.mdns.announce(server, ip_address="10.0.0.66")
+        await anyio.sleep(1)
+        assert server.links == [link]
+        server.report(*ON, True)
+        await reading(reports, "on_off", True)
+
+
 async def test_values_without_events_are_read_now_and_then() -> None:
     server = lamp()
     async with house(server) as home:

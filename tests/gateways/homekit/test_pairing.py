@@ -27,14 +27,15 @@ async def test_an_accessory_that_waits_says_the_command_and_is_paired_by_it(
     caplog.set_level(logging.DEBUG)
     server, pairings = lamp(), tmp_path / "pairings.json"
     async with house(server, pairings=pairings) as home:
-        (trouble,) = await home.troubles()
-        assert "`homebot pair 'Hall lamp' CODE`" in trouble
+        troubles, (note,) = await home.health()
+        assert troubles == ()
+        assert "`homebot pair 'Hall lamp' CODE`" in note
         wrong = await home.pair(server, "111-11-111")
         assert (wrong.problem, "111" in wrong.message) == ("refused", False)
         right = await home.pair(server, CODE)
         assert (right.success, right.name) == (True, "Hall lamp")
         await reading(home.reports(), "on_off", False)
-        assert await home.troubles() == ()
+        assert await home.health() == ((), ())
         assert stat.S_IMODE(pairings.stat().st_mode) == 0o600
         assert CODE not in pairings.read_text() + repr(home.gateway.__dict__)
     assert CODE not in caplog.text
@@ -56,8 +57,8 @@ async def test_an_accessory_that_is_paired_with_another_controller_says_so() -> 
     async with house(server) as home:
         home.mdns.announce(server, txt_sf="0")
         await anyio.wait_all_tasks_blocked()
-        (trouble,) = await home.troubles()
-        assert "paired with another controller" in trouble
+        _, (note,) = await home.health()
+        assert "paired with another controller" in note
         answer = await home.pair(server, CODE)
         assert (answer.problem, server.knows_homebot) == ("refused", False)
         assert "another controller" in answer.message
@@ -73,7 +74,7 @@ async def test_an_accessory_that_does_not_know_homebot_any_more_needs_help() -> 
         server.drop()
         await reading(reports, "reachable", False)
         await anyio.sleep(5)
-        (trouble,) = await home.troubles()
+        (trouble,), _ = await home.health()
         assert "the pairing was removed there" in trouble
 
 

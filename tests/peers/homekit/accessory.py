@@ -35,7 +35,7 @@ class Lamp(Accessory):  # type: ignore[misc]
 
 
 class Lock(Accessory):  # type: ignore[misc]
-    """A lock that takes half a second."""
+    """A lock that takes half a second, and timed writes only."""
 
     category = CATEGORY_DOOR_LOCK
 
@@ -43,7 +43,8 @@ class Lock(Accessory):  # type: ignore[misc]
         super().__init__(driver, name)
         lock = self.add_preload_service("LockMechanism")
         self.state = lock.configure_char("LockCurrentState", value=0)
-        lock.configure_char("LockTargetState", value=0, setter_callback=self.obey)
+        target = lock.configure_char("LockTargetState", value=0, setter_callback=self.obey)
+        target.properties["Permissions"] = [*target.properties["Permissions"], "tw"]
 
     def obey(self, value: int) -> None:
         print(f"lock {value}", flush=True)

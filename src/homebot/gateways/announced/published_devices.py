@@ -53,6 +53,7 @@ class PublishedDevices:
         settings: The settings of the gateway, for the columns of every gateway's table; by default their defaults.
         max_devices: Devices that may be known at once; see :class:`RegistryLimits` for the other limits.
         find_problems: Returns the present problems of single devices, as text; the health service shows them.
+        find_notes: Returns what could be done about single devices of which none is wrong, likewise.
 
     Attributes:
         gateway: The gateway, with the clock, the log and the random numbers of its devices.
@@ -70,6 +71,7 @@ class PublishedDevices:
         find_source: FindSource | None = None,
         max_devices: int = MAX_DEVICES,
         find_problems: Callable[[], Iterable[str]] = tuple,
+        find_notes: Callable[[], Iterable[str]] = tuple,
     ) -> None:
         settings = settings or GatewaySettings()
         self.gateway = gateway
@@ -87,7 +89,7 @@ class PublishedDevices:
         self.engine.serve(
             self._checked,
             self._raw,
-            lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems())),
+            lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems()), notes=tuple(find_notes())),
             keeps_states=True,
         )
 

@@ -57,7 +57,7 @@ class AccessoryRunner(DeviceRunner):
         self._found = found
         self._pairing = pairing
         self._port = port
-        self._attempt_ended = anyio.Event()
+        self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
         self._queue = ValueQueue(devices, self.key, self._accessories)
         self._writes = 0
@@ -68,12 +68,18 @@ class AccessoryRunner(DeviceRunner):
         return frozenset({self.key, *(one.device.key for one in self._accessories.values())})
 
     def change(self, found: FoundAccessory) -> None:
-        """Use the new announcement of the accessory; connect anew if it moved, or has other accessories."""
+        """Use the new announcement of the accessory; connect anew if it has other accessories.
+
+        If it says that it moved, the connection is tested first: anyone can announce its ID.
+        """
         before, self._found = self._found, found
         self.name = found.name
-        if (found.address, found.port) != (before.address, before.port) or before.version not in {"", found.version}:
+        moved = (found.address, found.port) != (before.address, before.port)
+        if found.version != before.version or (moved and self.link is None):
             self.restart()
-        elif self.link is None:
+        elif moved:
+            self._doubted.set()
+        else:
             self.wake()
 
     async def work(self) -> None:
@@ -166,7 +172,9 @@ class AccessoryRunner(DeviceRunner):
     async def _read_all(self, link: HomekitLink) -> None:
         """Read all values now and then; those that were read while a command was sent may be older than it."""
         while True:
-            await anyio.sleep(READ_EVERY)
+            self._doubted = anyio.Event()
+            with anyio.move_on_after(READ_EVERY):
+                await self._doubted.wait()
             for ids in self._chunks():
                 writes = self._writes
                 answer = await link.read(ids)

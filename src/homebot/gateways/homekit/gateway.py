@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
 from typing import ClassVar, Final
 
@@ -65,7 +65,13 @@ class HomekitGateway(Gateway):
         self._found: dict[str, FoundAccessory] = {}
         self._runners: dict[str, AccessoryRunner] = {}
         self._tasks: TaskGroup | None = None
-        self.devices = PublishedDevices(self, self._perform, settings, find_problems=self._problems)
+        self.devices = PublishedDevices(
+            self,
+            self._perform,
+            settings,
+            find_problems=lambda: problems_of(self._runners.values()),
+            find_notes=self._notes,
+        )
         PairingServices(self, node)
 
     @classmethod
@@ -186,9 +192,9 @@ class HomekitGateway(Gateway):
         if key not in self._pairings:
             self.devices.remove(key, "it is not announced any more")
 
-    def _problems(self) -> Iterator[str]:
+    def _notes(self) -> Iterator[str]:
         waiting = (one for key, one in self._found.items() if key not in self._pairings)
-        return islice(chain(problems_of(self._runners.values()), map(_next_step, waiting)), MAX_PROBLEMS)
+        return map(_next_step, islice(waiting, MAX_PROBLEMS))
 
     async def _perform(self, command: Command) -> None:
         runner = next((one for one in self._runners.values() if command.key in one.keys), None)
