@@ -128,18 +128,6 @@ def test_packets_that_do_not_end_take_bounded_memory(broker: AttackedBroker) -> 
     recovered(broker, before)
 
 
-def test_a_packet_in_single_bytes_takes_no_more_than_its_bytes(broker: AttackedBroker) -> None:
-    before = broker.toll()
-    client = broker.client("slow").socket
-    client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    client.sendall(b"\x30\xff\xff\xff\x03\0\1t")
-    for _ in range(50_000):
-        client.send(b"x")
-    with closing([client]):
-        withstood(broker, before, "50,000 bytes of a packet, one by one", memory=8)
-    recovered(broker, before)
-
-
 @pytest.mark.parametrize(
     ("topics", "filters"),
     [

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -79,14 +77,6 @@ def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: p
         ]
     )
     assert result.stdout.str().count("MQTT packets of") == 1
-
-
-def test_the_examples_of_the_guide_pass(pytester: pytest.Pytester) -> None:
-    guide = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
-    section = guide.split("\n## A broker in your tests\n")[1].split("\n## ")[0]
-    examples = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
-    pytester.makepyfile(**{f"test_{number}": example for number, example in enumerate(examples)})
-    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=3)
 
 
 def test_those_who_do_not_use_it_import_nothing_for_it() -> None:
