@@ -11,6 +11,7 @@ const FAILED = new Set(["contradicted", "reverted", "no_answer", "refused", "gon
 
 export function Journal() {
   const [entries, setEntries] = useState([]);
+  const [isLoaded, setIsLoaded] = useState(false);
   const [isWhole, setIsWhole] = useState(false);
   const isOpen = connection.value.state === "open";
   useEffect(() => {
@@ -26,6 +27,7 @@ export function Journal() {
         isLoading = false;
         setEntries([...answer.entries, ...early].reverse().slice(0, MOST));
         early = [];
+        setIsLoaded(true);
       },
       () => (isLoading = false),
     );
@@ -36,7 +38,7 @@ export function Journal() {
   const shown = isWhole ? entries : entries.filter((one) => TELLING.has(one.kind) && !(one.kind === "outcome" && asked.has(one.command)));
   return html`<section>
     <p class="choices"><label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> every step</label></p>
-    ${shown.length === 0 && html`<p class="empty">Nothing has happened yet.</p>`}
+    ${isLoaded && shown.length === 0 && html`<p class="empty">Nothing has happened yet.</p>`}
     <ol class="log" aria-label="newest first">
       ${shown.map((one, index) => html`<${Entry} key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`} entry=${one} outcome=${!isWhole && one.kind === "requested" && outcomes.get(one.command)} />`)}
     </ol>
