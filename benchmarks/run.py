@@ -23,6 +23,7 @@ BENCHMARKS = (
     "graph_deliveries",
     "service_calls",
     "gateway_load",
+    "home_assistant_load",
     "round_trip",
     "broker_load",
     "broker_fixture",
