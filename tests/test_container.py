@@ -56,6 +56,7 @@ def test_the_guide_runs_the_container_with_what_it_needs() -> None:
     guide = (ROOT / "docs" / "operate.md").read_text()
     (command,) = re.findall(r"^podman run (?:.*\\\n)*.*", guide, re.MULTILINE)
     assert fnmatch(command, "*--network host*:/data homebot")
+    assert "podman build --format docker " in guide  # its own format has no HEALTHCHECK
 
 
 def _tool() -> str:
