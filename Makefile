@@ -39,7 +39,7 @@ test-fast: $(VENV)/.dev
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
 test-peers: $(VENV)/.peers
-	$(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
 
 # The result is committed: who installs homebot needs no Node.
 ## Builds the web page from src/homebot/web/source, with npm.

@@ -29,9 +29,10 @@ def python_with(package: str, *versions: str, pinned: Path | None = None) -> str
         base = _find(versions)
         if base is None:
             pytest.skip(f"{package} needs Python {' or '.join(versions)}, which is not installed")
+        wanted = ["--no-deps", "-r", str(pinned)] if pinned else [package]
         for command in (
             [base, "-m", "venv", "--clear", str(home)],
-            [str(python), "-m", "pip", "install", "-q", *(["--no-deps", "-r", str(pinned)] if pinned else [package])],
+            [str(python), "-m", "pip", "install", "-q", "--no-compile", *wanted],  # most modules are never imported
         ):
             try:
                 done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=INSTALLED_WITHIN)
