@@ -200,6 +200,7 @@ _REFUSALS: Final = (
     (exceptions.MaxTriesError, "too many wrong codes were tried; disconnect its power for a moment"),
     (exceptions.BusyError, "another controller is pairing with it"),
     (exceptions.BackoffError, "it wants a pause after a wrong code; try again later"),
+    (exceptions.InvalidError, "it does not know homebot any more, or is no accessory; pair it again"),
     (exceptions.HttpErrorResponse, "it refuses the request"),
 )
 
@@ -210,9 +211,8 @@ def _translated(name: str) -> Iterator[None]:
     try:
         yield
     except exceptions.AuthenticationError:
-        raise WrongCodeError(
-            f"the connection to {name}", "the code is wrong, or the pairing was removed there"
-        ) from None
+        reason = "the code is wrong, or the pairing was removed there; pair it again"
+        raise WrongCodeError(f"the connection to {name}", reason) from None
     except tuple(kind for kind, _ in _REFUSALS) as exc:
         reason = next(text for kind, text in _REFUSALS if isinstance(exc, kind))
         raise RefusedError(f"the connection to {name}", reason) from None
