@@ -258,14 +258,13 @@ async def test_rooms_become_areas_and_zones_tags(tmp_path: Path) -> None:
         assert found.identifiers == (f"eui64:{radio_address(lamp.device).replace(':', '')}",)
 
 
-async def test_a_scene_is_recalled_and_reported(tmp_path: Path) -> None:
+async def test_a_scene_is_recalled(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
         await home.install("lamp", DeviceState(text="off"), room="Kitchen")
         scenes = await home.sighting("Kitchen scenes")
         assert (scenes.area, [one.name for one in scenes.parts]) == ("Kitchen", ["Bright", "Dimmed"])
-        reports = home.reports()
         assert (await home.send(scenes.key, "scene", True, scenes.parts[1].id)).success
-        await reading(reports, "scene", lambda one: one is True)
+        assert home.bridge.commands[-1] == ("scene", scenes.parts[1].id, {"recall": {"action": "active"}})
         refused = await home.send(scenes.key, "scene", False, scenes.parts[1].id)
         assert "it takes only true" in refused.message
 
@@ -369,6 +368,17 @@ async def test_a_refusal_of_the_bridge_is_told_in_its_words(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("address", ["", "192.168.1.20/api", "http://192.168.1.20", "user@192.168.1.20"])
-def test_a_wrong_address_is_refused_with_an_example(address: str) -> None:
-    with pytest.raises(ValueError, match="write it like"):
+def test_an_address_is_that_of_a_host(address: str) -> None:
+    with pytest.raises(ValueError, match="bridges"):
         HueGatewaySettings(bridges=(address,))
+
+
+async def test_without_a_bridge_it_waits_for_one(tmp_path: Path) -> None:
+    graph = Graph()
+    async with Node(graph, "hue", namespace="/gateway") as node, Node(graph, "watcher") as watcher:
+        alone = HueGateway(node, HueGatewaySettings(pairings=tmp_path / "pairings.json"))
+        states = watcher.create_subscription(GatewayState, alone.names.state, qos_profile=KEPT)
+        with anyio.move_on_after(0.2) as waiting:
+            await alone.serve()
+        assert waiting.cancelled_caught
+        assert "no Hue bridge was found" in (await states.receive()).reason

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from itertools import count
-from typing import Final
+from types import MappingProxyType
+from typing import Final, NamedTuple
 
 from homebot.conventions.hue.light_rows import LIGHT_ROWS
 from homebot.conventions.hue.resource_row import Fields, HueRow, at
@@ -23,59 +23,52 @@ _ROWS: Final = (*LIGHT_ROWS, *SERVICE_ROWS)
 _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
     "light": ("light", ""),
     "motion": ("occupancy_sensor", ""),
-    "camera_motion": ("occupancy_sensor", ""),
     "temperature": ("temperature_sensor", ""),
     "light_level": ("light_sensor", ""),
     "contact": ("contact_sensor", ""),
     "tamper": ("x_binary_sensor", "diagnostic"),
     "device_power": ("x_battery", "diagnostic"),
     "button": ("generic_switch", ""),
-    "bell_button": ("generic_switch", ""),
     "relative_rotary": ("generic_switch", ""),
     "scene": ("x_scene", ""),
     "smart_scene": ("x_scene", ""),
 }
 """By type of resource: type and category of the part."""
 
+_FACTS: Final = {
+    "manufacturer": "manufacturer_name",
+    "model": "product_name",
+    "model_id": "model_id",
+    "sw_version": "software_version",
+}
 _REACHABLE: Final = {"connected": True, "disconnected": False, "connectivity_issue": False}
 """By status in the radio network; other states mean that it only sends, or is still searched for."""
 
-_PLUG: Final = "plug"
 
-
-@dataclass(frozen=True, slots=True)
-class HueService:
-    """A resource as the part of a device: its id, its type, the part, and the rows of its capabilities."""
+class HueService(NamedTuple):
+    """A resource as the part of a device: its id, the part, and the rows of its capabilities."""
 
     id: str
-    type: str
     part: Part
     rows: tuple[HueRow, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class HueDevice:
-    """A device, or the scenes of a room or zone.
-
-    Attributes:
-        id: The id of its resource.
-        is_bridge: Whether it is the bridge itself.
-        reachable: Whether the bridge reaches it; None if that is unknown.
-    """
+class HueDevice(NamedTuple):
+    """A device, or the scenes of a room or zone; its id is that of its resource, and unknown reachability is None."""
 
     id: str
     name: str
     services: tuple[HueService, ...]
     area: str = ""
     identifiers: tuple[str, ...] = ()
-    metadata: Mapping[str, str] = field(default_factory=dict)
+    metadata: Mapping[str, str] = MappingProxyType({})
     is_bridge: bool = False
     reachable: bool | None = None
 
 
 def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
     """Return the identifiers of the bridge with an id, the EUI-64 of its hardware address: ``001788fffe123456``."""
-    return identifiers((bridge_id, f"{bridge_id[:6]}{bridge_id[10:]}"))
+    return identifiers((bridge_id, ":".join(bridge_id[index : index + 2] for index in (0, 2, 4, 10, 12, 14))))
 
 
 def devices_of(resources: HueResources) -> tuple[HueDevice, ...]:
@@ -99,19 +92,14 @@ def _device(resources: HueResources, rid: str, device: Fields, area: str, zones:
     bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
     radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
     named = dict.fromkeys(zone for service, _ in services for zone in zones.get(service, ()))
-    facts = {
-        "manufacturer": text_of(at(device, "product_data", "manufacturer_name")),
-        "model": text_of(at(device, "product_data", "product_name")),
-        "model_id": text_of(at(device, "product_data", "model_id")),
-        "sw_version": text_of(at(device, "product_data", "software_version")),
-        "tags": ", ".join(named),
-    }
+    facts = {fact: text_of(at(device, "product_data", name)) for fact, name in _FACTS.items()}
+    facts["tags"] = ", ".join(named)
     return HueDevice(
         rid,
         _name(device),
         tuple(_services(device, services)),
         area,
-        (*bridge_identifiers(bridge), *identifiers((text_of(radio.get("mac_address")),))),
+        (*(bridge_identifiers(bridge) if bridge else ()), *identifiers((text_of(radio.get("mac_address")),))),
         {name: value for name, value in facts.items() if value},
         bool(bridge),
         _REACHABLE.get(text_of(radio.get("status"))),
@@ -132,19 +120,18 @@ def _scenes(resources: HueResources) -> Iterator[HueDevice]:
 
 def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:
     """Yield the services that are parts: ``light``, or ``button-1`` and ``button-2`` if there are several."""
-    used = [(rid, one, text_of(one.get("type"))) for rid, one in listed if one.get("type") in _TYPES]
+    is_plug = "plug" in (at(device, "metadata", "archetype"), at(device, "product_data", "product_archetype"))
+    used = [(rid, one, kind) for rid, one in listed if (kind := text_of(one.get("type"))) in _TYPES]
     counts = Counter(kind for _, _, kind in used)
-    numbers: dict[str, set[int]] = {}
+    taken: set[tuple[str, int]] = set()
     for rid, one, kind in used:
-        if counts[kind] == 1:
-            yield _service(rid, one, kind, "", is_plug=_is_plug(device))
-            continue
-        taken = numbers.setdefault(kind, set())
-        own = whole_number(at(one, "metadata", "control_id")) or whole_number(one.get("service_id")) or 1
-        number = next(free for free in count(own) if free not in taken)
-        taken.add(number)
-        name = _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
-        yield _service(rid, one, f"{kind}-{number}", name, is_plug=_is_plug(device))
+        part_id, name = kind, ""
+        if counts[kind] > 1:
+            own = whole_number(at(one, "metadata", "control_id")) or whole_number(one.get("service_id")) or 1
+            number = next(free for free in count(own) if (kind, free) not in taken)
+            taken.add((kind, number))
+            part_id, name = f"{kind}-{number}", _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
+        yield _service(rid, one, part_id, name, is_plug=is_plug)
 
 
 def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False) -> HueService:
@@ -154,16 +141,12 @@ def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bo
     part = Part(
         id=part_id,
         name=name,
-        service_type=_PLUG if kind == "light" and is_plug else service_type,
+        service_type="plug" if is_plug and kind == "light" else service_type,
         advertised=kind,
         category=category,
         capabilities=tuple(row.describe(resource) for row in rows),
     )
-    return HueService(rid, kind, part, rows)
-
-
-def _is_plug(device: Fields) -> bool:
-    return _PLUG in {at(device, "metadata", "archetype"), at(device, "product_data", "product_archetype")}
+    return HueService(rid, part, rows)
 
 
 def _name(resource: Fields) -> str:

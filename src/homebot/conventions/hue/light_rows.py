@@ -31,15 +31,12 @@ _WHITES: Final = (2000, 6500)
 _MIREK: Final = (153.0, 500.0)
 """Of a light that does not say its own, or says the largest numbers of its bytes."""
 
-_LONGEST: Final = 6000.0
-"""Seconds of a transition."""
-
 _MOST_EFFECTS: Final = 50
 
 
-def transition_of(seconds: float, most: float = _LONGEST) -> int:
-    """Return the milliseconds of a transition of at most *most* seconds."""
-    return round(require_transition(seconds, most) * 1000)
+def transition_of(seconds: float) -> int:
+    """Return the milliseconds of a transition, which may take 6,000 seconds."""
+    return round(require_transition(seconds, 6000.0) * 1000)
 
 
 def _body(seconds: float, *, on: bool = True, **changes: object) -> HueBody:
@@ -69,9 +66,7 @@ def _write_level(_light: Fields, value: PlainValue, seconds: float) -> HueBody:
 def _mirek_bounds(light: Fields) -> tuple[float, float]:
     schema = at(light, "color_temperature", "mirek_schema")
     least, most = (finite_number(at(schema, name)) for name in ("mirek_minimum", "mirek_maximum"))
-    if least is None or most is None or not 25 <= least < most <= 1000:
-        return _MIREK
-    return least, most
+    return (least, most) if least is not None and most is not None and 25 <= least < most <= 1000 else _MIREK
 
 
 def _kelvin_bounds(light: Fields) -> tuple[float, float]:
@@ -104,8 +99,7 @@ def _read_color(light: Fields) -> PlainValue:
 
 
 def _write_color(_light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    hue, saturation = require_color(value)
-    x, y = from_hue_saturation("xy", hue, saturation, _WHITES)
+    x, y = from_hue_saturation("xy", *require_color(value), _WHITES)
     return _body(seconds, color={"xy": {"x": x, "y": y}})
 
 

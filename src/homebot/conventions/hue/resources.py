@@ -31,20 +31,13 @@ class HueResources:
         return self._by_id.get(rid, {})
 
     def replace(self, listed: object) -> None:
-        """Keep the resources that the bridge *listed*, and no others.
-
-        Raises:
-            WireError: It is no list of resources, or a too long one.
-        """
+        """Keep the resources that the bridge *listed*, and no others; raise WireError if it is no list of them."""
         if not isinstance(listed, list) or len(listed) > MAX_RESOURCES:
             raise WireError(f"the resources of the bridge are {shown(listed)}, not a list of at most {MAX_RESOURCES}")
         self._by_id = {_id_of(one): as_fields(one) for one in listed}
 
     def change(self, kind: str, item: object) -> bool:
-        """Apply a change of one resource; return whether other devices or parts may come of it.
-
-        Args:
-            kind: ``add``, ``update`` or ``delete``; others are ignored.
+        """Apply a change: ``add``, ``update`` or ``delete``; return whether other devices or parts may come of it.
 
         Raises:
             WireError: It has no id, there is no such resource, or there are too many.

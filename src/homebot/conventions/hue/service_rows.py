@@ -92,28 +92,21 @@ def _write_recall(action: str) -> Callable[[Fields, PlainValue, float], HueBody]
 
 
 _MOTION, _WARMTH, _LIGHT = (frozenset({one, "enabled"}) for one in ("motion", "temperature", "light"))
-_CONTACT, _POWER, _STATUS = frozenset({"contact_report", "enabled"}), frozenset({"power_state"}), frozenset({"status"})
-_ANY: Final = frozenset({"id"})
+_CONTACT, _POWER, _ANY = frozenset({"contact_report", "enabled"}), frozenset({"power_state"}), frozenset({"id"})
 
 _read_contact = _words({"contact": False, "no_contact": True}, "contact_report", "state")
 _read_low = _words({"normal": False, "low": True, "critical": True}, "power_state", "battery_state")
-_read_scene = _words({"inactive": False, "static": True, "dynamic_palette": True}, "status", "active")
-_read_smart_scene = _words({"active": True, "inactive": False}, "state")
 
 SERVICE_ROWS: Final = (
     HueRow("motion", "occupancy", _MOTION, _read_motion),
-    HueRow("camera_motion", "occupancy", _MOTION, _read_motion),
-    HueRow(
-        "temperature", "temperature", _WARMTH, lambda one: finite_number(_sensed(one, "temperature", "temperature"))
-    ),
+    HueRow("temperature", "temperature", _WARMTH, _read_celsius),
     HueRow("light_level", "illuminance", _LIGHT, _read_lux),
     HueRow("contact", "contact", _CONTACT, _read_contact),
     HueRow("tamper", "tamper", frozenset({"tamper_reports"}), _read_tamper),
     HueRow("device_power", "battery", _POWER, lambda one: finite_number(at(one, "power_state", "battery_level"))),
     HueRow("device_power", "battery_low", _POWER, _read_low),
     HueRow("button", "press", _ANY, options=_presses),
-    HueRow("bell_button", "press", _ANY, options=_presses),
     HueRow("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
-    HueRow("scene", "scene", _STATUS, _read_scene, _write_recall("active")),
-    HueRow("smart_scene", "scene", frozenset({"state"}), _read_smart_scene, _write_recall("activate")),
+    HueRow("scene", "scene", frozenset(), write=_write_recall("active")),
+    HueRow("smart_scene", "scene", frozenset(), write=_write_recall("activate")),
 )

@@ -6,9 +6,8 @@ each loss. A bridge sends nothing while nothing changes: it is asked for itself 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import anyio
 import anyio.lowlevel
@@ -25,7 +24,6 @@ from homebot.errors import CertificateError, LinkError, PeerError, RefusedError,
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.hue.certificate import only_certificate
 from homebot.support.backoff import Backoff
 from homebot.support.isolation import ungrouped
 
@@ -38,9 +36,6 @@ __all__ = ["BridgeRunner", "HuePairing"]
 WATCH_EVERY: Final = 10.0
 """Seconds between two questions whether the bridge is still there."""
 
-REFRESH_EVERY: Final = 60.0
-"""Seconds between two confirmations of the devices that the bridge reaches."""
-
 LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=3.0, late_cap=3.0, late_after=300.0, jitter=0.5)
 """After a lost connection. An attempt costs one packet in the local network, also after hours."""
 
@@ -48,8 +43,7 @@ MAX_ADDRESSES: Final = 3
 _NO_ACCESS: Final = frozenset({401, 403})
 
 
-@dataclass(frozen=True, slots=True)
-class HuePairing:
+class HuePairing(NamedTuple):
     """The pairing with a bridge: the application key that it made, and its certificate in PEM."""
 
     key: SecretStr
@@ -57,30 +51,23 @@ class HuePairing:
 
 
 class BridgeRunner(DeviceRunner):
-    """Works with one bridge, which is a device itself.
+    """Works with one bridge, which is a device itself; its id is the key.
 
     Args:
-        bridge_id: Its id, which is its key.
         name: The name that it is listed by before it answers.
-        devices: The devices of the gateway.
         on_state: Called when it was connected, or a try failed.
 
     Attributes:
-        origins: The beginnings of its addresses (``https://192.168.1.20``), the newest first.
+        origins: The beginnings of its addresses (``https://192.168.1.20``), the first to be tried first.
         pairing: The pairing; None if there is none.
     """
 
     def __init__(
-        self,
-        bridge_id: str,
-        name: str,
-        devices: PublishedDevices,
-        on_state: Callable[[], None],
-        pairing: HuePairing | None = None,
+        self, bridge_id: str, name: str, origin: str, devices: PublishedDevices, on_state: Callable[[], None]
     ) -> None:
         super().__init__(name, bridge_id, devices, LOST_BACKOFF)
-        self.origins: tuple[str, ...] = ()
-        self.pairing = pairing
+        self.origins: tuple[str, ...] = (origin,)
+        self.pairing: HuePairing | None = None
         self._on_state = on_state
         self._resources = HueResources()
         self._described: dict[str, HueDevice] = {}
@@ -94,16 +81,15 @@ class BridgeRunner(DeviceRunner):
         """True while the bridge answers."""
         return self._link is not None
 
-    @property
-    def keys(self) -> Iterable[str]:
-        """The keys of its devices."""
-        return self._described.keys()
+    def has(self, key: str) -> bool:
+        """Return whether a device is its."""
+        return key in self._described
 
     def forget_devices(self, why: str) -> None:
         """Remove its devices, but the bridge itself."""
         for key in self._described.keys() - {self.key}:
             self._devices.remove(key, why)
-        self._described = {key: one for key, one in self._described.items() if key == self.key}
+        self._described = {}
 
     def add_origin(self, origin: str) -> None:
         """Try an address first from now on, at once if there is no connection."""
@@ -118,7 +104,7 @@ class BridgeRunner(DeviceRunner):
         pairing = self.pairing
         if pairing is None:
             raise PeerError(f"it is not paired: press its button, then run `homebot pair '{self.name}'`")
-        failed: LinkError | PeerError = LinkError(f"the address of {self.name} is not known yet")
+        failed: LinkError | PeerError = LinkError("it has no address")
         for origin in self.origins:
             self._has_answered = False
             try:
@@ -139,11 +125,10 @@ class BridgeRunner(DeviceRunner):
         device = self._described[command.key]
         service = next(one for one in device.services if one.part.id == command.part)
         row = next(one for one in service.rows if one.capability == command.capability)
-        value, resource = command.value.plain(), self._resources.get(service.id)
         if row.write is None:
             raise RefusedError(command.capability, "it cannot be set")
-        body = row.write(resource, value, command.transition)
-        kind, rid = ("device", device.id) if row.at_owner else (service.type, service.id)
+        body = row.write(self._resources.get(service.id), command.value.plain(), command.transition)
+        kind, rid = ("device", device.id) if row.at_owner else (service.part.advertised, service.id)
         await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
 
     def list_unheard(self) -> None:
@@ -157,7 +142,7 @@ class BridgeRunner(DeviceRunner):
         self._on_state()
 
     async def _follow(self, origin: str, pairing: HuePairing) -> None:
-        from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415 - an extra
+        from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client, only_certificate  # noqa: PLC0415
 
         try:
             async with bridge_client(origin, only_certificate(pairing.certificate), pairing.key) as client:
@@ -193,18 +178,12 @@ class BridgeRunner(DeviceRunner):
 
     async def _watch(self, link: BridgeLink) -> None:
         """Notice that the bridge is gone, confirm the devices that it reaches, and read again what was missed."""
-        refreshed_at = self.clock.monotonic()
         while True:
             await anyio.sleep(WATCH_EVERY)
-            if self._has_missed:
-                await self._read_all(link)
-            else:
-                await link.read("bridge")
-            if self.clock.monotonic() - refreshed_at >= REFRESH_EVERY:
-                refreshed_at = self.clock.monotonic()
-                for key, device in self._described.items():
-                    if device.reachable is not False:
-                        self._put(key, device, "the bridge reaches it")
+            await (self._read_all(link) if self._has_missed else link.read("bridge"))
+            for key, device in self._described.items():
+                if device.reachable is not False:
+                    self._put(key, device, "the bridge reaches it")
 
     def _describe(self, why: str) -> None:
         """Publish the devices, and remove those that the bridge no longer has."""
@@ -243,9 +222,8 @@ class BridgeRunner(DeviceRunner):
             if self._admits(self.key):
                 self.reject(payload, str(exc))
             return
-        changes = [
-            change for one in (parts if isinstance(parts, list) else ()) for change in self._apply(as_fields(one))
-        ]
+        events = parts if isinstance(parts, list) else []
+        changes = [change for one in events for change in self._apply(as_fields(one))]
         if any(is_described_anew for _, is_described_anew in changes):  # once all its resources are there
             self._describe("the bridge reported it")
         for item, _ in changes:

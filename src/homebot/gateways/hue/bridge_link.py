@@ -1,4 +1,7 @@
-"""Requests to one Hue bridge, no faster than it allows, and the stream of its events.
+"""Requests to one Hue bridge, no faster than it allows, the stream of its events, and its certificate.
+
+A bridge has a certificate that it signed itself, or one by an authority of Signify, for its id, which no computer looks
+up: that of the moment of pairing is trusted, and no other.
 
 Requests run two at a time: a bridge refuses more than three connections, and the events have one. Commands to lights
 start at most ten a second, and recalls of scenes one a second, in the order in which they come. A command that the
@@ -11,29 +14,31 @@ from __future__ import annotations
 
 import ssl
 from contextlib import AbstractAsyncContextManager
+from functools import partial
 from typing import Final
 
 import anyio
+import anyio.to_thread
 from pydantic import SecretStr
 
 from homebot.clock import Clock
 from homebot.conventions.hue.resource_row import Fields, HueBody, at
 from homebot.conventions.payload import as_fields, clean_text, text_of
-from homebot.errors import BusyError, RefusedError
+from homebot.errors import BusyError, LinkError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
-from homebot.gateways.http_address import parse_url
+from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
+from homebot.support.connect_errors import connect_problem
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["BridgeLink", "bridge_client", "create_key"]
+__all__ = ["BridgeLink", "bridge_client", "create_key", "fetch_certificate", "only_certificate"]
 
 MAX_BYTES: Final = 8 * 1024 * 1024
-"""Longest answer; all resources of 50 lights are about 200 kB."""
+"""Longest answer or event; all resources of 50 lights are about 200 kB."""
 
-MAX_EVENT_BYTES: Final = 1024 * 1024
 ANSWER_WITHIN: Final = 6.0
 
 _TRIES: Final = 6
@@ -52,13 +57,31 @@ def bridge_client(origin: str, tls: ssl.SSLContext, key: SecretStr | None = None
     return HttpClient(guard=guard, login=login, tls=tls, time_limit=ANSWER_WITHIN, max_bytes=MAX_BYTES)
 
 
-class BridgeLink:
-    """Requests to a bridge that homebot is paired with.
+def only_certificate(certificate: str) -> ssl.SSLContext:
+    """Return a context that trusts a server with this certificate, in PEM, and no other.
 
-    Args:
-        client: The open client, with the application key.
-        origin: The beginning of its addresses.
+    Raises:
+        OSError: It is no certificate.
     """
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname = False
+    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # the authority of the bridge is not known here
+    context.load_verify_locations(cadata=certificate)
+    return context
+
+
+async def fetch_certificate(origin: str) -> str:
+    """Return the certificate that a server shows, in PEM; raise LinkError if it cannot be reached."""
+    url = parse_url(origin)
+    fetch = partial(ssl.get_server_certificate, (url.host or "", url.port or 443), timeout=ANSWER_WITHIN)
+    try:
+        return await anyio.to_thread.run_sync(fetch)
+    except OSError as exc:
+        raise LinkError(f"{shown_url(url)} cannot be reached: {connect_problem(exc)}") from None
+
+
+class BridgeLink:
+    """Requests to a bridge that homebot is paired with, by an open *client* with the application key."""
 
     def __init__(self, client: HttpClient, origin: str, clock: Clock) -> None:
         self._client = client
@@ -70,29 +93,20 @@ class BridgeLink:
 
     def events(self) -> AbstractAsyncContextManager[EventStream]:
         """Return the stream of events, for ``async with``."""
-        return self._client.events(f"{self._origin}/eventstream/clip/v2", max_bytes=MAX_EVENT_BYTES)
+        return self._client.events(f"{self._origin}/eventstream/clip/v2")
 
     async def read(self, kind: str = "") -> object:
-        """Return all resources of a type, by default of all types, as the bridge lists them.
-
-        Raises:
-            LinkError: There is no answer now.
-            PeerError: The bridge refuses, with the status of HTTP as the code; or the answer breaks the rules.
-        """
+        """Return all resources of a type, by default of all types, as the bridge lists them."""
         async with self._turns:
             answer = await self._client.get(f"{self._origin}/clip/v2/resource{kind and f'/{kind}'}")
         return as_fields(await parse_long_json(answer.body, MAX_BYTES)).get("data")
 
     async def change(self, what: str, kind: str, rid: str, body: HueBody) -> None:
-        """Change a resource; return when the bridge has accepted it.
-
-        Args:
-            what: The command, for people.
-            kind: The type of the resource.
+        """Change a resource of the type *kind*; return when the bridge has accepted it.
 
         Raises:
             LinkError: There is no answer, or the bridge stays too busy.
-            RefusedError: The bridge refuses.
+            RefusedError: The bridge refuses *what*, the command in words.
         """
         limit = self._scenes if kind in _SCENES else self._lights
         for attempt in range(1, _TRIES + 1):
@@ -118,12 +132,7 @@ def _check_answer(what: str, answer: Fields) -> None:
 
 
 async def create_key(client: HttpClient, origin: str, name: str) -> SecretStr | None:
-    """Return a new application key; None while the button of the bridge was not pressed.
-
-    Raises:
-        LinkError: There is no answer now.
-        PeerError: The bridge refuses, or breaks the rules.
-    """
+    """Return a new application key; None while the button of the bridge was not pressed."""
     answer = await client.send_json("POST", f"{origin}/api", {"devicetype": f"homebot#{clean_text(name, 19)}"})
     first = answer[0] if isinstance(answer, list) and answer else None
     key = at(first, "success", "username")

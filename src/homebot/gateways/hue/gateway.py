@@ -27,7 +27,6 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.hue.bridge import BridgeRunner, HuePairing
-from homebot.gateways.hue.certificate import fetch_certificate, only_certificate
 from homebot.gateways.hue.settings import HueGatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
@@ -68,7 +67,7 @@ class HueGateway(Gateway):
             self, self._perform, settings, find_problems=lambda: problems_of(self._bridges.values())
         )
         PairingServices(self, node)
-        names = GatewayNames(settings.found_by)
+        names = GatewayNames(settings.mdns)
         node.create_subscription(Sighting, names.received_topics, self._on_sighting, _SIGHTINGS)
 
     @classmethod
@@ -93,25 +92,21 @@ class HueGateway(Gateway):
                 self._publish_state()
             await self._tried.wait()
             task_status.started()
+            await anyio.sleep_forever()  # a bridge may be found at any time
 
     async def pair(self, key: str, code: str) -> str:
-        """Pair with a bridge of which the button was pressed, or is pressed within :data:`PRESSED_WITHIN`.
-
-        Raises:
-            LinkError: It cannot be reached.
-            RefusedError: Its button was not pressed; or it is no bridge, or a code was given.
-        """
-        from homebot.gateways.hue.bridge_link import bridge_client, create_key  # noqa: PLC0415 - an extra
+        """Pair with a bridge of which the button was pressed, or is pressed within :data:`PRESSED_WITHIN`."""
+        from homebot.gateways.hue import bridge_link  # noqa: PLC0415 - an extra
 
         bridge = self._bridge(key)
         if code:
             raise RefusedError(f"pairing {bridge.name}", "a bridge has no code: press its button instead")
         origin = bridge.origins[0]
-        certificate = await fetch_certificate(origin)
+        certificate = await bridge_link.fetch_certificate(origin)
         made: SecretStr | None = None
-        async with bridge_client(origin, only_certificate(certificate)) as client:
+        async with bridge_link.bridge_client(origin, bridge_link.only_certificate(certificate)) as client:
             with anyio.move_on_after(PRESSED_WITHIN):
-                while (made := await create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
+                while (made := await bridge_link.create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
                     await anyio.sleep(_EACH)
         if made is None:
             reason = f"its button was not pressed within {PRESSED_WITHIN:g} s; press it, and run the command again"
@@ -145,9 +140,8 @@ class HueGateway(Gateway):
 
     def _pairing_of(self, key: str) -> HuePairing | None:
         kept = self._pairings.get(key, {})
-        secret, certificate = kept.get("key"), kept.get("certificate")
-        is_whole = isinstance(secret, str) and isinstance(certificate, str)
-        return HuePairing(SecretStr(str(secret)), str(certificate)) if is_whole else None
+        secret, certificate = text_of(kept.get("key")), kept.get("certificate")
+        return HuePairing(SecretStr(secret), certificate) if secret and isinstance(certificate, str) else None
 
     def _on_sighting(self, sighting: Sighting) -> None:
         """Follow the sightings of bridges by the mDNS gateway."""
@@ -173,9 +167,8 @@ class HueGateway(Gateway):
             self.devices.counters.devices_refused += 1
         else:
             name = name or f"Hue bridge {key[-6:]}"
-            bridge = BridgeRunner(key, name, self.devices, self._publish_state, self._pairing_of(key))
-            bridge.origins = (origin,)
-            self._bridges[key] = bridge
+            bridge = self._bridges[key] = BridgeRunner(key, name, origin, self.devices, self._publish_state)
+            bridge.pairing = self._pairing_of(key)
             self._run(bridge.run)
 
     def _run(self, work: Callable[[], Awaitable[None]]) -> None:
@@ -184,12 +177,13 @@ class HueGateway(Gateway):
 
     async def _identify(self, origin: str) -> None:
         """Ask a configured address for the id of its bridge, until it answers."""
-        from homebot.gateways.hue.bridge_link import bridge_client  # noqa: PLC0415 - an extra
+        from homebot.gateways.hue import bridge_link  # noqa: PLC0415 - an extra
 
         retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
             try:
-                async with bridge_client(origin, only_certificate(await fetch_certificate(origin))) as client:
+                tls = bridge_link.only_certificate(await bridge_link.fetch_certificate(origin))
+                async with bridge_link.bridge_client(origin, tls) as client:
                     about = as_fields(await client.get_json(f"{origin}/api/0/config"))
             except HomebotError as exc:
                 self._publish_state(str(exc))
@@ -208,7 +202,7 @@ class HueGateway(Gateway):
         self._tried.set()
 
     async def _perform(self, command: Command) -> None:
-        bridge = next((one for one in self._bridges.values() if command.key in one.keys), None)
+        bridge = next((one for one in self._bridges.values() if one.has(command.key)), None)
         if bridge is None:
             raise LinkError(f"the bridge of {command.key[:100]} is not connected")
         await bridge.perform(command)

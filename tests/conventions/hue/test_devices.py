@@ -1,0 +1,199 @@
+"""Resources of a Hue bridge become devices, values and requests."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.hue.devices import HueService, bridge_identifiers, devices_of
+from homebot.conventions.hue.resource_row import Fields, HueBody, HueRow
+from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.service_rows import press_of
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+LIGHT: Fields = {
+    "on": {"on": True},
+    "dimming": {"brightness": 40.0, "min_dim_level": 5.0},
+    "color_temperature": {
+        "mirek": 370,
+        "mirek_valid": True,
+        "mirek_schema": {"mirek_minimum": 153, "mirek_maximum": 454},
+    },
+    "color": {"xy": {"x": 0.4573, "y": 0.41}},
+    "gradient": {"points": [], "points_capable": 5},
+    "effects": {"status": "no_effect", "effect_values": ["no_effect", "candle"]},
+}
+
+
+def service(kind: str, resource: Fields, **device: object) -> HueService:
+    """The only service of a device."""
+    resources = HueResources()
+    listed = [{"id": "service", "type": kind, **resource}]
+    services = [{"rid": "service", "rtype": kind}]
+    resources.replace([*listed, {"id": "device", "type": "device", "services": services, **device}])
+    (found,) = devices_of(resources)
+    return found.services[0]
+
+
+def row(kind: str, resource: Fields, capability: str) -> HueRow:
+    return next(one for one in service(kind, resource).rows if one.capability == capability)
+
+
+def read(kind: str, resource: Fields, capability: str) -> PlainValue:
+    found = row(kind, resource, capability)
+    assert found.read is not None
+    return found.read(resource)
+
+
+def write(resource: Fields, capability: str, value: PlainValue, seconds: float = 0.0) -> HueBody:
+    found = row("light", resource, capability)
+    assert found.write is not None
+    return found.write(resource, value, seconds)
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "body"),
+    [
+        ("on_off", False, {"on": {"on": False}}),
+        ("level", 1.0, {"on": {"on": True}, "dimming": {"brightness": 1.0}}),
+        ("level", 0.0, {"on": {"on": False}}),
+        ("color_temperature", 2203.0, {"on": {"on": True}, "color_temperature": {"mirek": 454}}),
+        ("color", (0.0, 100.0), {"on": {"on": True}, "color": {"xy": {"x": 0.701, "y": 0.299}}}),
+        ("effect", "candle", {"on": {"on": True}, "effects": {"effect": "candle"}}),
+        ("locate", True, {"identify": {"action": "identify"}}),
+    ],
+)
+def test_a_light_is_commanded_in_one_request(capability: str, value: PlainValue, body: HueBody) -> None:
+    assert write(LIGHT, capability, value) == body
+
+
+def test_a_transition_is_in_milliseconds_and_at_most_6000_seconds() -> None:
+    assert write(LIGHT, "on_off", True, 2.5)["dynamics"] == {"duration": 2500}
+    with pytest.raises(RefusedError, match="it takes 0 to 6000 s"):
+        write(LIGHT, "on_off", True, 6001.0)
+
+
+@pytest.mark.parametrize(("capability", "value"), [("level", 101.0), ("color_temperature", 9000.0), ("effect", "rave")])
+def test_a_value_that_the_light_cannot_have_is_refused(capability: str, value: PlainValue) -> None:
+    with pytest.raises(RefusedError):
+        write(LIGHT, capability, value)
+
+
+def test_a_light_has_a_white_or_a_colour() -> None:
+    assert (read("light", LIGHT, "color_temperature"), read("light", LIGHT, "color")) == (2703.0, None)
+    colored = {**LIGHT, "color_temperature": {"mirek": None, "mirek_valid": False}}
+    assert read("light", colored, "color_temperature") is None
+    assert read("light", colored, "color") == pytest.approx((38.7, 52.9), abs=0.1)
+
+
+def test_a_light_without_limits_has_those_of_the_maker() -> None:
+    described = service("light", {**LIGHT, "color_temperature": {"mirek_schema": {"mirek_maximum": 65535}}}).part
+    bounds = next(one.bounds for one in described.capabilities if one.name == "color_temperature")
+    assert bounds == pytest.approx((2000, 6536), abs=25)
+
+
+def test_a_socket_is_no_lamp() -> None:
+    assert service("light", {"on": {"on": True}}, metadata={"archetype": "plug"}).part.service_type == "plug"
+    assert service("light", {"on": {"on": True}}).part.service_type == "light"
+
+
+@pytest.mark.parametrize(
+    ("kind", "resource", "capability", "value"),
+    [
+        ("motion", {"enabled": True, "motion": {"motion_report": {"motion": True}}}, "occupancy", True),
+        ("motion", {"enabled": False, "motion": {"motion_report": {"motion": True}}}, "occupancy", None),
+        ("motion", {"motion": {"motion": True, "motion_valid": False}}, "occupancy", None),
+        ("temperature", {"temperature": {"temperature": 21.5}}, "temperature", 21.5),
+        ("light_level", {"light": {"light_level_report": {"light_level": 1}}}, "illuminance", 1.0),
+        ("light_level", {"light": {"light_level_report": {"light_level": 30001}}}, "illuminance", 1000.0),
+        ("light_level", {"light": {"light_level": 0}}, "illuminance", 0.0),
+        ("contact", {"contact_report": {"state": "no_contact"}}, "contact", True),
+        ("contact", {"contact_report": {"state": "jammed"}}, "contact", None),
+        ("tamper", {"tamper_reports": [{"state": "not_tampered"}, {"state": "tampered"}]}, "tamper", True),
+        ("tamper", {"tamper_reports": []}, "tamper", None),
+        ("device_power", {"power_state": {"battery_level": 7, "battery_state": "critical"}}, "battery_low", True),
+        ("device_power", {"power_state": {"battery_level": 7, "battery_state": None}}, "battery", 7.0),
+    ],
+)
+def test_a_sensor_is_read(kind: str, resource: Fields, capability: str, value: PlainValue) -> None:
+    assert read(kind, resource, capability) == value
+
+
+def test_a_turn_of_a_dial_is_a_press() -> None:
+    report = {"action": "repeat", "rotation": {"direction": "counter_clock_wise", "steps": 30}, "updated": "now"}
+    assert press_of({"relative_rotary": {"rotary_report": report}}) == ("rotate_left", "now")
+    assert press_of({"button": {"last_event": "short_release"}}) == ("", "")
+
+
+def test_the_bridge_has_the_addresses_by_which_others_know_it() -> None:
+    assert bridge_identifiers("001788fffe123456") == ("eui64:001788fffe123456", "mac:001788123456")
+
+
+def test_a_change_is_joined_with_the_rest() -> None:
+    resources = HueResources()
+    resources.replace([{"id": "a", "type": "light", "on": {"on": True}, "dimming": {"brightness": 3.0}}])
+    assert not resources.change("update", {"id": "a", "dimming": {"brightness": 5.0}})
+    assert resources.change("update", {"id": "a", "metadata": {"name": "Hall"}})
+    assert resources.get("a")["dimming"] == {"brightness": 5.0}
+    assert resources.get("a")["on"] == {"on": True}
+    with pytest.raises(WireError, match="the resource b is unknown"):
+        resources.change("update", {"id": "b"})
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.sampled_from(["rid", "on", "xy", "x", "mirek", "name", "motion", "event", "state"]), inner)
+    ),
+    max_leaves=6,
+)
+KINDS = st.sampled_from(
+    ["device", "room", "zone", "scene", "light", "button", "motion", "tamper", "zigbee_connectivity"]
+)
+NAMES = st.sampled_from(
+    [
+        "metadata",
+        "services",
+        "children",
+        "group",
+        "on",
+        "dimming",
+        "color",
+        "color_temperature",
+        "effects",
+        "motion",
+        "button",
+        "tamper_reports",
+        "product_data",
+        "mac_address",
+        "status",
+        "service_id",
+        "enabled",
+    ]
+)
+REFERENCES = st.lists(st.fixed_dictionaries({"rid": st.sampled_from("abcd")}), max_size=4)
+RESOURCE = st.builds(
+    lambda rid, kind, fields, services: {**fields, "id": rid, "type": kind, "services": services, "children": services},
+    st.sampled_from("abcd"),
+    KINDS,
+    st.dictionaries(NAMES, JSON, max_size=6),
+    REFERENCES,
+)
+
+
+@given(st.lists(RESOURCE | JSON, max_size=5), st.sampled_from(["add", "update", "delete", "x"]), RESOURCE | JSON)
+def test_any_resources_are_read_or_refused(listed: list[object], kind: str, change: object) -> None:
+    resources = HueResources()
+    try:
+        resources.replace(listed)
+        resources.change(kind, change)
+    except WireError:
+        return
+    for device in devices_of(resources):
+        for one in device.services:
+            for found in one.rows:
+                if found.read is not None:
+                    found.read(resources.get(one.id))
