@@ -68,7 +68,7 @@ async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_l
         assert (evening.text, evening.running_since.sec) == ("daily at 22:00", 0)
         assert 0 < evening.next.to_seconds() - runtime.graph.clock.now() <= 25 * 3600
         health = await node.create_client(GetHealth, RUNTIME_HEALTH).call(HealthRequest())
-        assert health.troubles == (f"the job odd of hall {odd.note}",)
+        assert [(one.what, one.outcome) for one in health.failures] == [("the job odd failed", "given up")]
         assert runtime.door is not None
         door = ["--door", f"127.0.0.1:{runtime.door.port}"]
         capsys.readouterr()

@@ -13,13 +13,13 @@ from homebot.bridges.home_api.routes import ROUTES, ApiRoute, openapi_text
 from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
 from homebot.errors import HomebotError, UsageError
 
-__all__ = ["ApiRequest", "HttpAnswer", "answer", "problem_body"]
+__all__ = ["ApiAnswer", "ApiRequest", "answer", "problem_body"]
 
 _JSON: Final = "application/json"
 _OPENAPI: Final = "/api/openapi.json"
 
 
-class HttpAnswer(NamedTuple):
+class ApiAnswer(NamedTuple):
     """The answer to a request.
 
     Attributes:
@@ -41,11 +41,11 @@ class ApiRequest(NamedTuple):
     body: bytes = b""
 
 
-async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
+async def answer(request: ApiRequest, home: HomeCalls) -> ApiAnswer:
     """Return the answer to *request*; never raises an error of homebot."""
     try:
         if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
-            return HttpAnswer(HTTPStatus.OK, _JSON, openapi_text())
+            return ApiAnswer(HTTPStatus.OK, _JSON, openapi_text())
         route, question = _question(request)
         found = await route.handle(home, question)
     except ProblemError as exc:
@@ -54,13 +54,13 @@ async def answer(request: ApiRequest, home: HomeCalls) -> HttpAnswer:
         return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
     except HomebotError as exc:
         return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
-    return HttpAnswer(HTTPStatus.OK, _JSON, _text(found))
+    return ApiAnswer(HTTPStatus.OK, _JSON, _text(found))
 
 
-def problem_body(status: HTTPStatus, detail: str) -> HttpAnswer:
+def problem_body(status: HTTPStatus, detail: str) -> ApiAnswer:
     """Return the answer that reports an error."""
     problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail)
-    return HttpAnswer(status, "application/problem+json", _text(problem))
+    return ApiAnswer(status, "application/problem+json", _text(problem))
 
 
 def _text(found: BaseModel) -> bytes:

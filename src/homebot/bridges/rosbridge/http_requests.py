@@ -10,7 +10,7 @@ from urllib.parse import unquote
 
 import anyio
 
-from homebot.bridges.home_api.http_answers import ApiRequest, HttpAnswer, answer, problem_body
+from homebot.bridges.home_api.http_answers import ApiAnswer, ApiRequest, answer, problem_body
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.protocol import CallService
@@ -58,7 +58,7 @@ class HttpRequests:
         client: str,
         *,
         is_page: bool,
-    ) -> HttpAnswer:
+    ) -> ApiAnswer:
         """Return the answer; a request whose client leaves is given up."""
         connection.has_arrived()
         posted, owners = connection.posted, self._shared.owners()
