@@ -127,17 +127,16 @@ class AccessoryRunner(DeviceRunner):
         ability = next((one for one in part.abilities if one.capability.name == command.capability), None)
         if ability is None or ability.write is None:
             raise UnableError(f"{command.capability[:40]} cannot be set")
-        known = part.service.characteristics
-        written = {kind: value for kind, value in ability.write(command.value.plain()).items() if kind in known}
-        values = {(accessory.aid, known[kind].iid): known[kind].encode(value) for kind, value in written.items()}
+        known, wanted = part.service.characteristics, ability.write(command.value.plain())
+        written = {known[kind]: known[kind].encode(value) for kind, value in wanted.items() if kind in known}
         self._writes += 1
-        statuses = await self.link.write(values, is_timed=any("tw" in known[kind].perms for kind in written))
-        _check(f"{command.capability} for {accessory.device.name}", statuses.values())
-        self._queue.ask_for(
-            (accessory.aid, known[kind].iid)
-            for kind in {*written, *ability.watched} & known.keys()
-            if "pr" in known[kind].perms
+        statuses = await self.link.write(
+            {(accessory.aid, one.iid): value for one, value in written.items()},
+            is_timed=any("tw" in one.perms for one in written),
         )
+        _check(f"{command.capability} for {accessory.device.name}", statuses.values())
+        watched = (known[kind] for kind in {*wanted, *ability.watched} & known.keys())
+        self._queue.ask_for((accessory.aid, one.iid) for one in watched if "pr" in one.perms)
 
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that are not there any more."""

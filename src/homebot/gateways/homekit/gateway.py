@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import ClassVar, Final
@@ -60,7 +61,7 @@ class HomekitGateway(Gateway):
             f"no gateway {settings.mdns!r} runs, which would find the accessories; add [gateways.{settings.mdns}]"
         )
         self._file = PairingFile(settings.pairings or self._default_file())
-        self._port: HomekitPort | None = self.context.service(HomekitPort)
+        self._port = self.context.service(HomekitPort) or HomekitPort()
         self._pairings: dict[str, Pairing] = {}
         self._found: dict[str, FoundAccessory] = {}
         self._runners: dict[str, AccessoryRunner] = {}
@@ -83,6 +84,9 @@ class HomekitGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the accessories on the network until cancelled; ready once the state of the mDNS gateway is known."""
+        if self.context.service(HomekitPort) is None:
+            library = await to_thread.run_sync(import_module, "homebot.gateways.homekit.aiohomekit_port")  # takes long
+            self._port = library.AiohomekitPort()
         self._pairings = dict(await to_thread.run_sync(self._file.load))
         states = self.node.create_subscription(GatewayState, self._mdns.state, None, _NEWEST_OF_EACH)
         sightings = self.node.create_subscription(
@@ -107,7 +111,7 @@ class HomekitGateway(Gateway):
             raise UnableError(f"{found.name} is paired by the code on it: homebot pair '{found.name}' CODE")
         if found.is_paired and key not in self._pairings:
             raise UnableError(_next_step(found))
-        pairing = await self._library().pair(found, read_homekit_digits(code))
+        pairing = await self._port.pair(found, read_homekit_digits(code))
         await self._keep({**self._pairings, key: pairing})
         self._stop(key)
         self._start(found)
@@ -139,20 +143,13 @@ class HomekitGateway(Gateway):
             raise UnableError(str(exc)) from exc
         self._pairings = pairings
 
-    def _library(self) -> HomekitPort:
-        if self._port is None:
-            from homebot.gateways.homekit.aiohomekit_port import AiohomekitPort  # noqa: PLC0415 - an extra
-
-            self._port = AiohomekitPort()
-        return self._port
-
     def _default_file(self) -> Path | None:
         folder = (self.context.service(Installation) or Installation()).folder
         return None if folder is None else folder / f"{self.node.name}.pairings.json"
 
     def _start(self, found: FoundAccessory) -> None:
         if self._tasks is not None:
-            runner = AccessoryRunner(found, self._pairings[found.id], self.devices, self._library())
+            runner = AccessoryRunner(found, self._pairings[found.id], self.devices, self._port)
             self._runners[found.id] = runner
             self._tasks.start_soon(run_as, self.node.full_name, runner.run)
 
