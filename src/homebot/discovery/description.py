@@ -76,6 +76,7 @@ def describe_device(
     believed = tuple(filterfalse(_IS_CLAIMED, ordered)) or ordered
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     facts = _facts(ordered)
+    given = _given_in_hub(facts)
     if owner is not None:
         plan = owner.rooms.plan  # without a call, as this is for every announcement
         if not area and plan.has_areas:
@@ -84,7 +85,7 @@ def describe_device(
             area, outer_areas = plan.locate(area)
     return DeviceDescription(
         name=first.name,
-        names=tuple(dict.fromkeys((*map(_NAME, believed), *_announced(facts, "aliases")))),
+        names=tuple(dict.fromkeys((*map(_NAME, believed), *given["aliases"]))),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, parts),
         area=area,
@@ -94,7 +95,7 @@ def describe_device(
         facts=facts,
         addresses=addresses(ordered, main),
         merged=merged,
-        tags=tuple(dict.fromkeys(_announced(facts, "tags"))),
+        tags=tuple(dict.fromkeys(given["tags"])),
     )
 
 
@@ -179,9 +180,13 @@ def position_of(facts: Iterable[Fact]) -> Position | None:
     return None
 
 
-def _announced(facts: Iterable[Fact], name: str) -> Iterator[str]:
-    """Return the texts of a hub, separated by commas, such as the labels that people gave a device there."""
-    return (one for fact in facts if fact.name == name for text in fact.value.split(",") if (one := text.strip()))
+def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
+    """Return the aliases and tags that people gave a device in a hub, which separates them by commas."""
+    found: dict[str, list[str]] = {"aliases": [], "tags": []}
+    for fact in facts:
+        if fact.name in found:
+            found[fact.name] += filter(None, map(str.strip, fact.value.split(",")))
+    return found
 
 
 def _values(facts: Iterable[Fact], name: str) -> Iterator[str]:

@@ -91,7 +91,7 @@ def facets_of(device: Device) -> Facets:
         name=fold(device.name),
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
         advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
-        possible_types=_shared(possible_types),
+        possible_types=possible_types and _shared(possible_types),
         capabilities=_shared(frozenset(sets.capabilities)),
         settable=_shared(frozenset(sets.settable)),
         areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
