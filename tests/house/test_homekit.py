@@ -12,6 +12,7 @@ from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices import Device, Devices
+from homebot.devices.always_ask import always_asks
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import PlainValue
@@ -54,9 +55,11 @@ async def test_each_kind_is_a_device_and_a_lamp_obeys() -> None:
     async with house({kind: {"kind": kind} for kind in SERVICES}) as (node, world):
         devices = await found(node, set(SERVICES))
         types = {kind: devices[kind].parts[0].part.service_type for kind in SERVICES}
+        asks = {kind for kind in SERVICES if any(always_asks(devices[kind], one) for one in devices[kind].parts)}
         (lamp,) = await Devices(node).find(Light)
         outcome = await lamp.turn_on()
         assert (type(outcome), world.device("lamp").state()) == (Confirmed, "on")
+    assert asks == {"lock", "window"}
     assert types == {
         "lamp": "light",
         "window": "closure",
