@@ -26,7 +26,7 @@ from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import GatewayNames, PairingNames
 from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.hue import HueGateway, HueGatewaySettings, gateway
+from homebot.gateways.hue import HueGateway, HueGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue import HueHouseDevice, SimulatedHueBridge, make_certificate
@@ -156,9 +156,9 @@ async def test_it_pairs_by_the_button_and_keeps_the_key_for_its_owner_alone(tmp_
         assert key not in f"{lines} {answer} {await home.problems()}"
 
 
-async def test_it_says_so_if_the_button_was_not_pressed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gateway, "PRESSED_WITHIN", 0.2)
+async def test_it_says_so_if_the_button_was_not_pressed(tmp_path: Path) -> None:
     async with house(tmp_path, paired=False) as home:
+        home.gateway.pressed_within = 0.2
         await home.sighting("Hue bridge")
         answer = await home.pair()
         assert (answer.success, answer.problem) == (False, "refused")

@@ -193,9 +193,8 @@ class BridgeRunner(DeviceRunner):
         self._described = devices
         self._places = {service.id: (key, service) for key, one in devices.items() for service in one.services}
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
+        self.name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
         for key, device in devices.items():
-            if device.is_bridge:
-                self.name = device.name or self.name
             self._put(key, device, why)
             if device.reachable is not None and not device.is_bridge:
                 self._devices.report_reachable(key, reachable=device.reachable)

@@ -88,7 +88,7 @@ class BridgeLink:
         self._origin = origin
         self._clock = clock
         self._turns = anyio.Semaphore(_AT_ONCE)
-        self._lights = RateLimit(10.0, 10.0)
+        self._lights = RateLimit(10.0, 5.0)
         self._scenes = RateLimit(1.0, 1.0)
 
     def events(self) -> AbstractAsyncContextManager[EventStream]:

@@ -39,9 +39,6 @@ __all__ = ["HueGateway"]
 
 SERVICE_TYPE: Final = "_hue._tcp"
 MAX_BRIDGES: Final = 20
-PRESSED_WITHIN: Final = 30.0
-"""Seconds in which the button may be pressed: as long as a bridge accepts a program after that."""
-
 _EACH: Final = 1.0
 _SIGHTINGS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _ID: Final = re.compile(r"[0-9a-f]{16}")
@@ -49,8 +46,9 @@ _NONE: Final = "no Hue bridge was found; is the mDNS gateway on, or give its add
 
 
 class HueGateway(Gateway):
-    """Brings the devices of Hue bridges onto the graph."""
+    """Brings the devices of Hue bridges onto the graph; *pressed_within* seconds the button may be pressed."""
 
+    pressed_within = 30.0  # as long as a bridge accepts a program after that
     Settings: ClassVar[type[BaseModel]] = HueGatewaySettings
 
     def __init__(self, node: Node, settings: HueGatewaySettings, context: GatewayContext | None = None) -> None:
@@ -95,7 +93,7 @@ class HueGateway(Gateway):
             await anyio.sleep_forever()  # a bridge may be found at any time
 
     async def pair(self, key: str, code: str) -> str:
-        """Pair with a bridge of which the button was pressed, or is pressed within :data:`PRESSED_WITHIN`."""
+        """Pair with a bridge of which the button was pressed, or is pressed soon."""
         from homebot.gateways.hue import bridge_link  # noqa: PLC0415 - an extra
 
         bridge = self._bridge(key)
@@ -105,11 +103,11 @@ class HueGateway(Gateway):
         certificate = await bridge_link.fetch_certificate(origin)
         made: SecretStr | None = None
         async with bridge_link.bridge_client(origin, bridge_link.only_certificate(certificate)) as client:
-            with anyio.move_on_after(PRESSED_WITHIN):
+            with anyio.move_on_after(self.pressed_within):
                 while (made := await bridge_link.create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
                     await anyio.sleep(_EACH)
         if made is None:
-            reason = f"its button was not pressed within {PRESSED_WITHIN:g} s; press it, and run the command again"
+            reason = f"its button was not pressed within {self.pressed_within:g} s; press it, and run the command again"
             raise RefusedError(f"pairing {bridge.name}", reason)
         secrets = {"key": made.get_secret_value(), "certificate": certificate}
         await self._keep(bridge, self._pairings | {key: {"name": bridge.name, "origin": origin, **secrets}})
