@@ -14,11 +14,13 @@ from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, read_scope
+from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
-from homebot.devices.lease_messages import GetLeases, GetLeasesRequest
-from homebot.devices.names import GET_LEASES, READ_JOURNAL
+from homebot.devices.lease_messages import GetLeases, GetLeasesRequest, HoldPart, HoldRequest
+from homebot.devices.names import GET_LEASES, HOLD_PART, READ_JOURNAL
 from homebot.devices.robot_owners import RobotOwners
+from homebot.devices.trigger import Trigger as Cause
 from homebot.devices.wording.journal_words import trigger_text
 from homebot.graph import Node
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
@@ -100,3 +102,23 @@ async def test_a_lease_names_the_client_whose_call_is_its_cause(open_home: OpenH
         entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
         causes = [(one.kind, trigger_text(one.trigger, {})) for one in entries if one.trigger.kind]
         assert causes == [("held", cause), ("requested", f"party ({cause}) holds it"), ("requested", cause)]
+
+
+async def test_a_client_names_no_other_as_the_cause_of_its_lease(open_home: OpenHome) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off")
+        await home.handle(Light, "lamp")
+        cause = Cause(kind="client", text="client:owner called /app/dark")
+        wanted = HoldRequest(
+            device="lamp",
+            setting=Setting.of("on_off", plain=True),
+            lease="1",
+            by="robot",
+            ttl=10,
+            issuer="client:robot",
+            scope=("act: all",),
+            trigger=cause,
+        )
+        await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
+        (held,) = (await home.app.create_client(GetLeases, GET_LEASES).call(GetLeasesRequest())).parts
+        assert [one.trigger.kind for one in held.holders] == [""]

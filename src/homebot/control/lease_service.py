@@ -19,6 +19,7 @@ from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.values import STOPPED, value_text
 from homebot.devices import DevicePart
 from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
@@ -91,6 +92,8 @@ class LeaseService:
             return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))
         held = _setting_of(request.setting, part)
         request = request.model_copy(update={"device": device.id, "part": part.id, "setting": held})
+        if is_client(request.issuer):  # which might name another client
+            request = request.model_copy(update={"trigger": NO_TRIGGER})
         try:
             check_setting(device.id, part.part, held.capability, held.value.plain())
         except RefusedError as exc:

@@ -66,7 +66,7 @@ class HoldRequest(Message):
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
-        trigger: Its cause, as far as the holder knows.
+        trigger: Its cause, as far as the holder knows; passed over of a client of the door.
     """
 
     device: ShortText
