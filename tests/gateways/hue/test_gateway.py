@@ -136,7 +136,7 @@ async def house(folder: Path, *, paired: bool = True, act: bool = True) -> Async
 async def test_it_pairs_by_the_button_and_keeps_the_key_for_its_owner_alone(tmp_path: Path) -> None:
     async with house(tmp_path, paired=False) as home:
         found = await home.sighting("Hue bridge")
-        assert (found.key, found.confirmed) == (home.bridge.id, False)
+        assert (found.key, found.confirmed, found.authenticated) == (home.bridge.id, False, False)
         assert f"eui64:{home.bridge.id}" in found.identifiers
         assert (
             "Hue bridge: it is not paired: press its button, then run `homebot pair 'Hue bridge'`"
@@ -254,7 +254,7 @@ async def test_rooms_become_areas_and_zones_tags(tmp_path: Path) -> None:
             [{"id": "zone", "type": "zone", "metadata": {"name": "Downstairs"}, "children": [{"rid": light}]}]
         )
         found = await receive(home.sightings(), lambda one: any(fact.value == "Downstairs" for fact in one.metadata))
-        assert (found.name, found.area) == ("The lamp", "Kitchen")
+        assert (found.name, found.area, found.authenticated) == ("The lamp", "Kitchen", True)
         assert found.identifiers == (f"eui64:{radio_address(lamp.device).replace(':', '')}",)
 
 

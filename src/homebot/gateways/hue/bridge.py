@@ -206,6 +206,7 @@ class BridgeRunner(DeviceRunner):
             tuple(one.part for one in device.services),
             device.metadata if device.is_bridge else {**device.metadata, "via_device": self.name},
             device.identifiers,
+            authenticated=True,  # by the certificate of the bridge, which was pinned when its button was pressed
             area=device.area,
             service_type="bridge" if device.is_bridge else "",
         )
