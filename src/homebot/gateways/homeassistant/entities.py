@@ -5,7 +5,7 @@ The entities of one device of Home Assistant are the parts of one device; an ent
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from homebot.conventions.homeassistant.device import DeviceInfo
@@ -51,12 +51,14 @@ class HomeAssistantEntities:
     Attributes:
         registries: The registries.
         celsius: Whether Home Assistant counts in °C.
+        triggers: The parts of devices with triggers, by the ids of the devices.
         left_out: Entities beyond the limit.
     """
 
     def __init__(self, max_entities: int) -> None:
         self.registries = Registries()
         self.celsius = True
+        self.triggers: Mapping[str, tuple[Part, ...]] = {}
         self.left_out = 0
         self._max_entities = max_entities
         self._entities: dict[str, HomeAssistantEntity] = {}
@@ -120,6 +122,9 @@ class HomeAssistantEntities:
             parts = groups.setdefault(entry.device_id or entry.key, {})
             if len(parts) < MAX_PARTS:
                 parts.setdefault(entry.part_id, entity)
+        for key in self.triggers:
+            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
+                groups.setdefault(key, {})
         self._parts = groups
         self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
@@ -127,6 +132,11 @@ class HomeAssistantEntities:
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
         """Return the entities of a device, in the order of its parts; empty for none."""
         return tuple(self._parts.get(key, {}).values())
+
+    def is_reached(self, key: str) -> bool:
+        """Return whether Home Assistant reaches a device; of one without entities it does not know."""
+        entities = self.of(key)
+        return not entities or any(one.is_available for one in entities)
 
     def key_of(self, entity_id: str) -> str:
         """Return the key of the device of an entity; empty for none."""
@@ -155,15 +165,17 @@ class HomeAssistantEntities:
         entities = self.of(key)
         ids = [one.entity_id for one in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
-        name = device.name or entities[0].name or ids[0].partition(".")[2].replace("_", " ")
+        own = entities[0].name or ids[0].partition(".")[2].replace("_", " ") if entities else key
+        name = device.name or own
         area, floor = self.registries.place(key, ids)
         lists = {"tags": "labels", "aliases": "aliases"}
         facts = {fact: ", ".join(self.registries.listed(field, key, ids)) for fact, field in lists.items()}
         facts |= {**device.facts, "floor": floor, "entities": ", ".join(ids)[:_MAX_FACT]}
+        parts = [one.part() for one in entities] + list(self.triggers.get(key, ()))
         self._devices[key] = described = GatewayDevice(
             key,
             name,
-            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in _parts_of(entities)),
+            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in parts),
             {fact: text for fact, text in facts.items() if text},
             device.identifiers,
             authenticated=True,  # our token proved that it is the owner's Home Assistant
@@ -172,10 +184,6 @@ class HomeAssistantEntities:
             native=False,  # the gateway of its own protocol knows it better
         )
         return described
-
-
-def _parts_of(entities: Iterable[HomeAssistantEntity]) -> list[Part]:
-    return [one.part() for one in entities]
 
 
 def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, str]:

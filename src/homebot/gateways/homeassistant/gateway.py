@@ -21,6 +21,7 @@ from homebot.gateways.homeassistant.entities import EntityChange, HomeAssistantE
 from homebot.gateways.homeassistant.link import HomeAssistantLink
 from homebot.gateways.homeassistant.registries import REGISTRIES
 from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
+from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.graph import Node
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as, ungrouped
@@ -106,7 +107,7 @@ class HomeAssistantGateway(Gateway):
                     self._retries.begin()
                     self.publish_state("active")
                     self.mark_ready(task_status)
-                    await self._follow_registries(link)
+                    await self._follow_registries(link, DeviceTriggers(link, self._on_press))
 
     async def _load(self, link: HomeAssistantLink) -> None:
         """List the registries and all states, and follow both."""
@@ -139,15 +140,22 @@ class HomeAssistantGateway(Gateway):
                 continue  # floors and labels came in 2024.3
             self._entities.registries.put(registry, listed)
 
-    async def _follow_registries(self, link: HomeAssistantLink) -> None:
-        """List changed registries again, and group all entities by them."""
+    async def _follow_registries(self, link: HomeAssistantLink, triggers: DeviceTriggers) -> None:
+        """Follow the triggers of all devices; list changed registries again, and group all entities by them."""
         while True:
+            self._entities.triggers = await triggers.follow(self._entities.registries.device_ids)
+            if self._entities.triggers:
+                await self._describe_all("Home Assistant listed its triggers")
             await self._changed.wait()
             await anyio.sleep(SETTLES)
             self._changed = anyio.Event()
             stale, self._stale = self._stale, set()
             await self._list(link, stale)
             await self._describe_all("Home Assistant described it anew")
+
+    async def _on_press(self, key: str, part: str, press: str) -> None:
+        if self.devices.admits(key):
+            await self.devices.report(key, {"press": press}, part)
 
     async def _on_registry(self, event: Mapping[str, object]) -> None:
         registry = text_of(event.get("event_type")).removesuffix("_registry_updated")
@@ -201,7 +209,7 @@ class HomeAssistantGateway(Gateway):
             await self.devices.deliver_raw(key, message)
         if len(entities) > 1:
             self.devices.report_reachable(key, entity.entry.part_id, reachable=entity.is_available)
-        self.devices.report_reachable(key, reachable=any(one.is_available for one in entities))
+        self.devices.report_reachable(key, reachable=self._entities.is_reached(key))
         values = entity.read(is_change=change.is_event)
         if values:
             await self.devices.report(key, values, entity.entry.part_id)
@@ -212,7 +220,7 @@ class HomeAssistantGateway(Gateway):
         for key in set(self.devices.keys) - groups.keys():
             self.devices.remove(key, "Home Assistant no longer has it")
         for key, entities in groups.items():
-            is_there = any(one.is_available for one in entities)
+            is_there = self._entities.is_reached(key)
             self.devices.put(self._entities.describe(key), why, confirmed=is_there)
             for one in entities:
                 await self._report(EntityChange(one, key, is_described_anew=False, is_event=False))
@@ -231,7 +239,7 @@ class HomeAssistantGateway(Gateway):
                 since_forgotten = 0.0
                 await self._describe_all("Home Assistant reaches it", forget=True)
             for key in self.devices.keys:
-                if any(one.is_available for one in self._entities.of(key)):
+                if self._entities.is_reached(key):
                     self.devices.put(self._entities.device(key), "Home Assistant reaches it")
                 await anyio.lowlevel.checkpoint()
 
@@ -250,4 +258,10 @@ class HomeAssistantGateway(Gateway):
             "service_data": dict(call.data),
             "target": {"entity_id": [call.entity_id]},
         }
-        await link.call(f"{command.capability} for {entity.entity_id}", "call_service", args)
+        what = f"{command.capability} for {entity.entity_id}"
+        try:
+            await link.call(what, "call_service", args)
+        except RefusedError as exc:
+            if command.code:  # the reason may repeat it
+                raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
+            raise exc from None

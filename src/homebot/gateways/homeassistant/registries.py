@@ -55,6 +55,11 @@ class Registries:
         rows = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
         self._listed[registry] = {one[key]: one for one in rows if isinstance(one.get(key), str)}
 
+    @property
+    def device_ids(self) -> tuple[str, ...]:
+        """The ids of all devices."""
+        return tuple(self._listed["device"])
+
     def has_entity(self, entity_id: str) -> bool:
         """Return whether the registry has an entity."""
         return entity_id in self._listed["entity"]

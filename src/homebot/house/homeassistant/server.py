@@ -65,6 +65,7 @@ class SimulatedHomeAssistant:
         version: The version that it greets with.
         entities: Its entities by their ids.
         areas: The names of its areas, by their ids.
+        triggers: The triggers of its devices, by the ids of these.
         calls: The newest 100 service calls.
     """
 
@@ -74,7 +75,9 @@ class SimulatedHomeAssistant:
         self.version = "2024.3.3"
         self.entities: dict[str, ListedEntity] = {}
         self.areas: dict[str, str] = {}
+        self.triggers: dict[str, list[Fields]] = {}
         self.calls: list[Fields] = []
+        self._followed: list[tuple[WebPeer, int, list[Fields]]] = []
         self._states: dict[WebPeer, object] = {}
         self._events: dict[WebPeer, dict[str, object]] = {}
         self._greeted: set[WebPeer] = set()
@@ -124,6 +127,13 @@ class SimulatedHomeAssistant:
             if kind in subscribed and peer in self.server.peers:
                 peer.send(_event(subscribed[kind], {"event_type": kind, "data": {"action": "update"}}))
 
+    def fire(self, trigger: Fields) -> None:
+        """Fire a trigger of a device."""
+        for peer, number, followed in self._followed:
+            if trigger in followed and peer in self.server.peers:
+                found = {"idx": str(followed.index(trigger)), "platform": "device"}
+                peer.send(_event(number, {"variables": {"trigger": found}, "context": None}))
+
     def tell_raw(self, changes: Fields) -> None:
         """Send changes as they are, to all that subscribed to states."""
         self._tell({"c": changes})
@@ -169,6 +179,12 @@ class SimulatedHomeAssistant:
                 return False, None
             case "call_service":
                 return self._call(frame)
+            case "device_automation/trigger/list":
+                return False, self.triggers.get(str(frame.get("device_id")), [])
+            case "subscribe_trigger":
+                listed = frame.get("trigger")
+                self._followed.append((peer, number, listed if isinstance(listed, list) else []))
+                return False, None
             case str() as kind if kind.startswith("config/") and kind.endswith("_registry/list"):
                 registry = kind.removeprefix("config/").removesuffix("_registry/list")
                 if registry in _REGISTRIES:

@@ -1,0 +1,163 @@
+"""The Home Assistant gateway, where Home Assistant is another than it should be."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.patience import PATIENCE
+
+from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.names import GatewayNames
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import UsageError
+from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
+from homebot.graph import Graph, Node, Subscription
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
+from homebot.testing.gateway_contract import running
+from homebot.testing.gateway_contract.steps import KEPT
+
+pytestmark = pytest.mark.slow
+
+NAMES = GatewayNames("homeassistant")
+SHORT = {"domain": "zha", "device_id": "home-lock", "type": "remote_button_short_press", "subtype": "turn_on"}
+OWN = {"domain": "lock", "device_id": "home-lock", "type": "locked", "entity_id": "lock.home_lock"}
+
+
+class RefusingLock(ServedEntity):
+    """A lock that carries nothing out."""
+
+    def call(self, service: str, data: Mapping[str, object]) -> bool:
+        del service, data
+        return False
+
+
+class House:
+    """A lock in a simulated Home Assistant, and what the gateway says of it."""
+
+    def __init__(self, watcher: Node, home: SimulatedHomeAssistant) -> None:
+        self.home = home
+        self.states = watcher.create_subscription(GatewayState, NAMES.state, qos_profile=KEPT)
+        self.sightings: Subscription[Sighting] = watcher.create_subscription(
+            Sighting, NAMES.received_topics, qos_profile=KEPT
+        )
+        self.reports = watcher.create_subscription(Report, NAMES.readings, qos_profile=KEPT)
+        self._client = watcher.create_client(SendCommand, NAMES.send_command)
+
+    async def state(self, wanted: str) -> GatewayState:
+        with anyio.fail_after(PATIENCE):
+            while (state := await self.states.receive()).state != wanted:
+                pass
+        return state
+
+    async def reported(self, capability: str) -> PlainValue:
+        with anyio.fail_after(PATIENCE):
+            while True:
+                for one in (await self.reports.receive()).readings:
+                    if one.capability == capability:
+                        return one.value.plain()
+
+    async def sighted(self, parts: int) -> Sighting:
+        with anyio.fail_after(PATIENCE):
+            while len((sighting := await self.sightings.receive()).parts) != parts:
+                pass
+        return sighting
+
+    async def unlock(self, code: str = "") -> SendCommandResponse:
+        value = Value.of("unlocked")
+        command = Command(key="home-lock", part="lock_home-lock", capability="lock", value=value, code=code)
+        return await self._client.call(command, timeout=PATIENCE)
+
+
+@asynccontextmanager
+async def house(folder: Path, home: SimulatedHomeAssistant, token: str = "") -> AsyncIterator[House]:
+    file = folder / "token"
+    file.touch(mode=0o600)
+    file.write_text(token or home.token)
+    async with anyio.create_task_group() as tasks, Node(graph := Graph(), "watcher") as watcher:
+        await tasks.start(home.serve)
+        lock = RefusingLock(SimulatedDeviceInfo("home", "lock", "lock", "locks", "hall"), lambda _: None, home)
+        lock.begin(DeviceState(text="locked"), has_power=True)
+        await tasks.start(lock.serve)
+        settings = HomeAssistantGatewaySettings.model_validate({"url": home.url, "token_file": file})
+        async with Node(graph, "homeassistant", namespace="/gateway") as node:
+            seen = House(watcher, home)
+            async with running(HomeAssistantGateway(node, settings)):
+                yield seen
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_trigger_of_a_device_is_a_press_and_one_of_an_entity_is_not(tmp_path: Path) -> None:
+    home = SimulatedHomeAssistant()
+    home.triggers["home-lock"] = [OWN, {**SHORT, "domain": "mqtt"}, SHORT]
+    async with house(tmp_path, home) as seen:
+        _, buttons = (await seen.sighted(parts=2)).parts
+        assert buttons.service_type == "generic_switch"
+        assert [one.options for one in buttons.capabilities] == [("remote_button_short_press turn_on",)]
+        home.fire(SHORT)
+        assert await seen.reported("press") == "remote_button_short_press turn_on"
+
+
+async def test_a_token_that_is_not_valid_is_told_with_the_way_to_a_new_one(tmp_path: Path) -> None:
+    async with house(tmp_path, SimulatedHomeAssistant(), token="old") as seen:
+        reason = (await seen.state("unavailable")).reason
+    assert "the token is not valid" in reason
+    assert "Long-lived access tokens" in reason
+
+
+async def test_a_version_without_what_the_gateway_needs_is_told(tmp_path: Path) -> None:
+    home = SimulatedHomeAssistant()
+    home.version = "2022.3.1"
+    async with house(tmp_path, home) as seen:
+        assert (
+            "it is Home Assistant 2022.3.1; homebot needs 2022.11 or later" in (await seen.state("unavailable")).reason
+        )
+
+
+async def test_a_refusal_of_a_command_with_a_code_never_repeats_it(tmp_path: Path) -> None:
+    async with house(tmp_path, SimulatedHomeAssistant()) as seen:
+        await seen.sighted(parts=1)
+        plain, coded = await seen.unlock(), await seen.unlock(code="4711")
+    assert (plain.success, plain.problem, "not found" in plain.message) == (False, "refused", True)
+    assert (coded.success, coded.problem) == (False, "refused")
+    assert "4711" not in coded.message
+    assert "not found" not in coded.message
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {},
+        {"token_file": "a", "token_env": "B"},
+        {"token_file": "a", "url": "mqtt://ha"},
+        {"token_file": "a", "url": "http://user:secret@ha:8123"},
+    ],
+    ids=["no token", "two", "scheme", "password"],
+)
+def test_a_table_that_cannot_work_is_refused(table: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=r"token|address of Home Assistant") as error:
+        HomeAssistantGatewaySettings.model_validate(table)
+    assert "secret@" not in str(error.value).partition("input_value")[0]
+
+
+def test_a_token_file_that_is_not_there_is_named_with_the_way_to_one(tmp_path: Path) -> None:
+    settings = HomeAssistantGatewaySettings(token_file=tmp_path / "none")
+    with pytest.raises(UsageError, match=r"token_file: .*Long-lived access tokens"):
+        HomeAssistantGateway.check(settings)
+
+
+@pytest.mark.parametrize(
+    ("url", "websocket"),
+    [
+        ("http://ha:8123", "ws://ha:8123/api/websocket"),
+        ("https://ha.example/", "wss://ha.example/api/websocket"),
+        ("ws://ha:8123/api/websocket", "ws://ha:8123/api/websocket"),
+    ],
+)
+def test_the_address_is_that_of_a_browser(url: str, websocket: str) -> None:
+    assert HomeAssistantGatewaySettings(url=url, token_env="X").websocket == websocket
