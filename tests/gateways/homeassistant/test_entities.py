@@ -102,7 +102,9 @@ def test_a_device_has_the_identifiers_that_its_own_protocol_gives_it(device: dic
 def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[str, object]) -> None:
     entities = home(entity_entry("light.hall", device_id="d1"), device=device)
     entities.put("light.hall", state("on"), is_new=True)
+    assert entities.is_new("light.hall")
     assert entities.regroup() == {}
+    assert not entities.is_new("light.hall")  # so that its changes cause no look into the registries
 
 
 @pytest.mark.parametrize(

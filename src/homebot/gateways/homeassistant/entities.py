@@ -64,6 +64,7 @@ class HomeAssistantEntities:
         self._entities: dict[str, HomeAssistantEntity] = {}
         self._parts: dict[str, dict[str, HomeAssistantEntity]] = {}
         self._key_of: dict[str, str] = {}
+        self._grouped: frozenset[str] = frozenset()
         self._devices: dict[str, GatewayDevice] = {}
 
     def put(self, entity_id: str, change: object, *, is_new: bool) -> EntityChange | None:
@@ -101,6 +102,7 @@ class HomeAssistantEntities:
 
     def lose_all(self) -> None:
         """Apply that no states are known: those that come next are all there are."""
+        self.left_out = 0
         for entity_id in self._entities:
             self.lose(entity_id)
 
@@ -125,6 +127,7 @@ class HomeAssistantEntities:
         for key in self.triggers:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})
+        self._grouped = frozenset(self._entities)
         self._parts = groups
         self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
@@ -132,6 +135,10 @@ class HomeAssistantEntities:
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
         """Return the entities of a device, in the order of its parts; empty for none."""
         return tuple(self._parts.get(key, {}).values())
+
+    def is_new(self, entity_id: str) -> bool:
+        """Return whether an entity came after the last grouping; one that was left out then is not new."""
+        return entity_id not in self._grouped
 
     def is_reached(self, key: str) -> bool:
         """Return whether Home Assistant reaches a device; of one without entities it does not know."""

@@ -60,7 +60,9 @@ class HomeAssistantGateway(Gateway):
         self._retries = BackoffCounter(node.graph.clock, self.random, STEADY_AFTER)
         self._stale: set[str] = set()
         self._changed = anyio.Event()
-        self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_entities)
+        self.devices = PublishedDevices(
+            self, self._perform, settings, max_devices=settings.max_entities, find_problems=self._problems
+        )
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -191,7 +193,8 @@ class HomeAssistantGateway(Gateway):
         if found is None or is_first:
             return
         if not found.key:
-            self._mark_stale("device", "entity")  # it is new, or has another id now
+            if self._entities.is_new(entity_id):
+                self._mark_stale("device", "entity")  # or it has another id now
             return
         if found.is_described_anew:
             self.devices.put(self._entities.describe(found.key), "its abilities changed")
@@ -242,6 +245,10 @@ class HomeAssistantGateway(Gateway):
                 if self._entities.is_reached(key):
                     self.devices.put(self._entities.device(key), "Home Assistant reaches it")
                 await anyio.lowlevel.checkpoint()
+
+    def _problems(self) -> tuple[str, ...]:
+        count = self._entities.left_out
+        return (f"{count} entities of Home Assistant are left out, beyond max_entities",) if count else ()
 
     def _on_invalid(self, payload: bytes, why: str) -> None:
         self.devices.reject(SERVER, payload, why)
