@@ -36,6 +36,9 @@ MAX_BODY: Final = 256 * 1024
 _BLOCKS_WITHIN: Final = 120.0
 """Seconds in which the blocks of one answer are asked for: a slow radio takes a tenth of a second for each."""
 
+_DATAGRAM: Final = 65_536
+"""Bytes of the longest datagram."""
+
 _MAX_AGE: Final = 60.0
 _MARGIN: Final = 10.0
 """Seconds after the age of a notification at which the observation is registered again; RFC 7641, section 3.3.1."""
@@ -199,12 +202,17 @@ class CoapClient:
         message.opt.uri_path = path
         with _group_socket(version, interface) as opened:
             loop = asyncio.get_running_loop()
-            transport, _ = await loop.create_datagram_endpoint(lambda: _GroupAnswers(message.token, take), sock=opened)
             try:
-                transport.sendto(message.encode(), (_GROUPS[version], port))
-                await anyio.sleep(wait)
-            finally:
-                transport.close()
+                await loop.sock_sendto(opened, message.encode(), (_GROUPS[version], port))
+                with anyio.move_on_after(wait):
+                    while True:
+                        data, address = await loop.sock_recvfrom(opened, _DATAGRAM)
+                        answer = _group_answer(message.token, data, address)
+                        if answer is not None:
+                            take(answer)
+                        await anyio.lowlevel.checkpoint()  # others have a turn during a flood
+            except OSError as exc:
+                raise LinkError(f"no {version} multicast on the interface {interface!r}: {exc}") from exc
 
     async def _send(self, message: aiocoap.Message) -> aiocoap.Message:
         """Send a request; again where the network refused it, which it may have said of another device on Linux."""
@@ -263,23 +271,19 @@ class CoapClient:
         return CoapAnswer(bytes(body), None if first.opt.content_format is None else int(first.opt.content_format))
 
 
-class _GroupAnswers(asyncio.DatagramProtocol):
-    def __init__(self, token: bytes, take: Callable[[GroupAnswer], None]) -> None:
-        self._token = token
-        self._take = take
-
-    def datagram_received(self, data: bytes, addr: tuple[str | object, int]) -> None:
-        try:
-            message = aiocoap.Message.decode(data)
-        except (aiocoap.error.Error, ValueError, IndexError):
-            return
-        if message.token != self._token or not message.code.is_successful():
-            return
-        block = message.opt.block2
-        host = str(addr[0])
-        if "%" not in host and len(addr) > 3 and addr[3]:
-            host = f"{host}%{socket.if_indextoname(addr[3])}"
-        self._take(GroupAnswer(host, addr[1], message.payload, block is None or not block.more))
+def _group_answer(token: bytes, data: bytes, address: tuple[str, int]) -> GroupAnswer | None:
+    """Return the answer to the question with *token* that *data* is, or None."""
+    try:
+        message = aiocoap.Message.decode(data)
+    except (aiocoap.error.Error, ValueError, IndexError):
+        return None
+    if message.token != token or not message.code.is_successful():
+        return None
+    block = message.opt.block2
+    host = address[0]
+    if "%" not in host and len(address) > 3 and address[3]:
+        host = f"{host}%{socket.if_indextoname(address[3])}"
+    return GroupAnswer(host, address[1], message.payload, block is None or not block.more)
 
 
 def _message(code: Code, uri: str, payload: bytes, content_format: int | None, accept: int | None) -> aiocoap.Message:
