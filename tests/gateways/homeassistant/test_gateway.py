@@ -103,6 +103,20 @@ async def test_a_trigger_of_a_device_is_a_press_and_one_of_an_entity_is_not(tmp_
         assert await seen.reported("press") == "remote_button_short_press turn_on"
 
 
+async def test_a_renamed_area_is_the_new_room_and_a_change_of_nothing_else_says_nothing(tmp_path: Path) -> None:
+    home = SimulatedHomeAssistant()
+    async with house(tmp_path, home) as seen:
+        assert (await seen.sighted(parts=1)).area == "hall"
+        assert await seen.reported("lock") == "locked"
+        home.change_registry("device")
+        home.areas["hall"] = "Big hall"
+        home.change_registry("area")
+        with anyio.fail_after(PATIENCE):
+            while (sighting := await seen.sightings.receive()).area != "Big hall":
+                assert sighting.area == "hall"
+        assert sighting.why == "Home Assistant described it anew"
+
+
 async def test_a_token_that_is_not_valid_is_told_with_the_way_to_a_new_one(tmp_path: Path) -> None:
     async with house(tmp_path, SimulatedHomeAssistant(), token="old") as seen:
         reason = (await seen.state("unavailable")).reason

@@ -128,6 +128,7 @@ class HomeAssistantEntities:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})
         self._grouped = frozenset(self._entities)
+        self._devices = {key: one for key, one in self._devices.items() if key in groups}
         self._parts = groups
         self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
@@ -164,8 +165,8 @@ class HomeAssistantEntities:
         return entity
 
     def device(self, key: str) -> GatewayDevice:
-        """Return a device as it was described last."""
-        return self._devices[key]
+        """Return a device as it was described last, or now for the first time."""
+        return self._devices.get(key) or self.describe(key)
 
     def describe(self, key: str) -> GatewayDevice:
         """Describe a device by its registries and the attributes of its entities."""

@@ -218,13 +218,16 @@ class HomeAssistantGateway(Gateway):
             await self.devices.report(key, values, entity.entry.part_id)
 
     async def _describe_all(self, why: str, *, forget: bool = False) -> None:
-        """Group the entities, publish the devices, report their values, and remove those that are gone."""
-        groups = self._entities.regroup(forget=forget)
-        for key in set(self.devices.keys) - groups.keys():
+        """Group the entities, remove the devices that are gone, and publish those that are new or described anew."""
+        groups, known = self._entities.regroup(forget=forget), set(self.devices.keys)
+        for key in known - groups.keys():
             self.devices.remove(key, "Home Assistant no longer has it")
         for key, entities in groups.items():
-            is_there = self._entities.is_reached(key)
-            self.devices.put(self._entities.describe(key), why, confirmed=is_there)
+            before = self._entities.device(key) if key in known and self._link is not None else None
+            described = self._entities.describe(key)
+            if described == before:
+                continue
+            self.devices.put(described, why, confirmed=self._entities.is_reached(key))
             for one in entities:
                 await self._report(EntityChange(one, key, is_described_anew=False, is_event=False))
             await anyio.lowlevel.checkpoint()
