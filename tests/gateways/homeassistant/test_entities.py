@@ -149,6 +149,16 @@ def test_a_renamed_entity_is_the_same_part_and_one_that_is_reloaded_stays() -> N
         entities.entity("switch.yaml", "switch_yaml")
 
 
+def test_entities_of_two_integrations_with_one_id_are_two_parts_of_their_device() -> None:
+    entries = [{**entity_entry(f"light.{name}", device_id="d1"), "unique_id": "aa"} for name in ("a", "b")]
+    entities = home(*entries)
+    for name in ("a", "b"):
+        entities.put(f"light.{name}", state("on"), is_new=True)
+    entities.regroup()
+    assert [one.id for one in entities.describe("d1").parts] == ["light_aa", "r-light.b"]
+    assert entities.entity("d1", "r-light.b").entity_id == "light.b"
+
+
 def test_entities_beyond_the_limit_are_left_out_and_counted() -> None:
     entities = HomeAssistantEntities(1)
     for number in range(3):

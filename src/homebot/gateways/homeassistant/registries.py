@@ -72,7 +72,7 @@ class Registries:
         category = _CATEGORIES.get(fields.get("entity_category"), "")
         return EntityEntry(
             key=_text(fields, "id") or entity_id,
-            part_id=f"{entity_id.partition('.')[0]}_{fields.get('unique_id')}"[:_MAX_ID],
+            part_id=f"{entity_id.partition('.')[0]}_{fields.get('unique_id') or _text(fields, 'id')}"[:_MAX_ID],
             device_id=_text(fields, "device_id"),
             name=text_of(fields.get("name")) or text_of(fields.get("original_name")),
             category="config" if fields.get("hidden_by") and not category else category,
