@@ -171,12 +171,14 @@ def moved(
     part, codec = described.part, described.codec
     assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
     return DescribedPart(
-        part.with_checked(
-            id=part.id if part_id is None else part_id,
-            name=part.name if name is None else name,
-            reads=tuple([topics[one] for one in part.reads]),
-            writes=tuple([topics[one] for one in part.writes]),
-        ),
+        part.model_copy(
+            update={
+                "id": part.id if part_id is None else part_id,
+                "name": part.name if name is None else name,
+                "reads": tuple([topics[one] for one in part.reads]),
+                "writes": tuple([topics[one] for one in part.writes]),
+            }
+        ).slimmed(),
         codec.moved(topics),
         tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
         described.expiries,

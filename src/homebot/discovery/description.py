@@ -99,8 +99,6 @@ def describe_device(
     )
 
 
-_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
-
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
@@ -303,11 +301,11 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
 def _fact(source: SourceRecord, name: str, value: str) -> Fact:
     sighting = source.sighting
     first_value, at = source.facts.get(name, ("", source.first_seen))
-    return _fact_of(
+    return Fact(
         name=name,
         value=value,
         gateway=sighting.gateway,
         convention=sighting.convention,
         key=sighting.key,
         said_at=at if first_value == value else source.first_seen,
-    )
+    ).slimmed()

@@ -16,9 +16,6 @@ from homebot.messages import Time
 __all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
 
 _KEY = attrgetter("key")
-_HEARD_AT = attrgetter("heard_at", "seen_at.sec", "seen_at.nanosec")
-
-_endpoint_of = Endpoint.of_checked  # looked up once, as `of_checked` says
 
 Addresses: TypeAlias = tuple[SourceKey, str, str]
 """The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
@@ -71,7 +68,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            _endpoint_of(
+            Endpoint(
                 gateway=gateway,
                 key=key,
                 address=address,
@@ -115,7 +112,7 @@ def sorted_routes(
 def last_seen(sources: Collection[SourceRecord]) -> Time:
     """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
     confirmed = [source for source in sources if source.confirmed]
-    return max(confirmed or sources, key=_HEARD_AT).seen_at
+    return max(confirmed or sources, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
 
 
 def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: bool) -> Freshness:
