@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 
 import pytest
 
+from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError, WrongCodeError
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
-from homebot.gateways.homeassistant.entity import HomeAssistantEntity
 
 NOW = datetime(2026, 11, 22, 8, 0, tzinfo=UTC)
 HUB = {

@@ -10,19 +10,21 @@ from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.esphome.entity import (
+from homebot.conventions.entity_rows import (
+    EntityComponent,
     EntityRow,
-    EsphomeComponent,
     Fields,
     ReadField,
+    has_feature,
+    options_of,
+    whole_of,
+)
+from homebot.conventions.esphome.entity import (
     choice_row,
     flag_row,
-    has_feature,
     number_of,
     numbers_of,
-    options_of,
     read_named,
-    whole_of,
 )
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
@@ -181,7 +183,7 @@ def _climate_type(info: Fields) -> str:
 _VISUAL = ("visual_min_temperature", "visual_max_temperature")
 _swings_of = _named(_SWINGS, "supported_swing_modes")
 
-CLIMATE: Final = EsphomeComponent(
+CLIMATE: Final = EntityComponent(
     _climate_type,
     (
         _Target("heating_setpoint", *_VISUAL, _heating_field).row(),
@@ -213,7 +215,7 @@ CLIMATE: Final = EsphomeComponent(
 
 _water_modes_of = _named(_WATER_MODES, "supported_modes")
 
-WATER_HEATER: Final = EsphomeComponent(
+WATER_HEATER: Final = EntityComponent(
     "water_heater",
     (
         _Target("heating_setpoint", "min_temperature", "max_temperature", _water_field).row(),
@@ -258,7 +260,7 @@ def _fan_presets(info: Fields) -> Mapping[str, object]:
     return {one: one for one in options_of(info, "supported_preset_modes")}
 
 
-FAN: Final = EsphomeComponent(
+FAN: Final = EntityComponent(
     "fan",
     (
         flag_row("on_off", "state"),

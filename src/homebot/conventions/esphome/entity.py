@@ -6,107 +6,45 @@ Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbe
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option, require_transition
-from homebot.conventions.payload import Readings, clean_text, shown
+from homebot.conventions.entity_rows import (
+    EntityComponent,
+    EntityRow,
+    Fields,
+    ReadField,
+    WriteField,
+    options_of,
+    read_flag,
+    text_of,
+    whole_of,
+)
+from homebot.conventions.payload import Readings, shown
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.part import Capability, Category, Part
+from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = [
-    "EntityRow",
-    "EsphomeComponent",
     "EsphomeEntity",
-    "Fields",
-    "ReadField",
-    "WriteField",
     "choice_row",
     "flag_row",
-    "has_feature",
     "key_of",
     "number_of",
     "numbers_of",
-    "options_of",
     "percent_row",
-    "read_flag",
     "read_named",
     "read_percent",
     "read_text",
-    "text_of",
-    "whole_of",
     "write_option",
     "write_percent",
 ]
 
-Fields: TypeAlias = Mapping[str, object]
-"""The fields of a message by name; an enum is its number, or None if that is unknown."""
-
-ReadField: TypeAlias = Callable[[Fields, Fields], PlainValue]
-"""Returns the value of a capability from the description and a complete state; None for unknown. Never raises."""
-
-WriteField: TypeAlias = Callable[[Fields, PlainValue, str], Fields]
-"""Returns the fields of a command from the description, a value and a code, which may be empty; raises RefusedError."""
-
-_MAX_OPTIONS = 500
-_MAX_TEXT = 255
 _MOST_SECONDS = 4_000_000.0
 """Longest transition: ESPHome counts milliseconds with 32 bits."""
 
 _CATEGORIES: Mapping[int, Category] = {1: "config", 2: "diagnostic"}
-
-
-@dataclass(frozen=True, slots=True)
-class EntityRow:
-    """A capability of a kind of entity; texts and functions of the description.
-
-    Attributes:
-        read: The reader; None if it is not readable.
-        write: The writer; None if it is not settable.
-        needs: The boolean field of the description that an entity with it has; empty for none.
-        when: A further condition.
-    """
-
-    capability: str | Callable[[Fields], str]
-    read: ReadField | None
-    write: WriteField | None = None
-    needs: str = ""
-    when: Callable[[Fields], object] | None = None
-    options: tuple[str, ...] | Callable[[Fields], tuple[str, ...]] = ()
-    bounds: Callable[[Fields], tuple[float, ...]] | None = None
-    unit: str | Callable[[Fields], str] = ""
-
-    def applies(self, info: Fields) -> bool:
-        """Return whether an entity with the description *info* has the capability."""
-        return (not self.needs or info.get(self.needs) is True) and (self.when is None or bool(self.when(info)))
-
-    def describe(self, info: Fields) -> Capability:
-        """Return the capability of an entity with the description *info*."""
-        is_assumed = info.get("assumed_state") is True  # it reports its last command
-        return Capability(
-            name=self.capability if isinstance(self.capability, str) else self.capability(info),
-            readable=self.read is not None,
-            settable=self.write is not None,
-            unit=self.unit if isinstance(self.unit, str) else self.unit(info),
-            bounds=() if self.bounds is None else self.bounds(info),
-            options=self.options if isinstance(self.options, tuple) else self.options(info),
-            echoed=is_assumed and self.read is not None and self.write is not None,
-        )
-
-
-class EsphomeComponent(NamedTuple):
-    """A component: the type of its parts, or a function of the description, and its rows.
-
-    Attributes:
-        tag: The tag of its parts; None for the device class.
-    """
-
-    service_type: str | Callable[[Fields], str]
-    rows: tuple[EntityRow, ...]
-    tag: str | None = None
 
 
 class EsphomeEntity:
@@ -119,7 +57,7 @@ class EsphomeEntity:
         state: The fields of its last state; empty before the first.
     """
 
-    def __init__(self, component: str, info: Fields, kind: EsphomeComponent) -> None:
+    def __init__(self, component: str, info: Fields, kind: EntityComponent) -> None:
         self.component = component
         self.info = info
         self.key = key_of(info)
@@ -172,45 +110,16 @@ def key_of(fields: Fields) -> tuple[int, int]:
     return whole_of(fields, "device_id"), whole_of(fields, "key")
 
 
-def whole_of(fields: Fields, name: str) -> int:
-    """Return a whole number or the number of an enum; 0 if the field is missing, as in Protocol Buffers."""
-    value = fields.get(name)
-    return value if isinstance(value, int) else 0
-
-
 def number_of(fields: Fields, name: str) -> float | None:
     """Return a number, rounded to the seven digits of a 32-bit float; None if it is not a number."""
     number = finite_number(fields.get(name))
     return None if number is None else float(f"{number:.7g}")
 
 
-def text_of(fields: Fields, name: str) -> str:
-    """Return a printable text; empty if there is none."""
-    value = fields.get(name)
-    return clean_text(value, _MAX_TEXT) if isinstance(value, str) else ""
-
-
-def options_of(fields: Fields, name: str) -> tuple[str, ...]:
-    """Return the texts of a list as the device spells them: the first 500, without empty and overlong ones."""
-    value = fields.get(name)
-    texts = value[:_MAX_OPTIONS] if isinstance(value, list) else []
-    return tuple(dict.fromkeys(one for one in texts if isinstance(one, str) and 0 < len(one) <= _MAX_TEXT))
-
-
 def numbers_of(fields: Fields, name: str) -> tuple[int, ...]:
     """Return the whole numbers of a list."""
     value = fields.get(name)
     return tuple(int(one) for one in value if isinstance(one, int)) if isinstance(value, list) else ()
-
-
-def has_feature(field: str, bits: int) -> Callable[[Fields], bool]:
-    """Return a condition: all *bits* are set in a field of the description."""
-    return lambda info: whole_of(info, field) & bits == bits
-
-
-def read_flag(field: str) -> ReadField:
-    """Return a reader of a boolean field."""
-    return lambda _info, state: value if isinstance(value := state.get(field), bool) else None
 
 
 def read_text(field: str) -> ReadField:

@@ -12,23 +12,25 @@ from typing import Final
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
+from homebot.conventions.entity_rows import (
+    EntityComponent,
+    EntityRow,
+    Fields,
+    has_feature,
+    options_of,
+    read_flag,
+    text_of,
+    whole_of,
+)
 from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
 from homebot.conventions.esphome.entity import (
-    EntityRow,
-    EsphomeComponent,
-    Fields,
     choice_row,
     flag_row,
-    has_feature,
     number_of,
-    options_of,
     percent_row,
-    read_flag,
     read_named,
     read_percent,
     read_text,
-    text_of,
-    whole_of,
     write_option,
     write_percent,
 )
@@ -205,7 +207,7 @@ def _moment_fields(kind: str, text: str) -> Fields:
     return {"epoch_seconds": int(instant.timestamp())}
 
 
-def _moment(kind: str) -> EsphomeComponent:
+def _moment(kind: str) -> EntityComponent:
     """Return the kind of a date, a time of day, or both: a text in ISO 8601."""
 
     def read(_info: Fields, state: Fields) -> PlainValue:
@@ -221,24 +223,24 @@ def _moment(kind: str) -> EsphomeComponent:
             zone = " with a time zone" if kind == "datetime" else ""
             raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format{zone}") from None
 
-    return EsphomeComponent("x_setting", (EntityRow("text", read, write),), kind)
+    return EntityComponent("x_setting", (EntityRow("text", read, write),), kind)
 
 
-KINDS: Final[Mapping[str, EsphomeComponent]] = {
+KINDS: Final[Mapping[str, EntityComponent]] = {
     "climate": CLIMATE,
     "water_heater": WATER_HEATER,
     "light": LIGHT,
-    "cover": EsphomeComponent(
+    "cover": EntityComponent(
         lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
         (*_movement_rows("movement"), percent_row("tilt", "tilt", "supports_tilt")),
     ),
-    "lock": EsphomeComponent("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
-    "valve": EsphomeComponent("water_valve", _movement_rows("valve")),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
+    "valve": EntityComponent("water_valve", _movement_rows("valve")),
     "fan": FAN,
-    "switch": EsphomeComponent(
+    "switch": EntityComponent(
         lambda info: "plug" if _class_of(info) == "outlet" else "switch", (flag_row("on_off", "state"),)
     ),
-    "siren": EsphomeComponent(  # it only reports whether it is on; tone and volume also turn it on
+    "siren": EntityComponent(  # it only reports whether it is on; tone and volume also turn it on
         "siren",
         (
             flag_row("on_off", "state"),
@@ -252,11 +254,11 @@ KINDS: Final[Mapping[str, EsphomeComponent]] = {
             EntityRow("volume", None, write_percent("volume", "volume", state=True), "supports_volume"),
         ),
     ),
-    "alarm_control_panel": EsphomeComponent(
+    "alarm_control_panel": EntityComponent(
         "x_alarm_panel",
         (EntityRow("alarm", read_named("state", dict(enumerate(_ALARM_STATES))), _write_alarm, options=_ALARM_STATES),),
     ),
-    "media_player": EsphomeComponent(
+    "media_player": EntityComponent(
         "speaker",
         (
             EntityRow(
@@ -274,19 +276,19 @@ KINDS: Final[Mapping[str, EsphomeComponent]] = {
             EntityRow("value", read_named("state", _PLAYER_STATES)),
         ),
     ),
-    "event": EsphomeComponent(
+    "event": EntityComponent(
         "generic_switch", (EntityRow("press", _read_event, options=lambda info: options_of(info, "event_types")),)
     ),
-    "binary_sensor": EsphomeComponent(
+    "binary_sensor": EntityComponent(
         lambda info: condition_of(_class_of(info))[0],
         (EntityRow(lambda info: condition_of(_class_of(info))[1], read_flag("state")),),
     ),
-    "sensor": EsphomeComponent(
+    "sensor": EntityComponent(
         lambda info: _quantity(info).service_type,
         (EntityRow(lambda info: _quantity(info).capability, _read_quantity, unit=lambda info: _quantity(info).unit),),
     ),
-    "text_sensor": EsphomeComponent("x_sensor", (EntityRow("value", read_text("state")),)),
-    "number": EsphomeComponent(
+    "text_sensor": EntityComponent("x_sensor", (EntityRow("value", read_text("state")),)),
+    "number": EntityComponent(
         "x_setting",
         (
             EntityRow(
@@ -298,21 +300,21 @@ KINDS: Final[Mapping[str, EsphomeComponent]] = {
             ),
         ),
     ),
-    "select": EsphomeComponent("x_setting", (choice_row("option", "state", _listed("options")),)),
-    "text": EsphomeComponent(  # a password can be set but is never read
+    "select": EntityComponent("x_setting", (choice_row("option", "state", _listed("options")),)),
+    "text": EntityComponent(  # a password can be set but is never read
         "x_setting",
         (
             EntityRow("text", None, _write_text, when=_is_secret),
             EntityRow("text", read_text("state"), _write_text, when=lambda info: not _is_secret(info)),
         ),
     ),
-    "button": EsphomeComponent(
+    "button": EntityComponent(
         "x_setting", (_push_row("push"), _push_row("locate", lambda info: _class_of(info) == "identify"))
     ),
     "date": _moment("date"),
     "time": _moment("time"),
     "datetime": _moment("datetime"),
-    "update": EsphomeComponent(  # homebot never installs an update
+    "update": EntityComponent(  # homebot never installs an update
         "x_update",
         (
             EntityRow("version", read_text("current_version")),

@@ -11,15 +11,17 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number, require_option
-from homebot.conventions.esphome.entity import (
+from homebot.conventions.entity_rows import (
+    EntityComponent,
     EntityRow,
-    EsphomeComponent,
     Fields,
+    options_of,
+)
+from homebot.conventions.esphome.entity import (
     choice_row,
     flag_row,
     number_of,
     numbers_of,
-    options_of,
     read_percent,
 )
 from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
@@ -149,7 +151,7 @@ def _write_effect(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"state": True, "effect": require_option("effect", value, _effects(info))}
 
 
-LIGHT: Final = EsphomeComponent(
+LIGHT: Final = EntityComponent(
     "light",
     (
         flag_row("on_off", "state"),

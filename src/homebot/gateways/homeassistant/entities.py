@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from homebot.conventions.homeassistant.device import DeviceInfo
+from homebot.conventions.homeassistant.states.domains import DOMAINS
+from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
+from homebot.conventions.homeassistant.states.registries import Registries
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.part import Part
 from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.homeassistant.domains import DOMAINS
-from homebot.gateways.homeassistant.entity import HomeAssistantEntity
-from homebot.gateways.homeassistant.registries import Registries
 
 __all__ = ["EntityChange", "HomeAssistantEntities"]
 

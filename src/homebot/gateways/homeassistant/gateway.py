@@ -11,6 +11,8 @@ import anyio.to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
+from homebot.conventions.homeassistant.states.registries import REGISTRIES
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UsageError, WireError
@@ -19,8 +21,7 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import EntityChange, HomeAssistantEntities
 from homebot.gateways.homeassistant.link import HomeAssistantLink
-from homebot.gateways.homeassistant.registries import REGISTRIES
-from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
+from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
 from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.graph import Node
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter

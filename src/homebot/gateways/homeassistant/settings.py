@@ -8,15 +8,11 @@ from urllib.parse import urlsplit
 from pydantic import Field, field_validator, model_validator
 
 from homebot.config import FilePath
+from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.password_settings import read_password
 
-__all__ = ["HOW_TO_LOG_IN", "HomeAssistantGatewaySettings"]
-
-HOW_TO_LOG_IN = (
-    "make a token in Home Assistant (your profile, Security, Long-lived access tokens) and put it into a file that "
-    "only you can read, named by token_file"
-)
+__all__ = ["HomeAssistantGatewaySettings"]
 
 
 class HomeAssistantGatewaySettings(GatewaySettings):

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Final
 
+from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.payload import as_fields, text_of
 from homebot.devices.part import Capability, Part
 from homebot.errors import RefusedError
-from homebot.gateways.homeassistant.domains import DOMAINS
 from homebot.gateways.homeassistant.link import HomeAssistantLink
 
 __all__ = ["DeviceTriggers"]

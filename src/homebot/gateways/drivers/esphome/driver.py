@@ -10,8 +10,10 @@ import anyio
 from anyio import to_thread
 from pydantic import SecretStr
 
+from homebot.conventions.entity_rows import (
+    Fields,
+)
 from homebot.conventions.esphome.device import EsphomeDevice
-from homebot.conventions.esphome.entity import Fields
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice

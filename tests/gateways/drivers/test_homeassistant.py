@@ -11,7 +11,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import Value
 from homebot.errors import UnableError
 from homebot.gateways.drivers.base import DriverSettings
-from homebot.gateways.homeassistant.found import HomeAssistantDriver
+from homebot.gateways.drivers.homeassistant.driver import HomeAssistantDriver
 
 KIND = "_home-assistant._tcp.local."
 TOLD = {"location_name": "Villa", "version": "2024.3.3", "internal_url": "http://192.168.1.20:8123"}

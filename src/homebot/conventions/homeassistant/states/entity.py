@@ -10,7 +10,14 @@ from datetime import datetime
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_transition
-from homebot.conventions.esphome.entity import EntityRow, Fields, options_of, text_of
+from homebot.conventions.entity_rows import (
+    EntityRow,
+    Fields,
+    options_of,
+    text_of,
+)
+from homebot.conventions.homeassistant.states.domains import DOMAINS
+from homebot.conventions.homeassistant.states.registries import EntityEntry
 from homebot.conventions.payload import Readings, shown
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
@@ -18,8 +25,6 @@ from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.homeassistant.domains import DOMAINS
-from homebot.gateways.homeassistant.registries import EntityEntry
 
 __all__ = ["HomeAssistantEntity", "ServiceCall"]
 

@@ -11,22 +11,17 @@ from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, is_quantity, quantity_of
-from homebot.conventions.esphome.entity import (
+from homebot.conventions.entity_rows import (
+    EntityComponent,
     EntityRow,
-    EsphomeComponent,
     Fields,
     has_feature,
     options_of,
     text_of,
     whole_of,
 )
-from homebot.conventions.lamp import LightFeatures, WhiteRange
-from homebot.conventions.payload import shown
-from homebot.conventions.units import Quantity
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WrongCodeError
-from homebot.gateways.homeassistant.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
-from homebot.gateways.homeassistant.rows import (
+from homebot.conventions.homeassistant.states.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
+from homebot.conventions.homeassistant.states.rows import (
     SWITCH,
     bounds_of,
     choice,
@@ -38,6 +33,11 @@ from homebot.gateways.homeassistant.rows import (
     read_state,
     read_text,
 )
+from homebot.conventions.lamp import LightFeatures, WhiteRange
+from homebot.conventions.payload import shown
+from homebot.conventions.units import Quantity
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WrongCodeError
 from homebot.support.numbers import to_number
 
 __all__ = ["DOMAINS"]
@@ -114,7 +114,7 @@ def _read_white(info: Fields, state: Fields) -> PlainValue:
     return read_number("color_temp_kelvin", 1.0, 1.0)(info, state)
 
 
-_LIGHT: Final = EsphomeComponent(
+_LIGHT: Final = EntityComponent(
     "light",
     (
         EntityRow("on_off", SWITCH.read, _write_lamp("on_off")),
@@ -191,7 +191,7 @@ def _tones(info: Fields) -> tuple[str, ...]:
 
 _PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", "standby", "buffering"), True)}
 
-_MEDIA_PLAYER: Final = EsphomeComponent(
+_MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if _class_of(info) == "tv" else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
@@ -225,7 +225,7 @@ def _write_number(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "set_value", "value": require_number("number", value, *(_number_bounds(info) or _ANY_NUMBER))}
 
 
-_NUMBER: Final = EsphomeComponent(
+_NUMBER: Final = EntityComponent(
     "x_setting",
     (
         EntityRow(
@@ -237,7 +237,7 @@ _NUMBER: Final = EsphomeComponent(
         ),
     ),
 )
-_SELECT: Final = EsphomeComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
+_SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
 
 
 def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -247,14 +247,14 @@ def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "set_value", "value": value}
 
 
-_TEXT: Final = EsphomeComponent(  # a password can be set but is never read
+_TEXT: Final = EntityComponent(  # a password can be set but is never read
     "x_setting",
     (
         EntityRow("text", None, _write_text, when=lambda info: info.get("mode") == "password"),
         EntityRow("text", read_text("state"), _write_text, when=lambda info: info.get("mode") != "password"),
     ),
 )
-_BUTTON: Final = EsphomeComponent(
+_BUTTON: Final = EntityComponent(
     "x_setting", (push("push", "press"), push("locate", "press", lambda info: _class_of(info) == "identify"))
 )
 
@@ -265,7 +265,7 @@ _MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
 }
 
 
-def _moment(kind: str) -> EsphomeComponent:
+def _moment(kind: str) -> EntityComponent:
     """Return the domain of a date, a time of day, or both: a text in ISO 8601."""
 
     def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -277,7 +277,7 @@ def _moment(kind: str) -> EsphomeComponent:
             raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
         return {"service": "set_value", kind: moment.isoformat()}
 
-    return EsphomeComponent("x_setting", (EntityRow("text", read_text("state"), write),), kind)
+    return EntityComponent("x_setting", (EntityRow("text", read_text("state"), write),), kind)
 
 
 def _read_value(info: Fields, state: Fields) -> PlainValue:
@@ -291,22 +291,22 @@ def _read_value(info: Fields, state: Fields) -> PlainValue:
         return None
 
 
-DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
+DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "climate": CLIMATE,
     "water_heater": WATER_HEATER,
     "light": _LIGHT,
-    "cover": EsphomeComponent(
+    "cover": EntityComponent(
         lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
         (
             *_opening("movement", "cover"),
             percent("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
         ),
     ),
-    "lock": EsphomeComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
-    "valve": EsphomeComponent("water_valve", _opening("valve", "valve")),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
+    "valve": EntityComponent("water_valve", _opening("valve", "valve")),
     "fan": FAN,
     "humidifier": HUMIDIFIER,
-    "vacuum": EsphomeComponent(
+    "vacuum": EntityComponent(
         "robotic_vacuum_cleaner",
         (
             *moves("vacuum", _VACUUM, "cleaning", "docked", "paused", "idle", "returning", "error"),
@@ -315,14 +315,14 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
             push("locate", "locate", has(512)),
         ),
     ),
-    "lawn_mower": EsphomeComponent(
+    "lawn_mower": EntityComponent(
         "x_lawn_mower", moves("mower", _MOWER, "mowing", "docked", "paused", "returning", "error")
     ),
-    "alarm_control_panel": EsphomeComponent(
+    "alarm_control_panel": EntityComponent(
         "x_alarm_panel",
         (EntityRow("alarm", read_state(_named(*_ALARM_STATES)), _write_alarm, options=_ALARM_STATES),),
     ),
-    "siren": EsphomeComponent(
+    "siren": EntityComponent(
         "siren",
         (
             SWITCH,
@@ -330,17 +330,17 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
             EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
         ),
     ),
-    "switch": EsphomeComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH,)),
+    "switch": EntityComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH,)),
     "media_player": _MEDIA_PLAYER,
-    "event": EsphomeComponent(
+    "event": EntityComponent(
         "generic_switch",
         (EntityRow("press", read_text("event_type"), options=lambda info: options_of(info, "event_types")),),
     ),
-    "binary_sensor": EsphomeComponent(
+    "binary_sensor": EntityComponent(
         lambda info: condition_of(_class_of(info))[0],
         (EntityRow(lambda info: condition_of(_class_of(info))[1], read_state({"on": True, "off": False})),),
     ),
-    "sensor": EsphomeComponent(
+    "sensor": EntityComponent(
         lambda info: _quantity(info).service_type if _is_number(info) else "x_sensor",
         (
             EntityRow(
@@ -352,8 +352,8 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
             EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
         ),
     ),
-    "device_tracker": EsphomeComponent("x_tracker", (EntityRow("place", read_text("state")),)),
-    "scene": EsphomeComponent("x_scene", (push("scene", "turn_on"),)),
+    "device_tracker": EntityComponent("x_tracker", (EntityRow("place", read_text("state")),)),
+    "scene": EntityComponent("x_scene", (push("scene", "turn_on"),)),
     "number": _NUMBER,
     "input_number": _NUMBER,
     "select": _SELECT,
@@ -362,11 +362,11 @@ DOMAINS: Final[Mapping[str, EsphomeComponent]] = {
     "input_text": _TEXT,
     "button": _BUTTON,
     "input_button": _BUTTON,
-    "input_boolean": EsphomeComponent("x_setting", (SWITCH,)),
+    "input_boolean": EntityComponent("x_setting", (SWITCH,)),
     "date": _moment("date"),
     "time": _moment("time"),
     "datetime": _moment("datetime"),
-    "update": EsphomeComponent(  # homebot never installs an update
+    "update": EntityComponent(  # homebot never installs an update
         "x_update",
         (
             EntityRow("version", read_text("installed_version")),

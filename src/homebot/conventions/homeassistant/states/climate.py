@@ -9,19 +9,16 @@ from dataclasses import replace
 from typing import Final
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.esphome.entity import (
+from homebot.conventions.entity_rows import (
+    EntityComponent,
     EntityRow,
-    EsphomeComponent,
     Fields,
     ReadField,
     options_of,
     read_flag,
     whole_of,
 )
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
-from homebot.gateways.homeassistant.rows import (
+from homebot.conventions.homeassistant.states.rows import (
     SWITCH,
     Condition,
     bounds_of,
@@ -32,6 +29,9 @@ from homebot.gateways.homeassistant.rows import (
     read_text,
     sensed,
 )
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
 __all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
@@ -141,7 +141,7 @@ def _is_on(_info: Fields, state: Fields) -> PlainValue:
     return state.get("state") != "off"
 
 
-CLIMATE: Final = EsphomeComponent(
+CLIMATE: Final = EntityComponent(
     _climate_type,
     (
         _setpoint("heating_setpoint", _LOW, _heats),
@@ -157,7 +157,7 @@ CLIMATE: Final = EsphomeComponent(
     ),
 )
 
-WATER_HEATER: Final = EsphomeComponent(  # its single target is its setpoint, as that of a thermostat
+WATER_HEATER: Final = EntityComponent(  # its single target is its setpoint, as that of a thermostat
     "water_heater",
     (
         _setpoint("heating_setpoint", _LOW, has(1)),
@@ -167,7 +167,7 @@ WATER_HEATER: Final = EsphomeComponent(  # its single target is its setpoint, as
     ),
 )
 
-HUMIDIFIER: Final = EsphomeComponent(
+HUMIDIFIER: Final = EntityComponent(
     "x_humidifier",
     (
         SWITCH,
@@ -191,7 +191,7 @@ def _read_speed(info: Fields, state: Fields) -> PlainValue:
     return 0.0 if state.get("state") == "off" else read_number("percentage", 1.0, 0, 100)(info, state)
 
 
-FAN: Final = EsphomeComponent(
+FAN: Final = EntityComponent(
     "fan",
     (
         SWITCH,

@@ -10,7 +10,14 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.esphome.entity import EntityRow, Fields, ReadField, WriteField, options_of, whole_of
+from homebot.conventions.entity_rows import (
+    EntityRow,
+    Fields,
+    ReadField,
+    WriteField,
+    options_of,
+    whole_of,
+)
 from homebot.conventions.payload import shown, text_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -9,11 +9,11 @@ from typing import ClassVar
 
 import anyio
 
+from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
 from homebot.devices.gateway_messages import Command
 from homebot.errors import UnableError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver
-from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN
 
 __all__ = ["HomeAssistantDriver"]
 

@@ -1,0 +1,115 @@
+"""Entities that describe themselves, as parts: rows of a capability with its reader and its writer. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from homebot.conventions.payload import clean_text
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+
+__all__ = [
+    "EntityComponent",
+    "EntityRow",
+    "Fields",
+    "ReadField",
+    "WriteField",
+    "has_feature",
+    "options_of",
+    "read_flag",
+    "text_of",
+    "whole_of",
+]
+
+Fields: TypeAlias = Mapping[str, object]
+"""The fields of a message by name; an enum is its number, or None if that is unknown."""
+
+ReadField: TypeAlias = Callable[[Fields, Fields], PlainValue]
+"""Returns the value of a capability from the description and a complete state; None for unknown. Never raises."""
+
+WriteField: TypeAlias = Callable[[Fields, PlainValue, str], Fields]
+"""Returns the fields of a command from the description, a value and a code, which may be empty; raises RefusedError."""
+
+_MAX_OPTIONS = 500
+_MAX_TEXT = 255
+
+
+@dataclass(frozen=True, slots=True)
+class EntityRow:
+    """A capability of a kind of entity; texts and functions of the description.
+
+    Attributes:
+        read: The reader; None if it is not readable.
+        write: The writer; None if it is not settable.
+        needs: The boolean field of the description that an entity with it has; empty for none.
+        when: A further condition.
+    """
+
+    capability: str | Callable[[Fields], str]
+    read: ReadField | None
+    write: WriteField | None = None
+    needs: str = ""
+    when: Callable[[Fields], object] | None = None
+    options: tuple[str, ...] | Callable[[Fields], tuple[str, ...]] = ()
+    bounds: Callable[[Fields], tuple[float, ...]] | None = None
+    unit: str | Callable[[Fields], str] = ""
+
+    def applies(self, info: Fields) -> bool:
+        """Return whether an entity with the description *info* has the capability."""
+        return (not self.needs or info.get(self.needs) is True) and (self.when is None or bool(self.when(info)))
+
+    def describe(self, info: Fields) -> Capability:
+        """Return the capability of an entity with the description *info*."""
+        is_assumed = info.get("assumed_state") is True  # it reports its last command
+        return Capability(
+            name=self.capability if isinstance(self.capability, str) else self.capability(info),
+            readable=self.read is not None,
+            settable=self.write is not None,
+            unit=self.unit if isinstance(self.unit, str) else self.unit(info),
+            bounds=() if self.bounds is None else self.bounds(info),
+            options=self.options if isinstance(self.options, tuple) else self.options(info),
+            echoed=is_assumed and self.read is not None and self.write is not None,
+        )
+
+
+class EntityComponent(NamedTuple):
+    """A component: the type of its parts, or a function of the description, and its rows.
+
+    Attributes:
+        tag: The tag of its parts; None for the device class.
+    """
+
+    service_type: str | Callable[[Fields], str]
+    rows: tuple[EntityRow, ...]
+    tag: str | None = None
+
+
+def whole_of(fields: Fields, name: str) -> int:
+    """Return a whole number or the number of an enum; 0 if the field is missing, as in Protocol Buffers."""
+    value = fields.get(name)
+    return value if isinstance(value, int) else 0
+
+
+def text_of(fields: Fields, name: str) -> str:
+    """Return a printable text; empty if there is none."""
+    value = fields.get(name)
+    return clean_text(value, _MAX_TEXT) if isinstance(value, str) else ""
+
+
+def options_of(fields: Fields, name: str) -> tuple[str, ...]:
+    """Return the texts of a list as the device spells them: the first 500, without empty and overlong ones."""
+    value = fields.get(name)
+    texts = value[:_MAX_OPTIONS] if isinstance(value, list) else []
+    return tuple(dict.fromkeys(one for one in texts if isinstance(one, str) and 0 < len(one) <= _MAX_TEXT))
+
+
+def has_feature(field: str, bits: int) -> Callable[[Fields], bool]:
+    """Return a condition: all *bits* are set in a field of the description."""
+    return lambda info: whole_of(info, field) & bits == bits
+
+
+def read_flag(field: str) -> ReadField:
+    """Return a reader of a boolean field."""
+    return lambda _info, state: value if isinstance(value := state.get(field), bool) else None
