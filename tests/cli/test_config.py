@@ -114,6 +114,10 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "gateways.m.class: json:JSONDecoder is not a Gateway; derive it",
         ),
         (
+            '[gateways.mqtt]\n\n[discovery]\nprefer = ["mqqt"]\n',
+            "discovery.prefer: there is no gateway 'mqqt'; did you mean mqtt?",
+        ),
+        (
             '[gateways.mqtt]\nconventions = ["knx"]\n',
             "gateways.mqtt: plug-in 'knx' is not installed (installed: ",
         ),

@@ -153,3 +153,41 @@ def test_two_devices_that_become_one_keep_which_gateway_was_silent(
     index.observe(both, 4001.0)
     assert only(index).freshness == "fresh"
     assert {one[0]: one[1] for one in life(only(index))} == {"mqtt": "stale", "cable": "fresh"}
+
+
+@pytest.mark.parametrize(
+    ("prefer", "order"), [(("cable",), ["cable", "radio"]), (("web", "radio"), ["radio", "cable"])]
+)
+def test_the_gateways_that_the_owner_prefers_take_commands_first(
+    index: DeviceIndex, announced: dict[str, Sighting], prefer: tuple[str, ...], order: list[str]
+) -> None:
+    index.owner.prefer = prefer
+    for sighting in announced.values():
+        index.observe(sighting, 0.0)
+    assert routes(only(index)) == order
+    assert [one.gateway for one in only(index).endpoints] == order
+    (fact,) = [one for one in only(index).facts if one.name == "prefer"]
+    assert (fact.value, fact.convention) == (order[0], "owner")
+
+
+def test_a_preferred_gateway_that_cannot_reach_the_device_or_is_stale_comes_last(
+    index: DeviceIndex, announced: dict[str, Sighting], hear: Hear
+) -> None:
+    index.owner.prefer = ("cable", "radio")
+    for sighting in announced.values():
+        index.observe(sighting, 0.0)
+    hear("radio", 1000.0)
+    index.expire(HOUR)
+    assert routes(only(index)) == ["radio", "cable"], "cable was silent for too long"
+    hear("cable", 4000.0)
+    assert routes(only(index)) == ["cable", "radio"]
+    hear("cable", 4010.0, "reachable", value=False)
+    assert routes(only(index)) == ["radio", "cable"], "cable cannot reach it"
+
+
+def test_a_device_of_one_gateway_says_nothing_of_a_preference(
+    index: DeviceIndex, announced: dict[str, Sighting]
+) -> None:
+    index.owner.prefer = ("cable", "radio")
+    index.observe(announced["cable"], 0.0)
+    assert all(one.name != "prefer" for one in only(index).facts)

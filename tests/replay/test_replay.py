@@ -134,7 +134,9 @@ def test_a_replay_is_at_the_place_and_in_the_zone_of_the_recording() -> None:
     assert replay_config(recording).home == HomeSettings(
         name="villa", zone="Europe/Berlin", latitude=52.5, longitude=13.4
     )
-    given = parse_config({"home": {"zone": "Asia/Tokyo"}}, "homebot.toml")
+    tables: dict[str, object] = {"home": {"zone": "Asia/Tokyo"}, "discovery": {"prefer": ["mqtt"], "max_devices": 9}}
+    given = parse_config(tables, "homebot.toml")
+    assert replay_config(recording, (), given).discovery == {"max_devices": 9}
     assert replay_config(recording, (), given).home == HomeSettings(
         name="villa", zone="Asia/Tokyo", latitude=52.5, longitude=13.4
     )

@@ -83,6 +83,9 @@ OWNER = "owner"
 TAG = "tag"
 """The convention of facts that an NFC tag or a code at the device says."""
 
+PREFER = "prefer"
+"""The fact of the owner which of the gateways of a device are to take its commands, the best first."""
+
 _GATEWAYS = "/gateway/"
 
 GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})

@@ -12,10 +12,10 @@ import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
 from homebot.devices.always_ask import APPROVED, CHANGED
 from homebot.devices.device_types import wanted_types
-from homebot.devices.names import OWNER, TAG
+from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.words import SIREN, matching_words
 from homebot.discovery.approvals import Approval
-from homebot.discovery.endpoints import Addresses, addresses
+from homebot.discovery.endpoints import Addresses, addresses, preferred_routes, rank_in
 from homebot.discovery.merging.part_ids import PartIds, PartPlace
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
@@ -25,7 +25,15 @@ from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.places import NO_AREAS, HousePlan, OwnerFact, Position, read_position
 
-__all__ = ["MAX_FACTS", "DeviceDescription", "describe_device", "position_of", "with_approvals", "with_stated_facts"]
+__all__ = [
+    "MAX_FACTS",
+    "DeviceDescription",
+    "describe_device",
+    "position_of",
+    "with_approvals",
+    "with_preferred_routes",
+    "with_stated_facts",
+]
 
 
 MAX_FACTS = 200
@@ -233,6 +241,34 @@ def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) ->
         return part
     routes = [route.model_copy(update={"approved": digest}) for route, digest in zip(part.routes, found, strict=True)]
     return part.model_copy(update={"routes": tuple(routes)})
+
+
+def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], said_at: float) -> DeviceDescription:
+    """Return the description of a device of several gateways with its routes in the order of *prefer*, and that fact.
+
+    Args:
+        described: The description.
+        prefer: Names of gateways, the best first.
+        said_at: When that was stated, in seconds since the Unix epoch.
+    """
+    gateways = {gateway for (gateway, _), _, _ in described.addresses}
+    named = [gateway for gateway in prefer if gateway in gateways]
+    if len(gateways) == 1 or not named:
+        return described
+    fact = Fact(
+        name=PREFER,
+        value=", ".join(named),
+        gateway="",
+        convention=OWNER,
+        key="configuration",
+        said_at=Time.from_seconds(said_at),
+    )
+    return replace(
+        described,
+        addresses=tuple(sorted(described.addresses, key=lambda one: rank_in(prefer, one[0][0]))),
+        merged=described.merged._replace(parts=preferred_routes(described.merged.parts, prefer)),
+        facts=(fact, *described.facts)[:MAX_FACTS],
+    )
 
 
 def _owner_fact(name: str, value: str, place: PartPlace, approval: Approval) -> Fact:

@@ -49,6 +49,8 @@ class DirectorySettings(BaseModel):
             lamps say nothing for days.
         max_devices: How many devices are listed; further ones are counted and logged.
         persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
+        prefer: Names of gateways, the best first: the order in which they take commands for a device that several can
+            reach. Gateways without a place in it come last, in the usual order.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -56,6 +58,7 @@ class DirectorySettings(BaseModel):
     forget_after: Seconds = Field(default=604_800.0)
     max_devices: int = Field(default=MAX_DEVICES, ge=1)
     persist: bool = True
+    prefer: tuple[str, ...] = ()
 
 
 class Directory:
@@ -94,6 +97,7 @@ class Directory:
             max_devices=settings.max_devices,
             owner=owner,
         )
+        self.index.owner.prefer = settings.prefer
         self.index.postings.needs_approval = needs_approval
         self._clock = node.graph.clock
         self._publisher = ChangePublisher(node, self.index)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from operator import attrgetter
 from typing import TypeAlias
 
@@ -13,7 +13,16 @@ from homebot.discovery.reachability import reachability
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.messages import Time
 
-__all__ = ["Addresses", "addresses", "endpoint_reach", "endpoints", "last_seen", "sorted_routes"]
+__all__ = [
+    "Addresses",
+    "addresses",
+    "endpoint_reach",
+    "endpoints",
+    "last_seen",
+    "preferred_routes",
+    "rank_in",
+    "sorted_routes",
+]
 
 _KEY = attrgetter("key")
 
@@ -92,6 +101,16 @@ def endpoint_reach(sources: Mapping[SourceKey, SourceRecord]) -> tuple[str, ...]
     )
 
 
+def rank_in(prefer: Sequence[str], gateway: str) -> int:
+    """Return the place of *gateway* in *prefer*, from 0; one that is not in it comes after all that are."""
+    return prefer.index(gateway) if gateway in prefer else len(prefer)
+
+
+def preferred_routes(parts: tuple[DevicePart, ...], prefer: Sequence[str]) -> tuple[DevicePart, ...]:
+    """Return *parts* with their routes in the order of the gateways in *prefer*, those of other gateways last."""
+    return _with_sorted_routes(parts, lambda route: rank_in(prefer, route.gateway))
+
+
 def sorted_routes(
     parts: tuple[DevicePart, ...], sources: Mapping[SourceKey, SourceRecord], stale_gateways: frozenset[str]
 ) -> tuple[DevicePart, ...]:
@@ -101,18 +120,24 @@ def sorted_routes(
         reach = sources[route.gateway, route.key].reach_of(route.part)
         return reach is not None and reach.value is False, route.gateway in stale_gateways
 
-    found = []
-    for part in parts:
-        routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
-        is_same = routes == part.routes
-        found.append(part if is_same else part.model_copy(update={"routes": routes}))
-    return tuple(found)
+    return _with_sorted_routes(parts, order)
 
 
 def last_seen(sources: Collection[SourceRecord]) -> Time:
     """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
     confirmed = [source for source in sources if source.confirmed]
     return max(confirmed or sources, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
+
+
+def _with_sorted_routes(
+    parts: tuple[DevicePart, ...], order: Callable[[Route], int | tuple[bool, bool]]
+) -> tuple[DevicePart, ...]:
+    found = []
+    for part in parts:
+        routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
+        is_same = routes == part.routes
+        found.append(part if is_same else part.model_copy(update={"routes": routes}))
+    return tuple(found)
 
 
 def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: bool) -> Freshness:

@@ -16,7 +16,13 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.value import PlainValue
-from homebot.discovery.description import DeviceDescription, describe_device, with_approvals, with_stated_facts
+from homebot.discovery.description import (
+    DeviceDescription,
+    describe_device,
+    with_approvals,
+    with_preferred_routes,
+    with_stated_facts,
+)
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
@@ -247,6 +253,8 @@ class Entry:
             sources = tuple(self.sources.values())
             self._description = describe_device(sources, topics, self.known_ids, self.owner)
             owner = self.owner
+            if owner is not None and owner.prefer:
+                self._description = with_preferred_routes(self._description, owner.prefer, owner.read_at)
             if owner is not None and not owner.is_empty:
                 if stated := owner.of(self.id, sources):
                     self._description = with_stated_facts(self._description, stated, owner.plan)

@@ -65,6 +65,8 @@ class OwnerFacts:
         rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
+        prefer: The gateways that the configuration prefers for commands, the best first.
+        read_at: When the configuration was read at the start, in seconds since the Unix epoch.
     """
 
     __slots__ = (
@@ -76,6 +78,8 @@ class OwnerFacts:
         "closed_door",
         "is_empty",
         "is_unsaved",
+        "prefer",
+        "read_at",
         "rooms",
     )
 
@@ -85,6 +89,8 @@ class OwnerFacts:
         self.rooms = HouseRooms(home, given.rooms, given.doors)
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
+        self.prefer: tuple[str, ...] = ()
+        self.read_at = read_at
         self._configured = _configured(given, read_at)
         self._by_key: dict[SourceKey, _Statement] = {}
         self._by_name: dict[str, _Statement] = {}

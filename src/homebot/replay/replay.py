@@ -78,7 +78,7 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
             "apps": app_tables(header.apps, apps, dict(base.apps)),
             "control": base.control or _table(header.control, "control"),
             "places": base.places or _places(header.places),
-            "discovery": base.discovery,
+            "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
         "the recording" if given is None else f"the recording and {base.source}",
         base.folder,

@@ -254,6 +254,15 @@ def _without_act(table: Table) -> Table:
     return {key: value for key, value in table.items() if key != ACT}
 
 
+def _discovery(config: Config) -> DirectorySettings:
+    settings = parse_settings(DirectorySettings, config.discovery, config.source, "discovery", config.folder)
+    for name in settings.prefer:
+        if name not in config.gateways:
+            hint = did_you_mean(name, config.gateways, f"gateways are {', '.join(config.gateways) or 'none'}")
+            raise ConfigError(config.source, "discovery.prefer", f"there is no gateway {name!r}; {hint}")
+    return settings
+
+
 def _control(config: Config) -> ControlSettings | None:
     if not config.control:
         return None
@@ -350,7 +359,7 @@ def _notify(config: Config) -> NotifySettings | None:
 
 
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
-    "discovery": lambda one: parse_settings(DirectorySettings, one.discovery, one.source, "discovery", one.folder),
+    "discovery": _discovery,
     "control": _control,
     "door": read_door,
     "thing_directory": _thing_directory,

@@ -46,6 +46,8 @@ from homebot.devices.names import (
     EXPLAIN_MISSING_STATE,
     FORGET_DEVICE,
     MERGE_DEVICES,
+    OWNER,
+    PREFER,
     READ_JOURNAL,
     SPLIT_DEVICE,
     text_address,
@@ -178,6 +180,15 @@ def kitchen_lamp() -> Device:
     )
 
 
+def through_hub(lamp: Device) -> Device:
+    light, signal = lamp.parts
+    native, other = light.routes
+    hub = other.model_copy(update={"gateway": "homeassistant"})
+    fact = Fact(name=PREFER, value="homeassistant", gateway="", convention=OWNER, key="configuration", said_at=ago(60))
+    parts = (light.model_copy(update={"routes": (hub, native)}), signal)
+    return lamp.model_copy(update={"parts": parts, "facts": (fact, *lamp.facts)})
+
+
 def window() -> Device:
     return Device(
         id="windows/bath",
@@ -246,6 +257,7 @@ class StillHouse:
         is_near: Whether devices are found by words that are only like theirs.
         journal: The entries of the journal, oldest first.
         is_restarted: Whether homebot knows the lamp's state from retained messages alone.
+        prefers_hub: Whether the lamp's second route is through a hub, which the owner prefers for commands.
     """
 
     def __init__(self) -> None:
@@ -261,6 +273,7 @@ class StillHouse:
         self.is_near = False
         self.journal: list[JournalEntry] = []
         self.is_restarted = False
+        self.prefers_hub = False
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -286,6 +299,8 @@ class StillHouse:
         if self.is_restarted:
             retained = tuple(one.model_copy(update={"live": False}) for one in lamp.states)
             lamp = lamp.model_copy(update={"states": retained})
+        if self.prefers_hub:
+            lamp = through_hub(lamp)
         if self.is_well:
             return (lamp.model_copy(update={"conflicts": ()}),)
         silent = window().model_copy(update={"conflicts": ("it is a door", "it is a wall")})

@@ -64,6 +64,14 @@ def test_commands_print_what_they_should(
     check(name, out)
 
 
+def test_a_route_through_a_gateway_that_the_owner_prefers_is_marked(
+    still: StillHouse, still_homebot: Homebot, capsys: Text
+) -> None:
+    still.prefers_hub = True
+    assert main(["--door", still_homebot.door, "show", "kitchen-lamp"]) == 0
+    check("show_preferred", capsys.readouterr().out)
+
+
 def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
     still.is_well = True
     assert main(["--door", still_homebot.door, "doctor"]) == 0

@@ -12,7 +12,7 @@ from homebot.cli.device_queries import house_time, named_device, reasons_for, un
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.names import OWNER, TAG
+from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.wording.time_format import ago
 from homebot.devices.wording.values import is_topic, life, plain_value, span, value_text
 from homebot.support.printable import printable
@@ -86,9 +86,10 @@ def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence
 
 def _print_parts(device: Device, now: float) -> None:
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
+    prefer = next((one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)), [])
     for part in device.parts:
         title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
-        _section(title, _part(part, values, now))
+        _section(title, _part(part, values, prefer, now))
 
 
 def _addresses(device: Device) -> list[tuple[str, ...]]:
@@ -130,13 +131,16 @@ def _title(part: DevicePart) -> str:
     return f"{shown.service_type} ({', '.join(more)})" if more else shown.service_type
 
 
-def _part(part: DevicePart, states: dict[tuple[str, str], State], now: float) -> Iterator[tuple[str, ...]]:
+def _part(
+    part: DevicePart, states: dict[tuple[str, str], State], prefer: Sequence[str], now: float
+) -> Iterator[tuple[str, ...]]:
     for capability in part.part.capabilities:
         yield _capability(capability, states.get((part.id, capability.name)), now)
     yield from (("state topic", topic) for topic in part.part.reads)
     yield from (("command topic", topic) for topic in part.part.writes)
     for number, route in enumerate(part.routes):
-        yield ("route" if number == 0 else "else"), _by(route)
+        rank = f", number {prefer.index(route.gateway) + 1} that you prefer" if route.gateway in prefer else ""
+        yield ("route" if number == 0 else "else"), _by(route) + rank
 
 
 def _capability(capability: Capability, state: State | None, now: float) -> tuple[str, ...]:
