@@ -79,6 +79,22 @@ def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(la
     assert got(index, "lamp").outer_areas == ("Home",)
 
 
+def test_an_announced_floor_has_its_rooms_until_the_owner_states_another(announce: Announce, part: MakePart) -> None:
+    light, upstairs = part("light", "on_off"), {"floor": "Upstairs"}
+    index = index_of()
+    index.observe(announce("l", light, name="Lamp", area="Study", facts=upstairs), 0.0)
+    index.observe(announce("m", light, name="Other", area="Kitchen", facts=upstairs), 0.0)
+    index.sort()
+    assert got(index, "lamp").outer_areas == ("Upstairs", "Home")
+    assert got(index, "other").outer_areas == ("Downstairs", "Home")
+    for query in ("light in upstairs", "floor=Upstairs", "upstairs"):
+        assert index.find(parse_query(query)) == {"lamp"}
+    index.places.place("lamp", "study", 1.0)
+    assert (got(index, "lamp").area, got(index, "lamp").outer_areas) == ("study", ("Upstairs", "Home"))
+    index.places.place("lamp", "Attic", 2.0)
+    assert got(index, "lamp").outer_areas == ("Home",)
+
+
 def test_what_a_tag_taught_is_listed_after_what_the_device_announces(lamp: Sighting) -> None:
     index = index_of()
     index.observe(lamp)

@@ -14,6 +14,7 @@ from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices import Device, Devices
+from homebot.devices.handles import Light
 from homebot.graph import Node
 from homebot.house.description import parse_world
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -72,6 +73,7 @@ async def test_a_house_that_home_assistant_has_too_has_each_device_once_and_its_
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         home = SimulatedHomeAssistant(port=probe.getsockname()[1])
+    home.floors["hall"] = "Ground floor"
     token = tmp_path / "token"
     token.touch(mode=0o600)
     token.write_text(home.token)
@@ -80,5 +82,7 @@ async def test_a_house_that_home_assistant_has_too_has_each_device_once_and_its_
         await found(node, "mqtt")
         async with serving(home, KINDS):
             devices = await found(node, "mqtt", "homeassistant")
+            (light,) = await Devices(node).find(Light, area="Ground floor")
     assert sorted(one.name for one in devices) == sorted(KINDS)
-    assert {one.area for one in devices} == {"hall"}
+    assert {(one.area, one.outer_areas[:-1]) for one in devices} == {("hall", ("Ground floor",))}
+    assert light.name == "lamp"

@@ -34,6 +34,28 @@ def test_a_room_is_on_its_floor_and_in_the_home() -> None:
     assert plan.floors == ("Downstairs", "Upstairs")
 
 
+@pytest.mark.parametrize(
+    ("room", "floor", "located"),
+    [
+        ("Cellar", "Below", ("Cellar", ("Below", "Home"))),
+        ("Attic", "upstairs", ("Attic", ("Upstairs", "Home"))),
+        ("kitchen", "Upstairs", ("Kitchen", ("Downstairs", "Home"))),
+        ("Attic", "hall", ("Attic", ("Home",))),
+        ("Attic", "Outside", ("Attic", ("Home",))),
+        ("Attic", "HOME", ("Attic", ("Home",))),
+        ("Attic", "", ("Attic", ("Home",))),
+        ("Cellar", "cellar", ("Cellar", ("Home",))),
+        ("upstairs", "Top", ("Upstairs", ("Home",))),
+        ("home", "Top", ("Home", ())),
+    ],
+)
+def test_an_announced_floor_counts_where_the_plan_states_none(
+    room: str, floor: str, located: tuple[str, tuple[str, ...]]
+) -> None:
+    plan = HousePlan("Home", (*HOUSE, HouseRoom("Attic")))
+    assert plan.locate_on(room, floor) == located
+
+
 def test_a_door_that_is_stated_at_one_end_is_at_both() -> None:
     plan = HousePlan("Home", HOUSE)
     assert {room.name: room.doors for room in plan.rooms} == {

@@ -24,6 +24,7 @@ from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.places import NO_AREAS, HousePlan, OwnerFact, Position, read_position
+from homebot.support.folding import fold
 
 __all__ = [
     "MAX_FACTS",
@@ -90,7 +91,8 @@ def describe_device(
         if not area and plan.has_areas:
             area = _room_at(facts, plan)
         if area:
-            area, outer_areas = plan.locate(area)
+            floor = _floor_of(believed, area) if given["floor"] else ""
+            area, outer_areas = plan.locate_on(area, floor)
     return DeviceDescription(
         name=first.name,
         names=tuple(dict.fromkeys((*map(_NAME, believed), *given["aliases"]))),
@@ -152,7 +154,10 @@ def with_stated_facts(
     names = tuple(dict.fromkeys((*_values(own, "name"), described.name, *described.names)))
     area, outer_areas = described.area, described.outer_areas
     if stated_area := _area_of(own, plan) or (not area and _area_of(taught, plan)):
-        area, outer_areas = plan.locate(stated_area)
+        stated_area, stated_outer = plan.locate(stated_area)
+        if fold(stated_area) != fold(area):
+            outer_areas = stated_outer
+        area = stated_area
     return replace(
         described,
         name=names[0],
@@ -187,12 +192,18 @@ def position_of(facts: Iterable[Fact]) -> Position | None:
 
 
 def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
-    """Return the aliases and tags that people gave a device in a hub, which separates them by commas."""
-    found: dict[str, list[str]] = {"aliases": [], "tags": []}
+    """Return the aliases, tags and floors that people gave a device in a hub, which separates them by commas."""
+    found: dict[str, list[str]] = {"aliases": [], "tags": [], "floor": []}
     for fact in facts:
         if fact.name in found:
             found[fact.name] += filter(None, map(str.strip, fact.value.split(",")))
     return found
+
+
+def _floor_of(sources: Iterable[SourceRecord], area: str) -> str:
+    """Return the floor of the announcement that has a device in *area*; empty for none."""
+    rooms = (one.sighting for one in sources if fold(one.sighting.area) == fold(area))
+    return next((pair.value for room in rooms for pair in room.metadata if pair.key == "floor"), "")
 
 
 def _values(facts: Iterable[Fact], name: str) -> Iterator[str]:

@@ -160,6 +160,19 @@ class HousePlan:
         """
         return self._located.get(fold(area)) or (area, self._in_home)
 
+    def locate_on(self, area: str, floor: str) -> tuple[str, tuple[str, ...]]:
+        """Locate the room *area*, on the announced *floor* if the plan states none; empty for none.
+
+        A floor with the name of a room or of the home does not count.
+        """
+        name, outer = self.locate(area)
+        key, level = fold(area), fold(floor)
+        is_room = key in self._rooms or key not in self._located
+        if not level or not is_room or outer != self._in_home or level in {*self._rooms, key, OUTSIDE}:
+            return name, outer
+        spelled, around = self.locate(floor)
+        return name, (spelled, *around) if around else outer
+
     def room(self, name: str) -> HouseRoom | None:
         """Return the room of that name, ignoring case and accents, or None."""
         return self._rooms.get(fold(name))

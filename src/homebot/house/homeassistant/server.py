@@ -65,6 +65,7 @@ class SimulatedHomeAssistant:
         version: The version that it greets with.
         entities: Its entities by their ids.
         areas: The names of its areas, by their ids.
+        floors: The names of the floors of areas, by the ids of these.
         triggers: The triggers of its devices, by the ids of these.
         calls: The newest 100 service calls.
     """
@@ -75,6 +76,7 @@ class SimulatedHomeAssistant:
         self.version = "2024.3.3"
         self.entities: dict[str, ListedEntity] = {}
         self.areas: dict[str, str] = {}
+        self.floors: dict[str, str] = {}
         self.triggers: dict[str, list[Fields]] = {}
         self.calls: list[Fields] = []
         self._followed: list[tuple[WebPeer, int, list[Fields]]] = []
@@ -194,7 +196,10 @@ class SimulatedHomeAssistant:
     def _listed(self, registry: str) -> list[Fields]:
         match registry:
             case "area":
-                return [{"area_id": key, "name": name, "aliases": []} for key, name in self.areas.items()]
+                floors = self.floors
+                return [{"area_id": key, "name": name, "floor_id": floors.get(key)} for key, name in self.areas.items()]
+            case "floor":
+                return [{"floor_id": name, "name": name} for name in set(self.floors.values())]
             case "device":
                 return [one.device_entry() for one in self.entities.values()]
             case "entity":
