@@ -112,26 +112,13 @@ class HomeAssistantEntities:
         Args:
             forget: Whether entities are gone that have no state, and never had an entry.
         """
-        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
-        for entity_id, entity in sorted(self._entities.items(), key=_order):
-            is_gone = not entity.has_state and not self.registries.has_entity(entity_id)
-            if is_gone and (forget or entity.entry.key != entity_id):
+        gone = [key for key, one in self._entities.items() if not one.has_state and not self.registries.has_entity(key)]
+        for entity_id in gone:
+            if forget or self._entities[entity_id].entry.key != entity_id:
                 del self._entities[entity_id]
-                continue
-            entity.entry = entry = self.registries.entity(entity_id)
-            if entity.is_left_out or self.registries.is_left_out(entry.device_id):
-                continue
-            parts = groups.setdefault(entry.device_id or entry.key, {})
-            if entry.part_id in parts:  # of another integration, which gave it the same id
-                entity.entry = entry = entry._replace(part_id=entry.key)
-            if len(parts) < MAX_PARTS:
-                parts[entry.part_id] = entity
-        for key in self.triggers:
-            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
-                groups.setdefault(key, {})
+        self._parts = groups = self._group()
         self._grouped = frozenset(self._entities)
         self._devices = {key: one for key, one in self._devices.items() if key in groups}
-        self._parts = groups
         self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
 
@@ -194,6 +181,23 @@ class HomeAssistantEntities:
             native=False,  # the gateway of its own protocol knows it better
         )
         return described
+
+    def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
+        """Return the entities by their devices and parts, each with its newest entry."""
+        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
+        for entity_id, entity in sorted(self._entities.items(), key=_order):
+            entity.entry = entry = self.registries.entity(entity_id)
+            if entity.is_left_out or self.registries.is_left_out(entry.device_id):
+                continue
+            parts = groups.setdefault(entry.device_id or entry.key, {})
+            if entry.part_id in parts:  # of another integration, which gave it the same id
+                entity.entry = entry = entry._replace(part_id=entry.key)
+            if len(parts) < MAX_PARTS:
+                parts[entry.part_id] = entity
+        for key in self.triggers:
+            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
+                groups.setdefault(key, {})
+        return groups
 
 
 def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, str]:

@@ -116,13 +116,10 @@ class AccessoryRunner(DeviceRunner):
 
     async def perform(self, command: Command) -> None:
         """Carry *command* out; without a connection, try once to connect."""
-        if self.link is None:
-            self.wake()
-            with anyio.move_on_after(CONNECTED_WITHIN):
-                await self._attempt_ended.wait()
+        link = await self._connected()
         accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
         part = None if accessory is None else accessory.parts.get(command.part)
-        if self.link is None or accessory is None or part is None:
+        if link is None or accessory is None or part is None:
             raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
         ability = next((one for one in part.abilities if one.capability.name == command.capability), None)
         if ability is None or ability.write is None:
@@ -130,13 +127,21 @@ class AccessoryRunner(DeviceRunner):
         known, wanted = part.service.characteristics, ability.write(command.value.plain())
         written = {known[kind]: known[kind].encode(value) for kind, value in wanted.items() if kind in known}
         self._writes += 1
-        statuses = await self.link.write(
+        statuses = await link.write(
             {(accessory.aid, one.iid): value for one, value in written.items()},
             is_timed=any("tw" in one.perms for one in written),
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
         watched = (known[kind] for kind in {*wanted, *ability.watched} & known.keys())
         self._queue.ask_for((accessory.aid, one.iid) for one in watched if "pr" in one.perms)
+
+    async def _connected(self) -> HomekitLink | None:
+        """Return the connection, after one attempt to make it; None if that failed."""
+        if self.link is None:
+            self.wake()
+            with anyio.move_on_after(CONNECTED_WITHIN):
+                await self._attempt_ended.wait()
+        return self.link
 
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that are not there any more."""
