@@ -6,21 +6,22 @@ import json
 import re
 import socket
 import sqlite3
+from itertools import chain, starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import pytest
-from tests.cli.golden.conftest import StillHouse, attic, told
+from tests.cli.golden.conftest import StillHouse, ago, attic, told
 
 from homebot.cli import main
 from homebot.cli.commands.doctor import gateway_finding, health_findings
 from homebot.cli.findings import FindingKind, print_finding
-from homebot.devices import GatewayState
+from homebot.devices import Fact, GatewayState
 from homebot.devices.health import Count, HealthResponse
 from homebot.discovery.store import index_path
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from tests.cli.conftest import Homebot
 
@@ -93,6 +94,34 @@ def test_weak_batteries_and_devices_without_room_are_no_problems(
     found = findings(capsys.readouterr().out)
     assert found["HB404"]["rows"] == [{"what": "attic", "why": "7 %"}]
     assert found["HB405"]["rows"] == [{"what": "attic", "why": "Attic"}]
+
+
+def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step(
+    homebot_with: Callable[..., Homebot], capsys: Text
+) -> None:
+    """A Hue bridge is a HomeKit accessory as well, and stays one while the gateway for Hue uses it."""
+
+    class Unused(StillHouse):
+        def _devices(self) -> tuple:  # type: ignore[type-arg]
+            hall = (("homekit", "pair it", "_hap._tcp"),)
+            bridge = (*hall, ("hue", "press its button", "_hue._tcp"))
+            in_use = (*hall, ("", "", "_hue._tcp"))
+            found = {"hall": hall, "bridge": bridge, "in use": in_use}
+            return tuple(
+                attic().model_copy(update={"id": name, "facts": tuple(chain.from_iterable(starmap(facts_of, one)))})
+                for name, one in found.items()
+            )
+
+    def facts_of(needed: str, step: str, kind: str) -> Iterator[Fact]:
+        for name, value in (("dns_sd_type", kind), ("needs_gateway", needed), ("next_step", step)):
+            if value:
+                yield Fact(name=name, value=value, gateway="mdns", convention="", key=kind, said_at=ago(5))
+
+    homebot = homebot_with(Unused().node, None)
+    main(["--door", homebot.door, "doctor", "--json"])
+    finding = findings(capsys.readouterr().out)["HB406"]
+    assert finding["is_problem"] is False
+    assert finding["rows"] == [{"what": "bridge", "why": "press its button"}, {"what": "hall", "why": "pair it"}]
 
 
 def test_a_container_is_healthy_though_devices_are_silent_and_parts_have_failed(

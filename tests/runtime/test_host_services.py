@@ -69,6 +69,14 @@ class RadioGateway(Gateway):
             LINES.append(f"{self.node.name} stops")
 
 
+class WatchingGateway(RadioGateway):
+    """Needs the radio, and looks at which gateways are configured."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        LINES.append(f"{self.node.name} sees {', '.join(sorted(self.context.gateways or ()))}")
+        await super().serve(task_status=task_status)
+
+
 @pytest.fixture(autouse=True)
 def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
     """As ``module:Class`` is looked up: by the name of the module."""
@@ -101,6 +109,14 @@ async def test_what_nobody_needs_is_not_started() -> None:
     async with Runtime(parse_config({}, "test"), with_door=False) as runtime:
         assert runtime.service(Radio) is None
     assert LINES == []
+
+
+async def test_a_gateway_knows_which_others_are_configured() -> None:
+    """By their plug-ins, whatever names they have."""
+    tables = {"first": {"class": f"{__name__}:WatchingGateway"}, **config("second", "third").gateways}
+    async with Runtime(parse_config({"gateways": tables}, "test"), with_door=False):
+        pass
+    assert f"first sees {__name__}:RadioGateway, {__name__}:WatchingGateway" in LINES
 
 
 def test_a_simulated_house_needs_a_service_that_can_host_it() -> None:

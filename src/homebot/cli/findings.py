@@ -54,6 +54,12 @@ class FindingKind(Enum):
     DISPUTED = "HB403", "disputed", "homebot show DEVICE tells both sides; homebot forget DEVICE ends it"
     BATTERY = "HB404", "weak battery", "change or charge it", False
     NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
+    NO_GATEWAY = (
+        "HB406",
+        "found, and not used yet",
+        "restart homebot after a new table; docs/protocols.md has each gateway",
+        False,
+    )
 
     def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row
         self.code = code

@@ -86,6 +86,12 @@ TAG = "tag"
 PREFER = "prefer"
 """The fact of the owner which of the gateways of a device are to take its commands, the best first."""
 
+NEEDS_GATEWAY = "needs_gateway"
+"""The fact which gateway, by its plug-in, would use what was found, and is not configured."""
+
+NEXT_STEP = "next_step"
+"""The fact what a person can do to have it used."""
+
 _GATEWAYS = "/gateway/"
 
 GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})

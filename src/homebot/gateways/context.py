@@ -38,11 +38,13 @@ class GatewayContext:
         random: The source of random numbers; None for one of the gateway's own. A seeded one makes every run the same.
         services: The running host services by their class.
         is_dry_run: Whether nothing may be sent; gateways then only observe, and yet take commands, which are not sent.
+        gateways: The plug-ins of all configured gateways; None if they are unknown.
     """
 
     random: Random | None = None
     services: Mapping[type[object], object] = field(default_factory=dict)
     is_dry_run: bool = False
+    gateways: frozenset[str] | None = None
 
     @classmethod
     def of(cls, *services: object, random: Random | None = None, is_dry_run: bool = False) -> Self:

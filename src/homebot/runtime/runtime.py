@@ -283,7 +283,8 @@ class Runtime:
         for service in self._needed:
             if service.kind not in running:
                 running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
-        self._context = replace(self._context, services=running)
+        plugins = frozenset(str(table.get("class", name)) for name, table in self.config.gateways.items())
+        self._context = replace(self._context, services=running, gateways=plugins)
 
     def _resolved(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
         return replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))

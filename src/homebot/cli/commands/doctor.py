@@ -15,7 +15,7 @@ from homebot.cli.findings import Finding, FindingKind, FindingRow, finding_json,
 from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
 from homebot.cli.terminal import print_line
-from homebot.devices.names import SENDS_NOTHING
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, ago
 from homebot.devices.wording.values import plain_value
@@ -255,11 +255,26 @@ def _charge(device: Device, _now: float) -> str:
     return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
 
 
+def _step(device: Device, _now: float) -> str:
+    """Return the next step with what has a gateway of its own, rather than as a HomeKit accessory, which it may be."""
+    needed = {(one.gateway, one.key): one.value for one in device.facts if one.name == NEEDS_GATEWAY}
+    steps = [
+        (needed.get((one.gateway, one.key)) == "homekit", one.value) for one in device.facts if one.name == NEXT_STEP
+    ]
+    return min(steps, default=(False, ""))[1]
+
+
+_UNUSED = (
+    f'"{NEEDS_GATEWAY}"=homeassistant or "{NEEDS_GATEWAY}"=hue '
+    f'or ("{NEEDS_GATEWAY}"=homekit and not "dns_sd_type"=_hue._tcp)'
+)
+
 _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
     _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
     _DeviceCheck(FindingKind.BATTERY, f"battery < {_WEAK_BATTERY} or battery_low=yes", _charge, _FEW),
+    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )
 

@@ -22,6 +22,7 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
 from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
+from homebot.gateways.mdns.gateway_hints import hint_facts
 from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
@@ -243,7 +244,7 @@ class MdnsGateway(Gateway):
         service = listed.service
         bare = GatewayDevice(service.key, name_of(service), service_type=service.service_type.removesuffix(".local."))
         listed.device = known = device or listed.device or bare
-        facts = facts_of(service) | dict(known.metadata)
+        facts = facts_of(service) | hint_facts(service, self.context.gateways) | dict(known.metadata)
         host = (host_identifier(service),) if known.parts or listed.runner is None else ()  # else it is not known yet
         identifiers = (*known.identifiers, *identifiers_of(service), *host)
         if self._sleeps(listed):
