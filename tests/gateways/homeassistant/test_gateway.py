@@ -8,6 +8,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from anyio.abc import TaskStatus
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
@@ -19,6 +20,7 @@ from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGa
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
+from homebot.house.http.web_server import WebPeer
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
@@ -35,6 +37,28 @@ class RefusingLock(ServedEntity):
     def call(self, service: str, data: Mapping[str, object]) -> bool:
         del service, data
         return False
+
+
+class CrashingHomeAssistant(SimulatedHomeAssistant):
+    """A Home Assistant that crashes, if told to, at a service call before it answers."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.serving = anyio.CancelScope()
+        self.crashes = False
+        self.called = 0
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        with anyio.CancelScope() as self.serving:
+            await super().serve(task_status=task_status)
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        is_call = b"call_service" in message
+        self.called += is_call
+        if is_call and self.crashes:
+            self.serving.cancel()
+        else:
+            super().receive(peer, message)
 
 
 class House:
@@ -68,9 +92,9 @@ class House:
                 pass
         return sighting
 
-    async def unlock(self, code: str = "") -> SendCommandResponse:
-        value = Value.of("unlocked")
-        command = Command(key="home-lock", part="lock_home-lock", capability="lock", value=value, code=code)
+    async def unlock(self, code: str = "", expires: float = 0.0) -> SendCommandResponse:
+        lock, value = "lock_home-lock", Value.of("unlocked")
+        command = Command(key="home-lock", part=lock, capability="lock", value=value, code=code, expires_after=expires)
         return await self._client.call(command, timeout=PATIENCE)
 
 
@@ -141,6 +165,27 @@ async def test_a_refusal_of_a_command_with_a_code_never_repeats_it(tmp_path: Pat
     assert (coded.success, coded.problem) == (False, "refused")
     assert "4711" not in coded.message
     assert "not found" not in coded.message
+
+
+async def test_a_command_is_sent_once_or_not_at_all_while_home_assistant_is_away(tmp_path: Path) -> None:
+    """One is in flight when it crashes, two come while it is away, of which one expires: none is sent after that."""
+    home = CrashingHomeAssistant()
+    async with house(tmp_path, home) as seen, anyio.create_task_group() as tasks:
+        await seen.state("active")
+        await seen.sighted(parts=1)
+        home.crashes = True
+        in_flight = await seen.unlock()
+        await seen.state("unavailable")
+        late = await seen.unlock(expires=0.1)
+        lost = await seen.unlock()
+        assert [one.problem for one in (in_flight, late, lost)] == ["unreachable"] * 3
+        home.crashes = False
+        await tasks.start(home.serve)
+        await seen.state("active")
+        assert home.called == 1
+        assert (await seen.unlock()).problem == "refused"
+        assert home.called == 2
+        tasks.cancel_scope.cancel()
 
 
 @pytest.mark.parametrize(
