@@ -48,7 +48,8 @@ class CommandSender:
         """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
 
         A gateway that has not carried it out within *expires_after* seconds gives up. For a device that is away the
-        network keeps it for *kept_for* seconds; *repeated* is a command that was sent before.
+        network keeps it for *kept_for* seconds; *repeated* is a command that was sent before and had no effect: it
+        begins with the second route, for the first accepted it.
 
         The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
         gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
@@ -59,6 +60,8 @@ class CommandSender:
             LinkError: No gateway of the part is running and connected; it may work later.
         """
         routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
+        if repeated:
+            routes = (*routes[1:], routes[0])
         problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
         for route in routes:
             command = Command(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.devices import Route
+from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import Handle, Light
@@ -54,6 +55,20 @@ async def test_a_device_that_one_gateway_cannot_reach_is_reached_by_another(hous
     (light,) = await house.devices.find(Light)
     await light.turn_on()
     assert [one[0] for one in house.told] == ["cable"]
+
+
+async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house: House) -> None:
+    """The first accepted it: a hub that shows a device which it lost accepts everything."""
+    ways = tuple(Route(gateway=one, key="k", part=one, takes=EVERYTHING) for one in ("hub", "radio"))
+    lamp = house.part("light", "on_off").model_copy(update={"routes": ways})
+    for one in ("hub", "radio"):
+        house.gateway(one)
+    sender = CommandSender(house.node)
+    for repeated in (False, True):
+        await sender.send(house.device("a", lamp), lamp, "on_off", True, 0.0, repeated=repeated)
+    house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
+    await sender.send(house.device("a", lamp), lamp, "on_off", True, 0.0, repeated=True)
+    assert [one[0] for one in house.told] == ["hub", "radio", "hub"]
 
 
 async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_route(house: House) -> None:
