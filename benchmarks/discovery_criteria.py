@@ -7,12 +7,14 @@ Each gateway is measured in a process of its own, where possible with a loopback
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
 from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from discovery_houses import HOUSES
@@ -41,8 +43,8 @@ def run(plan: Plan) -> Report:
     count, patience = (10, 5.0) if plan.quick else (100, PATIENCE)
     alone = _has_own_network()
     rows, notes = [], []
-    with ThreadPoolExecutor() as waiters:
-        measured = [(name, _start(name, count, patience, waiters, alone=alone)) for name in HOUSES]
+    with TemporaryDirectory() as scratch, ThreadPoolExecutor() as waiters:
+        measured = [(name, _start(name, count, patience, waiters, scratch, alone=alone)) for name in HOUSES]
     for name, (joined, later) in measured:
         noticed = later.result()
         if joined is None or noticed is None:
@@ -61,14 +63,14 @@ def run(plan: Plan) -> Report:
 
 
 def _start(
-    name: str, count: int, patience: float, waiters: ThreadPoolExecutor, *, alone: bool
+    name: str, count: int, patience: float, waiters: ThreadPoolExecutor, scratch: str, *, alone: bool
 ) -> tuple[dict[str, Any] | None, Future[dict[str, Any] | None]]:
     """Measure until all have joined; the rest is waited for while the next gateway is measured."""
     script = str(Path(__file__).with_name("discovery_worker.py"))
     command = [sys.executable, script, name, str(count), str(patience)]
     if alone:
         command = ["unshare", "--net", "sh", "-c", f'{ALONE} && exec "$@"', "sh", *command]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "TMPDIR": scratch})
     return _line(process), waiters.submit(_last_line, process)
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import hashlib
 import itertools
 import sys
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from types import MappingProxyType
 
 import anyio
-from anyio.abc import TaskGroup
+from anyio.abc import TaskGroup, TaskStatus
 
 from homebot.clock import LoopClock
 from homebot.config import parse_config
@@ -32,6 +34,8 @@ __all__ = ["HOUSES", "House", "HouseSpec", "Joined", "house_of"]
 
 HOME = "home425"
 KEEP_ALIVE = 30
+PAIRED = 120
+"""HomeKit bridges that homebot is paired with before they come."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +64,14 @@ HOUSES: Mapping[str, HouseSpec] = MappingProxyType(
             "ble", "bthome", "lux", "3 intervals, at least 30 s; on a battery, as here, 5 min"
         ),
         "ble, connected light": HouseSpec("ble", "ble_light", "lamp", "3 intervals, at least 30 s"),
-        "coap, with resource directory": HouseSpec("coap", "coap", "lamp", "lifetime of the registration, here 60 s"),
+        "coap, resource directory": HouseSpec("coap", "coap", "lamp", "lifetime of the registration, here 60 s"),
         "matter, node of a server": HouseSpec("matter", "matter", "lamp", "as the Matter server says"),
         "thing_directory, thing": HouseSpec(
             "thing_directory", "thing_directory", "lamp", "its server no longer answers"
         ),
+        "homeassistant, device": HouseSpec("homeassistant", "home_assistant", "lamp", "as Home Assistant says"),
+        "homekit, lamp and its bridge": HouseSpec("homekit", "homekit", "lamp", "connection lost, or silent for 38 s"),
+        "hue, lamp of a bridge": HouseSpec("hue", "hue", "lamp", "as the bridge says"),
         "nfc, tag at a reader": HouseSpec("nfc", "tag", "tag", "the reader polls"),
     }
 )
@@ -76,17 +83,12 @@ class Joined:
 
     Args:
         marks: Texts of which one is in the description of the device and of no other.
-        device: The device; None for a tag, which just lies there.
+        cut_power: Lets it die without a word.
     """
 
-    def __init__(self, marks: tuple[str, ...], device: ConnectedDevice | None = None) -> None:
+    def __init__(self, marks: tuple[str, ...], cut_power: Callable[[], None]) -> None:
         self.marks = marks
-        self._device = device
-
-    def cut_power(self) -> None:
-        """Let it die without a word."""
-        if self._device is not None:
-            self._device.power(on=False)
+        self.cut_power = cut_power
 
 
 class House:
@@ -114,7 +116,7 @@ class House:
         """Let *device* live, which can be told by its *marks*."""
         device.begin(DeviceState(text="off"), has_power=True)
         self._tasks.start_soon(device.live)
-        return Joined(marks, device)
+        return Joined(marks, partial(device.power, on=False))
 
 
 class _ServedHouse(House):
@@ -168,6 +170,9 @@ async def house_of(spec: HouseSpec) -> AsyncIterator[House]:
             yield house
     elif spec.family == "thing_directory":
         async with _thing_house(spec) as house:
+            yield house
+    elif spec.family == "homekit":
+        async with _homekit_house(spec) as house:
             yield house
     elif spec.family in DIALECTS:
         async with _running({"mqtt": {"root": HOME}}) as runtime, anyio.create_task_group() as tasks:
@@ -233,15 +238,41 @@ async def _thing_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 
 @asynccontextmanager
+async def _homekit_house(spec: HouseSpec) -> AsyncIterator[House]:
+    from homebot.house.homekit import ServedAccessory, SimulatedHomekitBridge  # noqa: PLC0415 - an extra
+
+    network = HouseNetwork([spec.family])
+    gateways = network.gateways()
+    pairings = Path(str(gateways["homekit"]["pairings"]))
+    paired: list[tuple[SimulatedHomekitBridge, anyio.CancelScope]] = []
+
+    async def serve(*, task_status: TaskStatus[None]) -> None:
+        number = len(paired)
+        bridge = SimulatedHomekitBridge("127.0.0.1", pairings, f"02:48:42:01:{number // 100:02}:{number % 100:02}")
+        with anyio.CancelScope() as scope:
+            paired.append((bridge, scope))
+            await bridge.serve(task_status=task_status)
+
+    class HomekitHouse(House):
+        def join(self, name: str) -> Joined:
+            bridge, scope = paired.pop()
+            self.live(ServedAccessory(_info(spec, name), lambda _command: None, bridge))
+            return Joined((name,), scope.cancel)
+
+    async with anyio.create_task_group() as tasks:
+        for _ in range(PAIRED):
+            await tasks.start(serve)
+        async with _running(gateways) as runtime:
+            yield HomekitHouse(runtime.graph, tasks)
+            tasks.cancel_scope.cancel()
+
+
+@asynccontextmanager
 async def _tag_house() -> AsyncIterator[House]:
     from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef  # noqa: PLC0415 - an extra
     from homebot.house.nfc import TagField, Type4Card  # noqa: PLC0415 - likewise
 
     field = TagField()
-
-    class Tag(Joined):
-        def cut_power(self) -> None:
-            field.card = None
 
     class TagHouse(House):
         is_for_one = True
@@ -250,7 +281,7 @@ async def _tag_house() -> AsyncIterator[House]:
             uid = "04" + hashlib.sha256(name.encode()).hexdigest()[:12]
             message = write_ndef(NdefRecord("uri", f"homebot:device/lights/{name}".encode()))
             field.card = Type4Card(bytes.fromhex(uid), message)
-            return Tag((uid,))
+            return Joined((uid,), partial(setattr, field, "card", None))
 
     async with (
         field.served(),

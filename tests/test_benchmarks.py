@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -16,6 +17,7 @@ pytestmark = pytest.mark.slow
 
 PROGRAM = Path(__file__).parent.parent / "benchmarks/run.py"
 SOURCE = Path(__file__).parent.parent / "src/homebot"
+BENCHMARKS = Path(__file__).parent.parent / "docs/benchmarks.md"
 PAGE = Path(__file__).parent.parent / "docs/how-a-message-travels.md"
 
 
@@ -48,16 +50,41 @@ def test_what_is_near_is_asked_in_each_size_of_house() -> None:
     assert rooms == [size for size in ("12", "100", "1000") for _ in range(3)]
 
 
-def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed() -> None:
-    """Of the gateway that needs no extra."""
-    worker = PROGRAM.with_name("discovery_worker.py")
-    command = [sys.executable, str(worker), "mqtt, Home Assistant discovery", "2", "10"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+@pytest.mark.parametrize(
+    ("house", "library"),
+    [
+        ("mqtt, Home Assistant discovery", "homebot"),
+        ("homeassistant, device", "aiohttp"),
+        ("homekit, lamp and its bridge", "pyhap"),
+        ("hue, lamp of a bridge", "trustme"),
+    ],
+)
+def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed(
+    house: str, library: str, tmp_path: Path
+) -> None:
+    """Which paired bridges have their keys in temporary files."""
+    pytest.importorskip(library)
+    command = [sys.executable, str(PROGRAM.with_name("discovery_worker.py")), house, "2", "10"]
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, env=environment)
     assert done.returncode == 0, done.stderr
     joined, died = (json.loads(line) for line in done.stdout.splitlines())
     assert len(joined["times"]) == 2
     assert joined["memory"] > 0
     assert [how for _, how in died["noticed"]] == ["unreachable"] * 2
+
+
+def test_the_page_has_a_row_for_each_house_of_discovery() -> None:
+    houses = re.findall(r'"(\w+, .+?)": HouseSpec', PROGRAM.with_name("discovery_houses.py").read_text())
+    table = BENCHMARKS.read_text().partition("\n## Discovery\n")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\| (\w.*?) \|", table, re.MULTILINE)[1:]
+
+    assert [letters(row) for row in rows] == [letters(house) for house in houses]
+
+
+def letters(name: str) -> str:
+    """The letters of a name, without case."""
+    return "".join(filter(str.isalpha, name.lower()))
 
 
 @cache
