@@ -23,7 +23,7 @@ run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
-## Runs all tests: about seven minutes on two cores.
+## Runs all tests: about five minutes on two cores.
 test: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist worksteal -m "not peers" $(ARGS)
 
