@@ -20,7 +20,11 @@ def found(service_type: str, **properties: str) -> FoundService:
     ("service", "gateway", "step"),
     [
         (found(HOME_ASSISTANT, **INTERNAL), "homeassistant", 'url = "http://192.168.1.20:8123" and token_file'),
-        (found(HOME_ASSISTANT), "homeassistant", 'add [gateways.homeassistant] with url = "http://ha.local:8123"'),
+        (
+            found(HOME_ASSISTANT),
+            "homeassistant",
+            'if it is yours, add [gateways.homeassistant] with url = "http://ha.local:8123"',
+        ),
         (found(HUE), "hue", "add [gateways.hue], then: homebot pair 'Hall'"),
         (found(HAP, sf="1"), "homekit", "add [gateways.homekit], then: homebot pair 'Hall' CODE"),
         (found(HAP, sf="5"), "homekit", "add [gateways.homekit]"),

@@ -40,7 +40,7 @@ def _home_assistant(service: FoundService) -> str:
     default = f"http://{service.host.rstrip('.')}:{service.port}"
     url = service.properties.get("internal_url") or service.properties.get("base_url") or default
     token = "a long-lived access token (in Home Assistant: your profile, Security)"  # noqa: S105 - none itself
-    return f'add [gateways.homeassistant] with url = "{url[:200]}" and token_file, a file with {token}'
+    return f'if it is yours, add [gateways.homeassistant] with url = "{url[:200]}" and token_file, a file with {token}'
 
 
 def _hue(service: FoundService) -> str:
