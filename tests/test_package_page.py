@@ -39,6 +39,7 @@ def test_the_page_has_no_link_that_leads_nowhere(tmp_path: Path) -> None:
     made = built(tmp_path, "")
     assert [one for one in links(made) if not one.startswith(("https://", "#"))] == []
     assert "Each command returns its outcome." in made["readme"]["text"]
+    assert "The page:" not in made["readme"]["text"], "a picture without its file"
     assert not made.get("urls")
 
 
@@ -46,4 +47,5 @@ def test_links_and_urls_lead_to_the_repository_where_it_is_known(tmp_path: Path)
     made = built(tmp_path, "https://git.example/homebot")
     assert "https://git.example/homebot/blob/HEAD/docs/devices.md#outcomes" in links(made)
     assert [one for one in links(made) if not one.startswith(("https://", "#"))] == []
+    assert "https://git.example/homebot/raw/HEAD/docs/images/house.png" in links(made)
     assert made["urls"]["Changelog"] == "https://git.example/homebot/blob/HEAD/CHANGELOG.md"
