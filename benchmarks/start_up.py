@@ -44,7 +44,8 @@ def run(plan: Plan) -> Report:
     commands = {PEER: _importing(CORE), IN_USE: _importing(USE), IMPORT: _importing(IMPORT)}
     notes = []
     if importlib.util.find_spec("homebot.__main__") is not None:
-        commands[RUN] = [sys.executable, "-m", "homebot", "run", "--log-format", "json", "--door", "127.0.0.1:0"]
+        house = ["--house", "thesis", "--door", "127.0.0.1:0"]  # the default house has 25 devices and three apps
+        commands[RUN] = [sys.executable, "-m", "homebot", "run", "--log-format", "json", *house]
     else:
         notes.append("`homebot run` is not measured: this version has no command line yet.")
     with tempfile.TemporaryDirectory() as compiled:
