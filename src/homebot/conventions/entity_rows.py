@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import clean_text, shown
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 __all__ = [
     "EntityComponent",
@@ -21,6 +22,7 @@ __all__ = [
     "read_flag",
     "text_of",
     "whole_of",
+    "writer_of",
 ]
 
 Fields: TypeAlias = Mapping[str, object]
@@ -84,6 +86,19 @@ class EntityComponent(NamedTuple):
     service_type: str | Callable[[Fields], str]
     rows: tuple[EntityRow, ...]
     tag: str | None = None
+
+
+def writer_of(rows: Mapping[str, EntityRow], capability: str) -> WriteField:
+    """Return the writer of *capability*.
+
+    Raises:
+        RefusedError: It is not settable; names those that are.
+    """
+    row = rows.get(capability)
+    if row is None or row.write is None:
+        settable = ", ".join(name for name, one in rows.items() if one.write is not None)
+        raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
+    return row.write
 
 
 def whole_of(fields: Fields, name: str) -> int:

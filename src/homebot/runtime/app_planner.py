@@ -11,7 +11,8 @@ from homebot.errors import ConfigError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
 from homebot.runtime.app_loading import FreshCode
-from homebot.runtime.plan import APPS, PlannedComponent, planned_app, scope_of
+from homebot.runtime.grants import scope_of
+from homebot.runtime.plan import APPS, PlannedComponent, planned_app
 
 __all__ = ["AppPlanner"]
 

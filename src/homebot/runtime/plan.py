@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -15,8 +15,6 @@ import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import Config, HomeSettings, Table, parse_settings
-from homebot.devices.client_rights import read_scope
-from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -24,6 +22,7 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_access, read_door
+from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -42,7 +41,6 @@ __all__ = [
     "make_plan",
     "plan_errors",
     "planned_app",
-    "scope_of",
 ]
 
 
@@ -87,11 +85,6 @@ class PlannedComponent(Generic[ComponentT]):
     def offer_settings(self, node: Node) -> None:
         """Have the settings declared as parameters of *node* when these are first asked for."""
         node.parameters.declare_later(partial(_declare_settings, node, self.settings))
-
-
-ACT = "act"
-"""The key that says which devices an app, or a client of the directory of things, may command, and whether a gateway
-sends commands at all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +148,7 @@ def make_plan(config: Config) -> Plan:
         home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
         apps=tuple(planned_app(name, table, config) for name, table in config.apps.items()),
-        grants=dict(_grants(config)),
+        grants=dict(grants_of(config)),
         **{name: read(config) for name, read in _TABLES.items()},
     )
 
@@ -214,44 +207,12 @@ def planned_app(name: str, table: Table, config: Config, load: LoadPlugin = load
     """
     _check_name(f"apps.{name}", name, config.source)
     scope_of(f"apps.{name}", table, config)
-    return _component(App, APPS, name, _without_act(table), config, f"apps.{name}", load)  # type: ignore[type-abstract]
+    return _component(App, APPS, name, without_act(table), config, f"apps.{name}", load)  # type: ignore[type-abstract]
 
 
 def _check_name(key: str, name: str, source: str) -> None:
     if name in OWN_NODES:
         raise ConfigError(source, key, "is the name of one of homebot's own nodes; choose another name")
-
-
-def _grants(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
-    tables = {f"/{name}": (f"apps.{name}", table) for name, table in config.apps.items()}
-    if config.thing_directory is not None:
-        tables[THING_DIRECTORY_NODE] = ("thing_directory", config.thing_directory)
-    for node, (key, table) in tables.items():
-        if (scope := scope_of(key, table, config)) is not None:
-            yield node, scope
-
-
-def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return the grants of the table *key*, or None without any.
-
-    Raises:
-        ConfigError: They are wrong.
-    """
-    if (act := table.get(ACT)) is None:
-        return None
-    key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
-    if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
-        raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
-    scope = tuple(f"act: {one}" for one in queries) or ("read",)
-    try:
-        read_scope(scope)
-    except UsageError as exc:
-        raise ConfigError(config.source, key, str(exc)) from exc
-    return scope
-
-
-def _without_act(table: Table) -> Table:
-    return {key: value for key, value in table.items() if key != ACT}
 
 
 def _discovery(config: Config) -> DirectorySettings:
@@ -304,7 +265,7 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     from homebot.bridges.thing_directory import settings  # noqa: PLC0415 - only with the table
 
     scope_of(key, config.thing_directory, config)
-    own = _without_act(config.thing_directory)
+    own = without_act(config.thing_directory)
     given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
     try:
         check_extra("the directory of things", "mdns", "aiohttp")

@@ -14,7 +14,8 @@ from homebot.control import Control
 from homebot.control.policies import PolicySettings
 from homebot.discovery import Directory
 from homebot.errors import UsageError
-from homebot.runtime.plan import ACT, Plan, make_plan
+from homebot.runtime.grants import ACT
+from homebot.runtime.plan import Plan, make_plan
 from homebot.support.logger import get_logger
 
 __all__ = ["RunningParts", "keys_for_restart", "reload_configuration"]

@@ -19,7 +19,8 @@ from homebot.recording.recorder import RunFacts
 from homebot.recording.recording_file import LineSink
 from homebot.recording.secrets import public_settings
 from homebot.recording.session import record_for_client, record_into
-from homebot.runtime.plan import ACT, Plan, PlannedComponent
+from homebot.runtime.grants import ACT
+from homebot.runtime.plan import Plan, PlannedComponent
 
 __all__ = ["RunRecording"]
 

@@ -18,12 +18,12 @@ from homebot.conventions.entity_rows import (
     read_flag,
     text_of,
     whole_of,
+    writer_of,
 )
-from homebot.conventions.payload import Readings, shown
+from homebot.conventions.payload import Readings
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = [
@@ -95,11 +95,7 @@ class EsphomeEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        row = self._rows.get(capability)
-        if row is None or row.write is None:
-            settable = ", ".join(name for name, row in self._rows.items() if row.write is not None)
-            raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
-        fields = row.write(self.info, value, code)
+        fields = writer_of(self._rows, capability)(self.info, value, code)
         if self.component == "light" and transition:
             return {**fields, "transition_length": require_transition(transition, _MOST_SECONDS)}
         return fields

@@ -15,16 +15,16 @@ from homebot.conventions.entity_rows import (
     Fields,
     options_of,
     text_of,
+    writer_of,
 )
 from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.homeassistant.states.registries import EntityEntry
-from homebot.conventions.payload import Readings, shown
+from homebot.conventions.payload import Readings
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 
 __all__ = ["HomeAssistantEntity", "ServiceCall"]
 
@@ -165,11 +165,7 @@ class HomeAssistantEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        row = self._rows.get(capability)
-        if row is None or row.write is None:
-            settable = ", ".join(name for name, row in self._rows.items() if row.write is not None)
-            raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
-        data = dict(row.write(self.info, value, code))
+        data = dict(writer_of(self._rows, capability)(self.info, value, code))
         service = str(data.pop("service"))
         if self.domain == "light" and transition:
             data["transition"] = require_transition(transition, _MOST_SECONDS)
