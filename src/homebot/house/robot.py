@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
-from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.simulated_device import Drive, SimulatedDevice
 from homebot.places import read_position
 from homebot.places.rigid import MapPose
 
@@ -61,6 +61,11 @@ class Robot(SimulatedDevice):
     def drives(self) -> bool:
         """True while it is on its way."""
         return bool(self._ahead)
+
+    @property
+    def drive(self) -> Drive:
+        """Its drive."""
+        return Drive(self.room, self.drives)
 
     def pose(self) -> MapPose:
         """Return where it is at :attr:`now`."""

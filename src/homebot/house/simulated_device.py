@@ -8,7 +8,17 @@ from typing import ClassVar, NamedTuple
 
 from homebot.support.numbers import to_number
 
-__all__ = ["Placed", "ScheduledCommand", "SimulatedDevice", "number", "number_text"]
+__all__ = ["Drive", "Placed", "ScheduledCommand", "SimulatedDevice", "number", "number_text"]
+
+
+class Drive(NamedTuple):
+    """The room of a device that drives by itself, and whether it drives now."""
+
+    room: str = ""
+    drives: bool = False
+
+
+_STAYS = Drive()
 
 
 @dataclass(eq=False)
@@ -36,6 +46,11 @@ class SimulatedDevice(ABC):
     def has_power(self) -> bool:
         """True if it has power at :attr:`now`; without it, it neither receives nor sends."""
         return True
+
+    @property
+    def drive(self) -> Drive:
+        """Its drive; the same at all times for a device that does not drive by itself."""
+        return _STAYS
 
     @abstractmethod
     def state(self) -> str:

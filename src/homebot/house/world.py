@@ -11,17 +11,15 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 from homebot.errors import UsageError
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
 from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.household import Household, Person
-from homebot.house.robot import Robot
 from homebot.house.rooms import DAY, OUTSIDE, REAL_TIME, Room, Rooms, WorldTime, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
-from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
+from homebot.house.simulated_device import Drive, Placed, ScheduledCommand, SimulatedDevice
 from homebot.support.timer_queue import TimerQueue
 
 __all__ = ["World"]
@@ -40,13 +38,6 @@ DOOR_LOCKS = 15.0
 """Seconds after a person passed."""
 
 
-class _Drive(NamedTuple):
-    """A robot's place, and whether it drives; the same for all that is no robot."""
-
-    room: str = ""
-    drives: bool = False
-
-
 @dataclass(eq=False)
 class _PlacedDevice:
     """A device, the real device under its faults, and the state of its door.
@@ -58,9 +49,6 @@ class _PlacedDevice:
     real: SimulatedDevice
     open_until: float = 0.0
     left_open: bool = False
-
-
-_NOWHERE = _Drive()
 
 
 class World:
@@ -325,7 +313,7 @@ class World:
 
     def _act(self, entry: _PlacedDevice, act: Callable[[SimulatedDevice], tuple[str, ...]]) -> None:
         device = entry.placed.device
-        drew, had_power, before = device.watts(), device.has_power, _drive(entry.real)
+        drew, had_power, before = device.watts(), device.has_power, entry.real.drive
         reports = act(device)
         if device.has_power != had_power:
             self._record(device.device_id, "power", "on" if device.has_power else "off")
@@ -336,7 +324,7 @@ class World:
             self._show_light(entry.placed.room)
         if device.watts() != drew:
             self._show_power()
-        if (after := _drive(entry.real)) != before:
+        if (after := entry.real.drive) != before:
             self._show_drive(before.room, after.room)
 
     def _plan_step(self, entry: _PlacedDevice) -> None:
@@ -359,7 +347,7 @@ class World:
             self._show_motion(room)
 
     def _show_motion(self, room: str) -> None:
-        drives = sum(_drive(entry.real) == _Drive(room, drives=True) for entry in self._entries.values())
+        drives = sum(entry.real.drive == Drive(room, drives=True) for entry in self._entries.values())
         for entry in self._devices_in(room):
             if isinstance(entry.real, MotionSensor):
                 self._feel(entry, float(self._household.moving_in(room) + drives))
@@ -393,7 +381,3 @@ class World:
 
     def _record(self, subject: str, verb: Verb, fact: str, command_id: str = "") -> None:
         self.event_log.add(Event(self.now, subject, verb, fact, command_id))
-
-
-def _drive(device: SimulatedDevice) -> _Drive:
-    return _Drive(device.room, device.drives) if isinstance(device, Robot) else _NOWHERE

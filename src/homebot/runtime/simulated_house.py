@@ -17,7 +17,6 @@ from homebot.house import SimulatedHouse, World
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
-from homebot.house.robot import Robot
 from homebot.house.rooms import DOOR_WIDTH
 from homebot.house.simulated_device import Placed
 from homebot.places import NO_PLACES, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
@@ -133,6 +132,7 @@ class HouseOfRun:
         """Run the robot of the house: the first device that is one, else one that is in the first room."""
         await anyio.sleep(_BOOTS)
         from homebot.house import robot_actions, ros_robot  # noqa: PLC0415 - as above
+        from homebot.house.robot import Robot  # noqa: PLC0415 - as above
 
         world, clock = self._world, graph.clock
         devices = [name for name, one in world.devices.items() if isinstance(unwrap(one.device), Robot)]
