@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-__all__ = ["HOST", "identifiers"]
+__all__ = ["HOST", "identifiers", "in_pairs"]
 
 HOST = "id:host "
 """The beginning of the identifier that all services of one host have: its name in the local network, folded.
@@ -23,8 +23,12 @@ _PAIRS = re.compile(
 )
 _DIGITS = re.compile(r"(?:.*[^0-9a-f])?(?:0x)?([0-9a-f]{16}|[0-9a-f]{12})", re.DOTALL)
 
-_RANDOM = re.compile(r"(?:.*[^0-9a-f])?[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}", re.DOTALL)
-"""A UUID of version 4 (RFC 9562), of which no digit is an address; that of version 1 ends with one."""
+_PLAIN = re.compile("[0-9A-Fa-f]{12}(?:[0-9A-Fa-f]{4})?")
+
+_NO_ADDRESS = re.compile(
+    r"(?:.*[^0-9a-f])?[0-9a-f]{8}-[0-9a-f]{4}-[3-578][0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}", re.DOTALL
+)
+"""A UUID (RFC 9562) that is random or made of a name, of which no digit is an address; version 1 ends with one."""
 
 _NOBODY = frozenset({"000000000000", "ffffffffffff", "0000000000000000", "ffffffffffffffff"})
 _MAC_DIGITS = 12
@@ -50,12 +54,22 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
     return (*hardware, *others)
 
 
+def in_pairs(address: str) -> str:
+    """Return the digits of a hardware address with colons, so that decimal digits are not a serial number.
+
+    Args:
+        address: What the device states as its hardware address; anything but 12 or 16 digits is returned as it is.
+    """
+    is_plain = _PLAIN.fullmatch(address) is not None
+    return ":".join(address[at : at + 2] for at in range(0, len(address), 2)) if is_plain else address
+
+
 def _address(text: str) -> str:
     """Return the hardware address that *text* is or ends with; empty if there is none.
 
     Twelve decimal digits without separators are more likely a serial number or a time.
     """
-    if "-" in text and _RANDOM.fullmatch(text):
+    if "-" in text and _NO_ADDRESS.fullmatch(text):
         return ""
     if (":" in text or "-" in text) and (match := _PAIRS.fullmatch(text)):
         digits = match.group(1).replace(":", "").replace("-", "")

@@ -36,8 +36,10 @@ def test_a_hardware_address_is_found_where_devices_have_it(service: FoundService
     assert "mac:a8032abe54dc" in identifiers_of(service)
 
 
-def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_none() -> None:
-    assert identifiers_of(MATTER) == ("mac:b827eba1b2c3",)
+def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_the_node() -> None:
+    (host, node) = identifiers_of(MATTER)
+    assert host == "mac:b827eba1b2c3"
+    assert node == f"id:matter:deviceid_{MATTER.name}-MatterNodeDevice"
 
 
 def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:

@@ -39,6 +39,19 @@ def test_a_device_has_identifiers_area_and_facts() -> None:
     }
 
 
+@pytest.mark.parametrize("address", ["349454123456", "34:94:54:12:34:56"])
+def test_a_connection_of_decimal_digits_is_a_hardware_address(address: str) -> None:
+    assert read_device({"connections": [["mac", address]]}, {}).identifiers == ("mac:349454123456",)
+    assert read_device({"identifiers": ["349454123456"]}, {}).identifiers == ("id:349454123456",)
+
+
+@pytest.mark.parametrize(("version", "count"), [(1, 2), (2, 2), (3, 1), (4, 1), (5, 1), (6, 2), (7, 1), (8, 1)])
+def test_only_a_uuid_that_is_made_of_a_hardware_address_ends_with_one(version: int, count: int) -> None:
+    """RFC 9562, 5.1 to 5.8."""
+    uuid = f"0192a3b4-c5d6-{version}abc-8def-b827eba1b2c3"
+    assert len(read_device({"identifiers": [uuid]}, {}).identifiers) == count
+
+
 def test_a_config_without_device_has_no_identifiers() -> None:
     device = read_device({}, {})
     assert (device.identifiers, device.name, device.area, device.facts) == ((), "", "", {})

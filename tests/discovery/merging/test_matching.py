@@ -63,6 +63,13 @@ def setting(part_id: str, *names: str, **more: object) -> Part:
     return found
 
 
+def without_topics(part_id: str, service_type: str, *names: str) -> Part:
+    """As the gateway of a hub describes it."""
+    part = made(part_id, service_type, *names, reads="")
+    settable = [one.model_copy(update={"settable": True}) for one in part.capabilities]
+    return part.model_copy(update={"capabilities": tuple(settable)})
+
+
 def together(announce: Announce, native: tuple[Part, ...], others: tuple[Part, ...]) -> Device:
     """One device of both, the same in every order of (at most four) announcements."""
     sightings = [announce("0x17", *native, convention="zigbee2mqtt", ids=(IEEE,))]
@@ -157,6 +164,14 @@ def test_a_load_that_another_calls_a_setting_under_another_id_stays_a_load(annou
         (foreign("state_lock", "switch", "switch", "on_off", category="config"),),
     )
     assert ways(device) == {("state",), ("0x17_state_lock_zigbee2mqtt",)}
+
+
+def test_a_load_of_two_gateways_without_topics_is_one_whatever_its_ids_are() -> None:
+    """The hub knows colours, and the bridge of another maker does not."""
+    own, other = without_topics("light", "light", "on_off", "level", "color"), without_topics("7", "light", "on_off")
+    assert match([candidates((own,), ())], candidates((other,), ())) == {0: 0}
+    pair = without_topics("8", "light", "on_off")
+    assert match([candidates((own,), ())], candidates((other, pair), ())) == {}
 
 
 def test_what_fits_two_others_equally_well_fits_none(announce: Announce) -> None:

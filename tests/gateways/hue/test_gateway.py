@@ -255,7 +255,7 @@ async def test_rooms_become_areas_and_zones_tags(tmp_path: Path) -> None:
         )
         found = await receive(home.sightings(), lambda one: any(fact.value == "Downstairs" for fact in one.metadata))
         assert (found.name, found.area, found.authenticated) == ("The lamp", "Kitchen", True)
-        assert found.identifiers == (f"eui64:{radio_address(lamp.device).replace(':', '')}",)
+        assert found.identifiers == (f"eui64:{radio_address(lamp.device).replace(':', '')}", f"id:hue:{found.key}")
 
 
 async def test_a_scene_is_recalled(tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ CODE = "MT:Y.K90AFN00KA0648G00"
 DIGITS = "34970112332"
 NAMES = CommissioningNames("matter")
 FRAMES = json.loads((Path(__file__).parent / "recorded_frames.json").read_text("utf-8"))
+PLACE = f"id:matter:deviceid_{FRAMES['greeting']['compressed_fabric_id']:016X}-{2:016X}-MatterNodeDevice"
 """Frames of python-matter-server 8.1.2 about a light with a button on matter.js 0.17.9, as they were received."""
 
 
@@ -225,7 +226,7 @@ async def test_recorded_frames_of_a_real_server_are_understood() -> None:
         assert recording.received[-1]["args"] == {"code": CODE, "network_only": True}
         (light, *_) = [one for one in iter(sightings.take, None) if one.kind == "appeared"]
         assert [part.service_type for part in light.parts] == ["light", "generic_switch"]
-        assert light.identifiers == ("mac:e20199215011", "id:peer-1")
+        assert light.identifiers == ("mac:e20199215011", "id:peer-1", PLACE)
         await until(reports.take, "on_off", False)
         send = watcher.create_client(SendCommand, "/gateway/matter/send_command")
         order = Command(key="node-2", part="1", capability="on_off", value=Value.of(True))

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from homebot.devices.identity import HOST, identifiers
+from homebot.devices.identity import HOST, identifiers, in_pairs
 from homebot.support.addresses import parse_address
 
 __all__ = ["FoundService", "facts_of", "host_identifier", "identifiers_of", "name_of", "printable", "usable_addresses"]
@@ -30,7 +30,7 @@ _PAIRING = "_hap._tcp.local."
 _NAMES = ("friendly_name", "friendlyname", "fn")
 """Keys that say the name that people gave, of ESPHome and of Google Cast."""
 
-_COMMISSIONABLE = "_matterc._udp.local."
+_COMMISSIONABLE, _OPERATIONAL = "_matterc._udp.local.", "_matter._tcp.local."
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
 _ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 """Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
@@ -95,10 +95,12 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
     named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
     if service.service_type == _PAIRING:
-        declared = [f"homekit {said['id']} pairing"] if "id" in said else []
+        declared = [f"homekit {said['id'].upper()} pairing"] if "id" in said else []
+    elif service.service_type == _OPERATIONAL:
+        declared = [f"matter:deviceid_{service.name.upper()}-MatterNodeDevice"]  # as Home Assistant spells it
     else:
         declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
-    hardware = [one for key in _HARDWARE if key in said for one in _SEPARATORS.split(said[key])[:_MOST_ADDRESSES]]
+    hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MOST_ADDRESSES]]
     return identifiers([*hardware, *named, *declared])
 
 

@@ -17,7 +17,7 @@ from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import StateMessage, ValueSource
 from homebot.conventions.payload import clean_text, shown
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
 
 __all__ = [
@@ -170,7 +170,7 @@ def _connection(pair: object) -> str:
     if not isinstance(pair, list) or len(pair) != _PAIR:
         raise WireError(f"a connection of a device is {shown(pair)}, not a type and a value")
     kind, value = (_identifier(one) for one in pair)
-    return value if kind.lower() in _PLAIN_CONNECTIONS else f"{kind}:{value}"
+    return in_pairs(value) if kind.lower() in _PLAIN_CONNECTIONS else f"{kind}:{value}"
 
 
 MAX_SOURCES = 16

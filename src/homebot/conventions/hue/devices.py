@@ -13,7 +13,7 @@ from homebot.conventions.hue.resource_row import Fields, HueRow, at
 from homebot.conventions.hue.resources import HueResources
 from homebot.conventions.hue.service_rows import SERVICE_ROWS
 from homebot.conventions.payload import text_of
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Category, Part
 from homebot.support.numbers import whole_number
 
@@ -68,7 +68,7 @@ class HueDevice(NamedTuple):
 
 def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
     """Return the identifiers of the bridge with an id, the EUI-64 of its hardware address: ``001788fffe123456``."""
-    return identifiers((bridge_id, ":".join(bridge_id[index : index + 2] for index in (0, 2, 4, 10, 12, 14))))
+    return identifiers((bridge_id, in_pairs(bridge_id[:6] + bridge_id[10:])))
 
 
 def devices_of(resources: HueResources) -> tuple[HueDevice, ...]:
@@ -99,7 +99,10 @@ def _device(resources: HueResources, rid: str, device: Fields, area: str, zones:
         _name(device),
         tuple(_services(device, services)),
         area,
-        (*(bridge_identifiers(bridge) if bridge else ()), *identifiers((text_of(radio.get("mac_address")),))),
+        (
+            *(bridge_identifiers(bridge) if bridge else ()),
+            *identifiers((text_of(radio.get("mac_address")), f"hue:{rid}")),
+        ),
         {name: value for name, value in facts.items() if value},
         bool(bridge),
         _REACHABLE.get(text_of(radio.get("status"))),
@@ -115,7 +118,8 @@ def _scenes(resources: HueResources) -> Iterator[HueDevice]:
     for group, services in groups.items():
         name = _name(resources.get(group))
         is_room = resources.get(group).get("type") == "room"
-        yield HueDevice(group, f"{name} scenes".strip(), tuple(services), name if is_room else "")
+        area = name if is_room else ""
+        yield HueDevice(group, f"{name} scenes".strip(), tuple(services), area, identifiers((f"hue:{group}",)))
 
 
 def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:

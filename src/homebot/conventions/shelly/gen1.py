@@ -26,7 +26,7 @@ from homebot.conventions.payload import clean_text, parse_object, shown, text_of
 from homebot.conventions.shelly.gen1_controls import NO_VALVE, Presses
 from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics, find_model
 from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
 
 __all__ = ["Gen1"]
@@ -86,7 +86,7 @@ class _Gen1Device:
         """Return its description, perhaps without parts; *topic* is that of its last message."""
         topics = self.topics
         sleeps = self.model is not None and self.model.sleeps
-        declared = (self.mac, topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
+        declared = (in_pairs(self.mac), topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
         return DeviceAnnounced(
             key=topics.topic,
             convention="shelly",

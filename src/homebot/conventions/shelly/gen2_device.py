@@ -36,7 +36,7 @@ from homebot.conventions.shelly.gen2_sensors import (
     build_sensor,
 )
 from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Part
 from homebot.support.numbers import to_number
 
@@ -311,7 +311,9 @@ class Gen2Device:
             convention="shelly",
             native=True,
             whole_device=True,
-            identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
+            identifiers=identifiers(
+                (in_pairs(self.mac), device_id if device_id.casefold().startswith("shelly") else "")
+            ),
             name=self._name(),
             parts=_build_parts(
                 topics, self._with_added("status", self.status), self._with_added("config", self.config), self._pages

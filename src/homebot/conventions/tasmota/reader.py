@@ -18,7 +18,7 @@ from homebot.conventions.payload import parse_object
 from homebot.conventions.tasmota.config import TasmotaConfig, read_config
 from homebot.conventions.tasmota.parts import build_parts
 from homebot.conventions.tasmota.sensors import Leaf, read_leaves
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
 
 __all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader"]
@@ -102,7 +102,7 @@ class TasmotaReader:
             convention="tasmota",
             native=True,
             whole_device=True,
-            identifiers=identifiers([":".join(_PAIRS.findall(mac))]),
+            identifiers=identifiers([in_pairs(mac)]),
             name=config.name,
             parts=build_parts(config, self._leaves.get(mac, ())),
             topic=f"{self._prefix}/{mac}/config",
@@ -114,4 +114,3 @@ class TasmotaReader:
 
 
 _TOPIC = re.compile("([0-9A-F]{12})/(config|sensors)")
-_PAIRS = re.compile("..")

@@ -24,7 +24,7 @@ from homebot.conventions.wled.segment import (
     find_segments,
     read_master,
 )
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -97,7 +97,7 @@ class WledStrip:
     @property
     def identifiers(self) -> tuple[str, ...]:
         """Its hardware address, as an identifier."""
-        return identifiers((text_of(self._info.get("mac")),))
+        return identifiers((in_pairs(text_of(self._info.get("mac"))),))
 
     @property
     def metadata(self) -> dict[str, str]:

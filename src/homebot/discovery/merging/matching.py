@@ -218,7 +218,7 @@ def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
         return False
     if _are_told_apart(one.part, other.part):
         return False
-    if one.part.writes or other.part.writes:
+    if _is_load(one) or _is_load(other):
         return True
     return one.abilities.keys() == other.abilities.keys() and (
         one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
@@ -239,6 +239,11 @@ def _is_of_one_program(topics: tuple[str, ...], others: tuple[str, ...]) -> bool
     )
 
 
+def _is_load(one: Candidate) -> bool:
+    """Return whether it can be commanded; a gateway without topics names none for that."""
+    return bool(one.part.writes) or any(capability.settable for capability in one.part.capabilities)
+
+
 def _is_plain(one: Candidate) -> bool:
     return one.name in set(map(fold, one.abilities))
 
@@ -250,7 +255,7 @@ def _can_be_one(one: Candidate, other: Candidate) -> bool:
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
         return False
     part, its_part = one.part, other.part
-    is_settable = bool(part.writes or its_part.writes)
+    is_settable = _is_load(one) or _is_load(other)
     if part.service_type != its_part.service_type:
         is_setting = SETTING in (part.service_type, its_part.service_type)
         return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_settable)

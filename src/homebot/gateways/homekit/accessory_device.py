@@ -77,7 +77,9 @@ def describe(
         information.text(_NAME) or found.name,
         tuple(one.part for one in parts.values()),
         {fact: text for fact, text in facts.items() if text},
-        identifiers([f"homekit {found.id} pairing"] * is_first + [serial] * (is_own and serials.count(serial) == 1)),
+        identifiers(
+            [f"homekit {found.id.upper()} pairing"] * is_first + [serial] * (is_own and serials.count(serial) == 1)
+        ),
         authenticated=accessory is not None,  # it has proved the key of its pairing
         service_type="" if parts else SERVICE_TYPE,
         raw_address=f"homekit/{key}",

@@ -226,7 +226,7 @@ class MatterGateway(Gateway):
     def _describe(self, node: MatterNode, why: str) -> None:
         """Publish the devices of a node, and remove those that it no longer has."""
         before = self._described.get(node.id, ())
-        self._described[node.id] = now = node.devices()
+        self._described[node.id] = now = node.devices("" if self._connecting is None else self._connecting.fabric)
         for gone in {one.device.key for one in before} - {one.device.key for one in now}:
             self._node_of.pop(gone, None)
             self.devices.remove(gone, "its bridge no longer has it")

@@ -110,16 +110,19 @@ class MatterNode:
         endpoint.clusters.setdefault(cluster, {})[attribute] = value
         return endpoint
 
-    def devices(self) -> tuple[NodeDevice, ...]:
-        """Return the node as devices: itself, then those behind it."""
+    def devices(self, fabric: str = "") -> tuple[NodeDevice, ...]:
+        """Return the node as devices, itself and then those behind it; *fabric* is the compressed ID, if known."""
         owners = self._owners()
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
-        found = [self._device(key, root, (one for one in self._sorted() if owners.get(one.id, 0) == 0), "")]
+        place = f"matter:deviceid_{fabric}-{self.id:016X}" if fabric else ""  # as Home Assistant spells it
+        members = (one for one in self._sorted() if owners.get(one.id, 0) == 0)
+        found = [self._device(key, root, members, "", place and f"{place}-MatterNodeDevice")]
         for endpoint in self._sorted():
             if owners.get(endpoint.id) == endpoint.id:
                 members = (one for one in self._sorted() if owners.get(one.id) == endpoint.id)
-                found.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key))
+                own = place and f"{place}-{endpoint.id}"
+                found.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key, own))
         return tuple(found)
 
     def is_reachable(self, device: NodeDevice) -> bool:
@@ -142,7 +145,9 @@ class MatterNode:
                     pending += self.endpoints[child].children
         return owners
 
-    def _device(self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str) -> NodeDevice:
+    def _device(
+        self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str, place: str
+    ) -> NodeDevice:
         parts, abilities = self._parts(members)
         cluster = BRIDGED if bridge else BASIC
         facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
@@ -151,7 +156,7 @@ class MatterNode:
             root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}",
             tuple(parts),
             {name: text for name, text in facts.items() if text},
-            _identifiers(root, cluster),
+            _identifiers(root, cluster, place),
             authenticated=True,  # the owner commissioned it: it has a certificate
             raw_address=f"matter/{key}",
         )
@@ -198,11 +203,9 @@ def node_id_of(value: object) -> int:
     return value
 
 
-def _identifiers(root: MatterEndpoint, cluster: int) -> tuple[str, ...]:
+def _identifiers(root: MatterEndpoint, cluster: int, place: str) -> tuple[str, ...]:
     serial = root.text(cluster, _SERIAL)
-    declared = [] if serial in _DEFAULT_SERIALS else [serial]
-    declared += list(_hardware_addresses(root))
-    return identifiers(declared)
+    return identifiers(["" if serial in _DEFAULT_SERIALS else serial, *_hardware_addresses(root), place])
 
 
 def _hardware_addresses(root: MatterEndpoint) -> Iterator[str]:

@@ -60,6 +60,7 @@ class MatterServerLink:
         on_invalid: Takes each invalid frame, and the reason.
 
     Attributes:
+        fabric: The compressed ID of the server's fabric; empty if it is not known.
         has_bluetooth: Whether the server can commission devices over Bluetooth, as its greeting says.
     """
 
@@ -70,6 +71,7 @@ class MatterServerLink:
         on_event: Callable[[MatterEvent, bytes], Awaitable[None]],
         on_invalid: Callable[[bytes, str], None],
     ) -> None:
+        self.fabric = ""
         self.has_bluetooth = False
         self._socket = socket
         self._on_nodes = on_nodes
@@ -132,7 +134,7 @@ class MatterServerLink:
         if not isinstance(frame, ServerInfo):
             raise WireError("the server at this address is not a Matter server")
         frame.check()
-        self.has_bluetooth = frame.has_bluetooth
+        self.has_bluetooth, self.fabric = frame.has_bluetooth, frame.fabric
         self._listening_id = self._calls.new_id()
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 

@@ -46,11 +46,13 @@ class ServerInfo:
 
     Attributes:
         oldest_schema_version: The oldest that it still follows.
+        fabric: The compressed ID of its fabric, 16 digits; empty if it is not stated.
     """
 
     schema_version: int
     oldest_schema_version: int
     has_bluetooth: bool = False
+    fabric: str = ""
 
     def check(self) -> None:
         """Check that homebot understands its messages."""
@@ -109,11 +111,12 @@ def read_frame(fields: object) -> ServerFrame:
     if "message_id" in fields:
         return _answer(fields)
     if "schema_version" in fields:
-        oldest = fields.get("min_supported_schema_version", 0)
+        oldest, fabric = fields.get("min_supported_schema_version", 0), fields.get("compressed_fabric_id")
         return ServerInfo(
             _whole("schema_version", fields["schema_version"]),
             _whole("min_supported_schema_version", oldest),
             fields.get("bluetooth_enabled") is True,
+            f"{fabric:016X}" if type(fabric) is int and 0 < fabric < 1 << 64 else "",
         )
     raise WireError("a message is neither an event, nor an answer, nor the server's greeting")
 

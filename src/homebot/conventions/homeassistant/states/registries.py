@@ -129,14 +129,23 @@ def _text(fields: _Fields, key: str) -> str:
 
 
 def _pairs(fields: _Fields) -> list[tuple[str, str]]:
-    """Return the identifiers of a device, each with the integration that gave it."""
+    """Return the identifiers of a device, each with the integration that gave it; some are of three texts."""
     listed = fields.get("identifiers")
     rows = [one for one in listed if isinstance(one, list) and len(one) > 1] if isinstance(listed, list) else []
-    return [(str(one[0]), str(one[1])) for one in rows]
+    texts = [list(map(str, one)) for one in rows if all(isinstance(text, str | int) for text in one)]
+    return [(one[0], ":".join(one[1:])) for one in texts if all(one)]
 
 
 def _identifier(domain: str, identifier: str) -> str:
-    """Return an identifier of a device as its own protocol has it, where homebot knows that."""
-    if domain == "mqtt":
-        return identifier
-    return identifier.removeprefix("serial_") if domain == "matter" else f"{domain}:{identifier}"
+    """Return an identifier of a device as the gateway of its own protocol has it, if there is one.
+
+    Source: Home Assistant core 2025.5, ``components``: cast, homekit_controller, matter and mqtt.
+    """
+    match domain:
+        case "cast" | "mqtt":
+            return identifier
+        case "matter" if identifier.startswith("serial_"):
+            return identifier.removeprefix("serial_")
+        case "homekit_controller:accessory-id" if identifier.endswith(":aid:1"):
+            return f"homekit {identifier.removesuffix(':aid:1').upper()} pairing"
+    return f"{domain}:{identifier}"

@@ -19,7 +19,7 @@ from homebot.conventions.shelly.gen2_device import is_prefix
 from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -208,5 +208,5 @@ def _first_generation(service: FoundService, about: Fields) -> GatewayDevice:
         service.key,
         clean_text(service.name),
         metadata={name: value for name, value in facts.items() if value},
-        identifiers=identifiers((text_of(about.get("mac")),)),
+        identifiers=identifiers((in_pairs(text_of(about.get("mac"))),)),
     )
