@@ -34,10 +34,11 @@ settings.load_profile("nightly" if NIGHTLY else "usual")
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "virtual_time: runs on an event loop whose time jumps; no sockets, no threads")
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        # A shell lets its background jobs ignore SIGINT, and programs hand that on to those that they start: ours would
-        # not hear the Ctrl-C of a test. One with a handler starts them as a terminal does.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    # A shell lets its background jobs ignore SIGINT, nohup SIGHUP, and programs hand that on to those that they start:
+    # ours would not hear the signals of a test.
+    for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, lambda *_: None)):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import socket
+from contextlib import ExitStack
 
 __all__ = ["reserve_datagram_port", "reserve_door", "reserve_port"]
 
-_reserved: list[socket.socket] = []
+_reserved = ExitStack()
+atexit.register(_reserved.close)
 
 
 def reserve_port() -> int:
@@ -14,10 +17,9 @@ def reserve_port() -> int:
 
     It is kept bound until these tests end: nobody else is given it before the server listens, nor after it has ended.
     """
-    reserved = socket.socket()
+    reserved = _reserved.enter_context(socket.socket())
     reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     reserved.bind(("127.0.0.1", 0))
-    _reserved.append(reserved)
     port: int = reserved.getsockname()[1]
     return port
 
@@ -27,12 +29,11 @@ def reserve_datagram_port() -> int:
 
     Likewise kept until these tests end. What keeps it is connected, so that no datagram of others comes to it.
     """
-    reserved = socket.socket(type=socket.SOCK_DGRAM)
+    reserved = _reserved.enter_context(socket.socket(type=socket.SOCK_DGRAM))
     reserved.bind(("127.0.0.1", 0))
     port: int = reserved.getsockname()[1]
     reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # after it has a port of its own
     reserved.connect(("127.0.0.1", port))
-    _reserved.append(reserved)
     return port
 
 

@@ -44,7 +44,7 @@ class Run:
             stdout=subprocess.DEVNULL,
             text=True,
             cwd=folder,
-            env={**SETTINGS, **settings},
+            env={**SETTINGS, "HOMEBOT_DATA": str(folder / "data"), **settings},
             process_group=0,
         )
         self.log: list[str] = []
