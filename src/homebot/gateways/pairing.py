@@ -6,13 +6,15 @@ import json
 import os
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final, Protocol, Self
 
 from homebot.devices.names import PairingNames
 from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.errors import LinkError, PeerError, RefusedError, UsageError
+from homebot.gateways.base import Gateway
 from homebot.graph import Node
 from homebot.support.file_access import check_secret_file
+from homebot.support.installation import Installation
 
 __all__ = ["PairingFile", "PairingGateway", "PairingServices"]
 
@@ -83,6 +85,12 @@ class PairingFile:
 
     def __init__(self, path: Path | None) -> None:
         self._path = path
+
+    @classmethod
+    def of(cls, gateway: Gateway, path: Path | None) -> Self:
+        """Return the file of a gateway: *path*, or ``NAME.pairings.json`` beside the index."""
+        folder = (gateway.context.service(Installation) or Installation()).folder
+        return cls(path or (None if folder is None else folder / f"{gateway.node.name}.pairings.json"))
 
     def load(self) -> dict[str, dict[str, object]]:
         """Return the secrets of each device, by a name of the gateway's choice.

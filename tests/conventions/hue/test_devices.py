@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -33,7 +35,7 @@ def service(kind: str, resource: Fields, **device: object) -> HueService:
     listed = [{"id": "service", "type": kind, **resource}]
     services = [{"rid": "service", "rtype": kind}]
     resources.replace([*listed, {"id": "device", "type": "device", "services": services, **device}])
-    (found,) = devices_of(resources)
+    (found,) = devices_of(resources, resources.ids)
     return found.services[0]
 
 
@@ -86,6 +88,16 @@ def test_a_light_has_a_white_or_a_colour() -> None:
     colored = {**LIGHT, "color_temperature": {"mirek": None, "mirek_valid": False}}
     assert read("light", colored, "color_temperature") is None
     assert read("light", colored, "color") == pytest.approx((38.7, 52.9), abs=0.1)
+
+
+def test_a_gradient_light_has_the_colour_of_its_first_point_and_takes_one_for_all() -> None:
+    """As a bridge lists it, ``color`` is that point; a colour that is set ends the gradient."""
+    first, second = {"x": 0.5022, "y": 0.4466}, {"x": 0.5614, "y": 0.4058}
+    white = {"mirek": None, "mirek_valid": False}
+    points = [{"color": {"xy": one}} for one in (first, second)]
+    light = {**LIGHT, "color": {"xy": first}, "color_temperature": white, "gradient": {"points": points}}
+    assert read("light", light, "color") == pytest.approx((43.9, 78.8), abs=0.1)
+    assert write(light, "color", (0.0, 100.0)) == {"on": {"on": True}, "color": {"xy": {"x": 0.701, "y": 0.299}}}
 
 
 def test_a_light_without_limits_has_those_of_the_maker() -> None:
@@ -142,6 +154,45 @@ def test_a_change_is_joined_with_the_rest() -> None:
         resources.change("update", {"id": "b"})
 
 
+def test_a_change_in_a_house_of_many_lamps_describes_its_own_device_alone() -> None:
+    resources = HueResources()
+    lamps = range(30)
+    resources.replace(
+        [
+            *({"id": f"light-{one}", "type": "light", "on": {"on": True}} for one in lamps),
+            *({"id": f"radio-{one}", "type": "zigbee_connectivity"} for one in lamps),
+            *(device(f"lamp-{one}", f"light-{one}", f"radio-{one}") for one in lamps),
+            group("room", "Hall", *(f"lamp-{one}" for one in lamps)),
+            group("zone", "Downstairs", "light-1", "light-2"),
+            {"id": "scene", "type": "scene", "group": {"rid": "Hall"}, "metadata": {"name": "Relax"}},
+        ]
+    )
+    assert described(resources, "update", {"id": "radio-7", "status": "disconnected"}) == {"lamp-7"}
+    assert described(resources, "update", {"id": "lamp-7", "metadata": {"name": "Desk"}}) == {"lamp-7", "Hall"}
+    assert described(resources, "update", group("zone", "Downstairs", "light-2", "light-3")) == {"lamp-1", "lamp-3"}
+    assert described(resources, "update", group("room", "Hall", *(f"lamp-{one}" for one in range(29)))) == {
+        "lamp-29",
+        "Hall",
+    }
+    assert described(resources, "update", {"id": "scene", "metadata": {"name": "Read"}}) == {"Hall"}
+    everything = {f"lamp-{one}" for one in range(29)} | {"Hall"}
+    assert described(resources, "update", {"id": "Hall", "metadata": {"name": "Hallway"}}) == everything
+    assert described(resources, "update", {"id": "light-7", "on": {"on": False}}) == set()
+
+
+def device(rid: str, *services: str) -> Fields:
+    listed = [{"rid": one} for one in services]
+    return {"id": rid, "type": "device", "metadata": {"name": rid}, "services": listed}
+
+
+def group(kind: str, rid: str, *inside: str) -> Fields:
+    return {"id": rid, "type": kind, "metadata": {"name": rid}, "children": [{"rid": one} for one in inside]}
+
+
+def described(resources: HueResources, kind: str, item: Fields) -> set[str]:
+    return {one.id for one in devices_of(resources, resources.change(kind, item))}
+
+
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
     lambda inner: (
@@ -192,8 +243,48 @@ def test_any_resources_are_read_or_refused(listed: list[object], kind: str, chan
         resources.change(kind, change)
     except WireError:
         return
-    for device in devices_of(resources):
+    for device in devices_of(resources, resources.ids):
         for one in device.services:
             for found in one.rows:
                 if found.read is not None:
                     found.read(resources.get(one.id))
+
+
+NAMED = st.builds(
+    lambda rid, name, references: {
+        "id": rid,
+        "type": {"d": "device", "r": "room", "z": "zone", "s": "scene", "l": "light"}[rid[0]],
+        "metadata": {"name": name},
+        "group": {"rid": next((one["rid"] for one in references), "")},
+        "services": references if rid[0] == "d" else [],
+        "children": references if rid[0] in "rz" else [],
+    },
+    st.sampled_from(["d1", "d2", "r1", "z1", "s1", "s2", "l1", "l2"]),
+    st.sampled_from(["Hall", "Kitchen"]),
+    st.lists(st.fixed_dictionaries({"rid": st.sampled_from(["d1", "d2", "r1", "z1", "l1", "l2"])}), max_size=3),
+)
+
+
+@given(st.lists(NAMED, max_size=9), st.lists(st.tuples(st.sampled_from(["add", "update", "delete"]), NAMED)))
+def test_what_changes_describe_is_what_a_new_list_would(
+    listed: list[Fields], changes: list[tuple[str, Fields]]
+) -> None:
+    resources = HueResources()
+    resources.replace(listed)
+    known = facts_of(resources, resources.ids)
+    for kind, item in changes:
+        if kind == "update" and item["id"] not in resources.ids:
+            continue
+        ids = resources.change(kind, item)
+        known = {rid: facts for rid, facts in known.items() if rid not in ids} | facts_of(resources, ids)
+    again = HueResources()
+    again.replace([resources.get(rid) for rid in resources.ids])
+    assert known == facts_of(again, again.ids)
+
+
+def facts_of(resources: HueResources, ids: Collection[str]) -> dict[str, tuple[object, ...]]:
+    """By device: its name, room, zones and parts."""
+    return {
+        one.id: (one.name, one.area, one.metadata, {(service.id, service.part.name) for service in one.services})
+        for one in devices_of(resources, ids)
+    }

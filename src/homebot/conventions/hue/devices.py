@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from itertools import count
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -71,55 +71,39 @@ def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
     return identifiers((bridge_id, in_pairs(bridge_id[:6] + bridge_id[10:])))
 
 
-def devices_of(resources: HueResources) -> tuple[HueDevice, ...]:
-    """Return the devices behind a bridge with that itself, and the scenes of each room and zone as one device."""
-    rooms, zones = _groups(resources, "room"), _groups(resources, "zone")
-    devices = (_device(resources, rid, one, rooms.get(rid, [""])[0], zones) for rid, one in resources.of_type("device"))
-    return (*devices, *_scenes(resources))
+def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDevice]:
+    """Yield the devices with these ids, the bridge itself among them, and the scenes of a room or zone as one device.
+
+    Ids of other resources, or of none, are left out.
+    """
+    for rid in ids:
+        one = resources.get(rid)
+        if one.get("type") == "device":
+            yield _device(resources, rid, one)
+        elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
+            services = tuple(_service(scene, fields, scene, _name(fields)) for scene, fields in scenes)
+            area = _name(one) if one.get("type") == "room" else ""
+            yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
 
 
-def _groups(resources: HueResources, kind: str) -> dict[str, list[str]]:
-    """Return the names of the rooms of each device, or of the zones of each service."""
-    groups: dict[str, list[str]] = {}
-    for _, group in resources.of_type(kind):
-        for rid, _ in resources.referred(group, "children"):
-            groups.setdefault(rid, []).append(_name(group))
-    return groups
-
-
-def _device(resources: HueResources, rid: str, device: Fields, area: str, zones: Mapping[str, list[str]]) -> HueDevice:
+def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
     services = tuple(resources.referred(device, "services"))
     bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
     radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
-    named = dict.fromkeys(zone for service, _ in services for zone in zones.get(service, ()))
+    zones = dict.fromkeys(_name(zone) for service, _ in services for _, zone in resources.holders(service, "zone"))
+    own = (text_of(radio.get("mac_address")), f"hue:{rid}")
     facts = {fact: text_of(at(device, "product_data", name)) for fact, name in _FACTS.items()}
-    facts["tags"] = ", ".join(named)
+    facts["tags"] = ", ".join(zones)
     return HueDevice(
         rid,
         _name(device),
         tuple(_services(device, services)),
-        area,
-        (
-            *(bridge_identifiers(bridge) if bridge else ()),
-            *identifiers((text_of(radio.get("mac_address")), f"hue:{rid}")),
-        ),
+        next((_name(room) for _, room in resources.holders(rid, "room")), ""),
+        (*(bridge_identifiers(bridge) if bridge else ()), *identifiers(own)),
         {name: value for name, value in facts.items() if value},
         bool(bridge),
         _REACHABLE.get(text_of(radio.get("status"))),
     )
-
-
-def _scenes(resources: HueResources) -> Iterator[HueDevice]:
-    groups: dict[str, list[HueService]] = {}
-    for rid, scene in resources.of_type("scene", "smart_scene"):
-        group = at(scene, "group", "rid")
-        if isinstance(group, str) and resources.get(group):
-            groups.setdefault(group, []).append(_service(rid, scene, rid, _name(scene)))
-    for group, services in groups.items():
-        name = _name(resources.get(group))
-        is_room = resources.get(group).get("type") == "room"
-        area = name if is_room else ""
-        yield HueDevice(group, f"{name} scenes".strip(), tuple(services), area, identifiers((f"hue:{group}",)))
 
 
 def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:

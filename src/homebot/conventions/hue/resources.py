@@ -21,10 +21,16 @@ _DESCRIBING: Final = frozenset({"metadata", "services", "children", "product_dat
 
 
 class HueResources:
-    """The resources of one bridge, by their ids."""
+    """The resources of one bridge, by their ids.
+
+    Attributes:
+        ids: All ids.
+    """
 
     def __init__(self) -> None:
         self._by_id: dict[str, Fields] = {}
+        self._holders: dict[str, dict[str, None]] = {}
+        self.ids = self._by_id.keys()
 
     def get(self, rid: str) -> Fields:
         """Return a resource; an empty one if there is none."""
@@ -34,40 +40,74 @@ class HueResources:
         """Keep the resources that the bridge *listed*, and no others; raise WireError if it is no list of them."""
         if not isinstance(listed, list) or len(listed) > MAX_RESOURCES:
             raise WireError(f"the resources of the bridge are {shown(listed)}, not a list of at most {MAX_RESOURCES}")
-        self._by_id = {_id_of(one): as_fields(one) for one in listed}
+        resources = {_id_of(one): as_fields(one) for one in listed}
+        self._by_id.clear()
+        self._holders.clear()
+        for rid, one in resources.items():
+            self._set(rid, one)
 
-    def change(self, kind: str, item: object) -> bool:
-        """Apply a change: ``add``, ``update`` or ``delete``; return whether other devices or parts may come of it.
+    def change(self, kind: str, item: object) -> frozenset[str]:
+        """Apply a change: ``add``, ``update`` or ``delete``.
+
+        Returns:
+            The ids of the devices, and of the rooms and zones with their scenes, that may be others now; there may be
+            ids of other resources among them.
 
         Raises:
             WireError: It has no id, there is no such resource, or there are too many.
         """
         rid, fields = _id_of(item), as_fields(item)
-        before = self._by_id.get(rid)
+        before = self.get(rid)
         match kind:
-            case "add" if before is not None or len(self._by_id) < MAX_RESOURCES:
-                self._by_id[rid] = fields
+            case "add" if before or len(self._by_id) < MAX_RESOURCES:
+                return self._set(rid, fields)
             case "delete":
-                self._by_id.pop(rid, None)
-            case "update" if before is not None:
-                self._by_id[rid] = _merged(before, fields)
-                return bool(fields.keys() & _DESCRIBING) or before.get("type") == "zigbee_connectivity"
+                return self._set(rid, {})
+            case "update" if before:
+                after = _merged(before, fields)
+                if fields.keys() & _DESCRIBING or before.get("type") == "zigbee_connectivity":
+                    return self._set(rid, after)
+                self._by_id[rid] = after
             case "add" | "update":
                 raise WireError(f"the resource {rid} is unknown, or more than {MAX_RESOURCES}")
-            case _:
-                return False
-        return True
-
-    def of_type(self, *types: str) -> Iterator[tuple[str, Fields]]:
-        """Yield the resources of these types, with their ids."""
-        return ((rid, one) for rid, one in self._by_id.items() if one.get("type") in types)
+        return frozenset()
 
     def referred(self, resource: Fields, name: str) -> Iterator[tuple[str, Fields]]:
         """Yield the ``services`` or ``children`` of a resource, in its own order, with their ids."""
-        listed = resource.get(name)
-        for rid in (at(one, "rid") for one in (listed if isinstance(listed, list) else ())):
-            if isinstance(rid, str) and rid in self._by_id:
-                yield rid, self._by_id[rid]
+        return ((rid, self._by_id[rid]) for rid in _references(resource, name) if rid in self._by_id)
+
+    def holders(self, rid: str, *types: str) -> Iterator[tuple[str, Fields]]:
+        """Yield the resources of these types that a resource belongs to, or the scenes of a group, with their ids."""
+        found = ((one, self._by_id[one]) for one in self._holders.get(rid, ()))
+        return ((one, resource) for one, resource in found if resource.get("type") in types)
+
+    def _set(self, rid: str, after: Fields) -> frozenset[str]:
+        before = self._by_id.pop(rid, {})
+        if after:
+            self._by_id[rid] = after
+        was, now = _held(before), _held(after)
+        for one in was - now:
+            del self._holders[one][rid]
+            if not self._holders[one]:
+                del self._holders[one]
+        for one in now - was:
+            self._holders.setdefault(one, {})[rid] = None
+        is_the_same = all(before.get(one) == after.get(one) for one in ("type", "metadata"))
+        changed = {rid, *(was ^ now if is_the_same else was | now)}
+        return frozenset(changed.union(*(self._holders.get(one, ()) for one in changed)))
+
+
+def _held(resource: Fields) -> frozenset[str]:
+    """Return the ids of the services of a device, of what is in a room or zone, or of the room or zone of a scene."""
+    group = at(resource, "group", "rid")
+    listed = (rid for name in ("services", "children") for rid in _references(resource, name))
+    return frozenset((*listed, *((group,) if isinstance(group, str) else ())))
+
+
+def _references(resource: Fields, name: str) -> Iterator[str]:
+    listed = resource.get(name)
+    found = (at(one, "rid") for one in (listed if isinstance(listed, list) else ()))
+    return (rid for rid in found if isinstance(rid, str))
 
 
 def _id_of(resource: object) -> str:

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from itertools import islice
-from pathlib import Path
 from typing import ClassVar, Final
 
 import anyio
@@ -34,7 +33,6 @@ from homebot.gateways.homekit.settings import HomekitGatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
 from homebot.plugins import check_extra
-from homebot.support.installation import Installation
 from homebot.support.isolation import run_as
 
 __all__ = ["HomekitGateway"]
@@ -60,7 +58,7 @@ class HomekitGateway(Gateway):
         self._problem = (
             f"no gateway {settings.mdns!r} runs, which would find the accessories; add [gateways.{settings.mdns}]"
         )
-        self._file = PairingFile(settings.pairings or self._default_file())
+        self._file = PairingFile.of(self, settings.pairings)
         self._port = self.context.service(HomekitPort) or HomekitPort()
         self._pairings: dict[str, Pairing] = {}
         self._found: dict[str, FoundAccessory] = {}
@@ -142,10 +140,6 @@ class HomekitGateway(Gateway):
         except UsageError as exc:
             raise UnableError(str(exc)) from exc
         self._pairings = pairings
-
-    def _default_file(self) -> Path | None:
-        folder = (self.context.service(Installation) or Installation()).folder
-        return None if folder is None else folder / f"{self.node.name}.pairings.json"
 
     def _start(self, found: FoundAccessory) -> None:
         if self._tasks is not None:

@@ -6,7 +6,7 @@ each loss. A bridge sends nothing while nothing changes: it is asked for itself 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import anyio
@@ -24,6 +24,7 @@ from homebot.errors import CertificateError, LinkError, PeerError, RefusedError,
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.pinned_certificate import only_certificate
 from homebot.support.backoff import Backoff
 from homebot.support.isolation import ungrouped
 
@@ -142,7 +143,7 @@ class BridgeRunner(DeviceRunner):
         self._on_state()
 
     async def _follow(self, origin: str, pairing: HuePairing) -> None:
-        from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client, only_certificate  # noqa: PLC0415
+        from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
 
         try:
             async with bridge_client(origin, only_certificate(pairing.certificate), pairing.key) as client:
@@ -170,8 +171,8 @@ class BridgeRunner(DeviceRunner):
     async def _read_all(self, link: BridgeLink) -> None:
         self._has_missed = False
         self._resources.replace(await link.read())
-        self._describe("the bridge listed it")
-        for key, device in self._described.items():
+        self._describe("the bridge listed it", self._resources.ids | {one.id for one in self._described.values()})
+        for key, device in tuple(self._described.items()):
             for service in device.services:
                 await self._report(key, service, None, is_old=device.reachable is False)
             await anyio.lowlevel.checkpoint()
@@ -185,15 +186,19 @@ class BridgeRunner(DeviceRunner):
                 if device.reachable is not False:
                     self._put(key, device, "the bridge reaches it")
 
-    def _describe(self, why: str) -> None:
-        """Publish the devices, and remove those that the bridge no longer has."""
-        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources)}
-        for gone in self._described.keys() - devices.keys():
+    def _describe(self, why: str, ids: Collection[str]) -> None:
+        """Publish the devices with these ids, and remove those that the bridge no longer has."""
+        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, ids)}
+        before = {key for key, one in self._described.items() if one.id in ids}
+        for gone in before - devices.keys():
+            del self._described[gone]
             self._devices.remove(gone, "the bridge no longer has it")
-        self._described = devices
-        self._places = {service.id: (key, service) for key, one in devices.items() for service in one.services}
+        self._described |= devices
+        self._places = {service.id: (key, service) for key, one in self._described.items() for service in one.services}
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
-        self.name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
+        name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
+        if name != self.name:  # all devices bear it
+            self.name, devices = name, self._described
         for key, device in devices.items():
             self._put(key, device, why)
             if device.reachable is not None and not device.is_bridge:
@@ -224,13 +229,13 @@ class BridgeRunner(DeviceRunner):
             return
         events = parts if isinstance(parts, list) else []
         changes = [change for one in events for change in self._apply(as_fields(one))]
-        if any(is_described_anew for _, is_described_anew in changes):  # once all its resources are there
-            self._describe("the bridge reported it")
+        if described := frozenset[str]().union(*(ids for _, ids in changes)):  # once all their resources are there
+            self._describe("the bridge reported it", described)
         for item, _ in changes:
             await self._publish(item)
 
-    def _apply(self, event: Fields) -> Iterator[tuple[Fields, bool]]:
-        """Apply the changes of an event that are valid; yield each with whether devices or parts may differ now."""
+    def _apply(self, event: Fields) -> Iterator[tuple[Fields, frozenset[str]]]:
+        """Apply the changes of an event that are valid; yield each with the ids of the resources described anew."""
         kind, items = text_of(event.get("type")), event.get("data")
         for item in items if isinstance(items, list) else ():
             rid = text_of(as_fields(item).get("id"))

@@ -1,7 +1,4 @@
-"""Requests to one Hue bridge, no faster than it allows, the stream of its events, and its certificate.
-
-A bridge has a certificate that it signed itself, or one by an authority of Signify, for its id, which no computer looks
-up: that of the moment of pairing is trusted, and no other.
+"""Requests to one Hue bridge, no faster than it allows, and the stream of its events.
 
 Requests run two at a time: a bridge refuses more than three connections, and the events have one. Commands to lights
 start at most ten a second, and recalls of scenes one a second, in the order in which they come. A command that the
@@ -14,27 +11,24 @@ from __future__ import annotations
 
 import ssl
 from contextlib import AbstractAsyncContextManager
-from functools import partial
 from typing import Final
 
 import anyio
-import anyio.to_thread
 from pydantic import SecretStr
 
 from homebot.clock import Clock
 from homebot.conventions.hue.resource_row import Fields, HueBody, at
 from homebot.conventions.payload import as_fields, clean_text, text_of
-from homebot.errors import BusyError, LinkError, RefusedError
+from homebot.errors import BusyError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
-from homebot.gateways.http_address import parse_url, shown_url
+from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpClient
 from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
-from homebot.support.connect_errors import connect_problem
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["BridgeLink", "bridge_client", "create_key", "fetch_certificate", "only_certificate"]
+__all__ = ["BridgeLink", "bridge_client", "create_key"]
 
 MAX_BYTES: Final = 8 * 1024 * 1024
 """Longest answer or event; all resources of 50 lights are about 200 kB."""
@@ -55,29 +49,6 @@ def bridge_client(origin: str, tls: ssl.SSLContext, key: SecretStr | None = None
     login = None if key is None else HttpLogin(origin, "header", "hue-application-key", key)
     guard = AddressGuard((parse_url(origin).host or "",))
     return HttpClient(guard=guard, login=login, tls=tls, time_limit=ANSWER_WITHIN, max_bytes=MAX_BYTES)
-
-
-def only_certificate(certificate: str) -> ssl.SSLContext:
-    """Return a context that trusts a server with this certificate, in PEM, and no other.
-
-    Raises:
-        OSError: It is no certificate.
-    """
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname = False
-    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # the authority of the bridge is not known here
-    context.load_verify_locations(cadata=certificate)
-    return context
-
-
-async def fetch_certificate(origin: str) -> str:
-    """Return the certificate that a server shows, in PEM; raise LinkError if it cannot be reached."""
-    url = parse_url(origin)
-    fetch = partial(ssl.get_server_certificate, (url.host or "", url.port or 443), timeout=ANSWER_WITHIN)
-    try:
-        return await anyio.to_thread.run_sync(fetch)
-    except OSError as exc:
-        raise LinkError(f"{shown_url(url)} cannot be reached: {connect_problem(exc)}") from None
 
 
 class BridgeLink:

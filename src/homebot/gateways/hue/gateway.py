@@ -29,10 +29,10 @@ from homebot.gateways.http_address import http_origin
 from homebot.gateways.hue.bridge import BridgeRunner, HuePairing
 from homebot.gateways.hue.settings import HueGatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
-from homebot.support.installation import Installation
 from homebot.support.isolation import run_as
 
 __all__ = ["HueGateway"]
@@ -54,9 +54,7 @@ class HueGateway(Gateway):
     def __init__(self, node: Node, settings: HueGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         self._settings = settings
-        folder = (self.context.service(Installation) or Installation()).folder
-        beside_index = None if folder is None else folder / f"{node.name}.pairings.json"
-        self._file = PairingFile(settings.pairings or beside_index)
+        self._file = PairingFile.of(self, settings.pairings)
         self._pairings: dict[str, dict[str, object]] = {}
         self._bridges: dict[str, BridgeRunner] = {}
         self._tasks: TaskGroup | None = None
@@ -100,9 +98,9 @@ class HueGateway(Gateway):
         if code:
             raise RefusedError(f"pairing {bridge.name}", "a bridge has no code: press its button instead")
         origin = bridge.origins[0]
-        certificate = await bridge_link.fetch_certificate(origin)
+        certificate = await fetch_certificate(origin)
         made: SecretStr | None = None
-        async with bridge_link.bridge_client(origin, bridge_link.only_certificate(certificate)) as client:
+        async with bridge_link.bridge_client(origin, only_certificate(certificate)) as client:
             with anyio.move_on_after(self.pressed_within):
                 while (made := await bridge_link.create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
                     await anyio.sleep(_EACH)
@@ -180,7 +178,7 @@ class HueGateway(Gateway):
         retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
             try:
-                tls = bridge_link.only_certificate(await bridge_link.fetch_certificate(origin))
+                tls = only_certificate(await fetch_certificate(origin))
                 async with bridge_link.bridge_client(origin, tls) as client:
                     about = as_fields(await client.get_json(f"{origin}/api/0/config"))
             except HomebotError as exc:
