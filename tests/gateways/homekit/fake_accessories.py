@@ -11,7 +11,15 @@ import anyio
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.device import KeyValue
 from homebot.errors import LinkError, WrongCodeError
-from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, OnEvent, Pairing, StatusCodes
+from homebot.gateways.homekit.port import (
+    FoundAccessory,
+    HomekitLink,
+    HomekitPort,
+    HomekitValues,
+    OnEvent,
+    Pairing,
+    StatusCodes,
+)
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.messages import Time
 
@@ -63,6 +71,7 @@ class FakeServer:
         is_there: Whether it can be reached.
         knows_homebot: Whether it accepts homebot's key.
         answers: Whether it answers requests.
+        service_type: The type of its service.
     """
 
     def __init__(self, key: str, name: str, *accessories: dict[str, object]) -> None:
@@ -72,6 +81,7 @@ class FakeServer:
         self.timed: list[bool] = []
         self.status = 0
         self.is_there = True
+        self.service_type = "_hap._tcp"
         self.knows_homebot = False
         self.answers = anyio.Event()
         self.answers.set()
@@ -85,9 +95,9 @@ class FakeServer:
     def report(self, aid: int, iid: int, value: object) -> None:
         """Change a value, and send the event."""
         self.find(aid, iid)["value"] = value
-        self.send({"characteristics": [{"aid": aid, "iid": iid, "value": value}]})
+        self.send({(aid, iid): {"value": value}})
 
-    def send(self, event: object) -> None:
+    def send(self, event: HomekitValues) -> None:
         for link in self.links:
             link.on_event(event)
 
@@ -106,12 +116,11 @@ class FakeLink(HomekitLink):
         self._server = server
 
     async def list_accessories(self) -> object:
-        return {"accessories": self._server.accessories}
+        return self._server.accessories
 
-    async def read(self, ids: Iterable[tuple[int, int]]) -> object:
+    async def read(self, ids: Iterable[tuple[int, int]]) -> HomekitValues:
         await self._answer()
-        found = [{"aid": aid, "iid": iid, "value": self._server.find(aid, iid)["value"]} for aid, iid in ids]
-        return {"characteristics": found}
+        return {(aid, iid): {"value": self._server.find(aid, iid)["value"]} for aid, iid in ids}
 
     async def write(self, values: Mapping[tuple[int, int], object], *, is_timed: bool) -> StatusCodes:
         await self._answer()
@@ -181,10 +190,13 @@ class FakeMdns:
     def state(self, reason: str = "") -> None:
         self._states.publish(GatewayState(state="unavailable" if reason else "active", reason=reason, acts=True))
 
-    def announce(self, server: FakeServer, *, is_removed: bool = False, version: str = "1", **facts: str) -> None:
+    def announce(
+        self, server: FakeServer, *, is_removed: bool = False, version: str = "1", state: str = "1", **facts: str
+    ) -> None:
         flags = "0" if server.knows_homebot else "1"
-        found = {"dns_sd_type": "_hap._tcp", "ip_address": "127.0.0.1", "port": "51826", "txt_id": server.key}
-        self.sight(server.name, is_removed=is_removed, **{**found, "txt_sf": flags, "txt_c#": version, **facts})
+        found = {"dns_sd_type": server.service_type, "ip_address": "127.0.0.1", "port": "51826", "txt_id": server.key}
+        txt = {"txt_sf": flags, "txt_c#": version, "txt_s#": state}
+        self.sight(server.name, is_removed=is_removed, **{**found, **txt, **facts})
 
     def sight(self, name: str, *, is_removed: bool = False, **facts: str) -> None:
         self._sightings.publish(

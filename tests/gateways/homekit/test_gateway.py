@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import anyio
 import pytest
 from tests.gateways.homekit.fake_accessories import (
@@ -13,6 +15,8 @@ from tests.gateways.homekit.fake_accessories import (
     service,
 )
 from tests.gateways.homekit.house import house, reading
+
+from homebot.gateways.homekit.port import HomekitValues
 
 pytestmark = pytest.mark.virtual_time
 
@@ -183,7 +187,7 @@ async def test_an_accessory_that_sends_nonsense_is_rejected_and_then_heard_again
         await home.pair(server, CODE)
         reports = home.reports()
         await reading(reports, "on_off", False)
-        nonsense: list[object] = [None, [], {"characteristics": 1}, {"characteristics": [{"aid": 9, "iid": 9}, 1]}]
+        nonsense: list[HomekitValues] = [{(9, 9): {"value": 1}}, {(1, 9): {}}, {(1, 9): {"status": 0}}]
         for event in nonsense:
             server.send(event)
         server.report(*ON, "yes")
@@ -199,3 +203,63 @@ async def test_without_the_gateway_that_finds_accessories_it_says_so() -> None:
         await anyio.wait_all_tasks_blocked()
         answer = await home.send(KEY, "8", "on_off", True)
         assert not answer.success
+
+
+def sleeper() -> FakeServer:
+    runtime = service(40, "239", characteristic(41, "23A", 2000, ["pr"]))
+    return FakeServer(KEY, "Hall", accessory(1, "Hall", lamp_service(), runtime))
+
+
+async def test_an_accessory_that_sleeps_is_not_unreachable_and_its_command_waits() -> None:
+    server = sleeper()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        server.is_there = False
+        server.drop()
+        await reading(reports, "reachable", None)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(home.send, KEY, "8", "on_off", True)
+            await anyio.sleep(20)
+            server.is_there = True
+        assert server.written == [(ON, True)]
+        await reading(reports, "reachable", True)
+
+
+async def test_a_command_that_expires_while_the_accessory_sleeps_does_not_come_later() -> None:
+    server = sleeper()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        server.is_there = False
+        server.drop()
+        await reading(reports, "reachable", None)
+        answers = [await home.send(KEY, "8", "on_off", True, expires_after=after) for after in (10.0, 0.0)]
+        assert [one.problem for one in answers] == ["unreachable", "unreachable"]
+        server.is_there = True
+        await reading(reports, "reachable", True)
+        assert server.written == []
+
+
+async def test_an_accessory_over_thread_that_was_never_reached_may_sleep(tmp_path: Path) -> None:
+    server, pairings = lamp(), tmp_path / "pairings.json"
+    async with house(server, pairings=pairings) as home:
+        await home.pair(server, CODE)
+    server.service_type, server.is_there = "_hap._udp", False
+    async with house(server, pairings=pairings) as home:
+        await reading(home.reports(), "reachable", None)
+        assert (await home.sighted(home.sightings(), lambda one: one.name == "Hall")).service_type == "_hap._udp"
+
+
+async def test_a_new_state_number_has_the_values_read_at_once() -> None:
+    server = sleeper()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        server.find(1, 9)["value"] = True
+        home.mdns.announce(server, state="2")
+        with anyio.fail_after(1):
+            await reading(reports, "on_off", True)

@@ -24,8 +24,9 @@ _DECLARED = ("serial", "serialnumber", "serial_number", "serialnum", "sn", "uuid
 _SHORTEST = 8
 """Characters of a declared id: a shorter one, such as ``1``, belongs to many devices."""
 
-_PAIRING = "_hap._tcp.local."
-"""HomeKit: its ``id`` looks like a hardware address, and is a random number that changes with each reset."""
+_PAIRING = frozenset({"_hap._tcp.local.", "_hap._udp.local."})
+"""HomeKit, also over Thread: its ``id`` looks like a hardware address, and is a random number that changes with each
+reset."""
 
 _NAMES = ("friendly_name", "friendlyname", "fn")
 """Keys that say the name that people gave, of ESPHome and of Google Cast."""
@@ -94,7 +95,7 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
     named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
-    if service.service_type == _PAIRING:
+    if service.service_type in _PAIRING:
         declared = [f"homekit {said['id'].upper()} pairing"] if "id" in said else []
     elif service.service_type == _OPERATIONAL:
         declared = [f"matter:deviceid_{service.name.upper()}-MatterNodeDevice"]  # as Home Assistant spells it

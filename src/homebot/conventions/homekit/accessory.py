@@ -27,6 +27,9 @@ MAX_CHARACTERISTICS: Final = 100
 _BASE: Final = "-0000-1000-8000-0026BB765291"
 _LONGEST: Final = 256
 INFORMATION: Final = "3E"
+SLEEP_INTERVAL: Final = "23A"
+"""Of the service Accessory Runtime Information, which is younger than R2; its name and unit are those of aiohomekit 4.0
+and HAP-NodeJS 1.1."""
 
 
 @dataclass(eq=False, slots=True)
@@ -34,6 +37,7 @@ class HapCharacteristic:
     """A characteristic, with its last known value.
 
     Attributes:
+        type: Its short type, such as ``25`` (On), or a UUID.
         format: ``bool``, ``uint8``, ``float``, ``string``, …
         perms: Its permissions: ``pr`` (read), ``pw`` (write), ``ev`` (events), ``tw`` (timed writes only), …
         bounds: Its smallest and largest value; empty for none.
@@ -41,6 +45,7 @@ class HapCharacteristic:
     """
 
     iid: int
+    type: str
     format: str
     perms: frozenset[str]
     value: object = None
@@ -98,6 +103,11 @@ class Accessory:
         """The service with its name, maker and serial number; an empty one where it has none."""
         return next((one for one in self.services.values() if one.type == INFORMATION), HapService(0, INFORMATION))
 
+    @property
+    def sleeps(self) -> bool:
+        """True if its radio sleeps: the interval, in milliseconds, is not 0."""
+        return any(one.number(SLEEP_INTERVAL) for one in self.services.values())
+
 
 def short_type(uuid: object) -> str:
     """Return a type as short as the specification allows: ``43`` for ``00000043-0000-1000-8000-0026BB765291``."""
@@ -106,16 +116,15 @@ def short_type(uuid: object) -> str:
 
 
 def parse_accessories(listed: object) -> dict[int, Accessory]:
-    """Return the accessories, by their IDs, in the answer to ``GET /accessories``.
+    """Return the accessories, by their IDs, in the list of their JSON objects.
 
     Raises:
         WireError: It is not a list of accessories; single invalid services and characteristics are left out.
     """
-    found = as_fields(listed).get("accessories")
-    if not isinstance(found, list):
+    if not isinstance(listed, list) or not listed:
         raise WireError(f"the accessories are {shown(listed)}, not a list")
     accessories: dict[int, Accessory] = {}
-    for one in found[:MAX_ACCESSORIES]:
+    for one in listed[:MAX_ACCESSORIES]:
         fields = as_fields(one)
         aid, services = whole_number(fields.get("aid")), fields.get("services")
         if aid is None or aid < 1 or not isinstance(services, list):
@@ -135,15 +144,16 @@ def _parse_service(data: object) -> HapService | None:
         found = as_fields(one)
         name, number, perms = short_type(found.get("type")), whole_number(found.get("iid")), found.get("perms")
         if name and number is not None and isinstance(perms, list):
-            service.characteristics.setdefault(name, _parse_characteristic(number, perms, found))
+            service.characteristics.setdefault(name, _parse_characteristic(number, name, perms, found))
     return service
 
 
-def _parse_characteristic(iid: int, perms: list[object], fields: Mapping[str, object]) -> HapCharacteristic:
+def _parse_characteristic(iid: int, kind: str, perms: list[object], fields: Mapping[str, object]) -> HapCharacteristic:
     least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
     values = fields.get("valid-values")
     return HapCharacteristic(
         iid,
+        kind,
         str(fields.get("format"))[:10],
         frozenset(one for one in perms if isinstance(one, str)),
         fields.get("value"),

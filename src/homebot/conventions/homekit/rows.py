@@ -27,13 +27,13 @@ class HomekitAbility:
 
     Attributes:
         watched: The types of the characteristics that its value depends on.
-        read: Returns its value, None for unknown; None for an event.
+        read: Returns its value, or the last event; None for unknown.
         write: Returns what sets a value, or raises RefusedError; None if it cannot be set.
     """
 
     capability: Capability
     watched: frozenset[str]
-    read: Callable[[], PlainValue] | None
+    read: Callable[[], PlainValue]
     write: Callable[[PlainValue], Writes] | None
 
 
@@ -83,9 +83,7 @@ class ServiceRow:
         )
         read = partial(self.read or partial(_read, self.capability, first, self.values), service)
         write = partial(self.write or partial(_write, self.capability, self.target, texts, self._bounds), service)
-        return HomekitAbility(
-            capability, frozenset(watched), None if is_event else read, write if is_settable else None
-        )
+        return HomekitAbility(capability, frozenset(watched), read, write if is_settable else None)
 
     def _bounds(self, service: HapService) -> tuple[float, ...]:
         if self.bounds is not None:

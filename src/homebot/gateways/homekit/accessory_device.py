@@ -13,7 +13,7 @@ from homebot.conventions.homekit.accessory import Accessory, HapCharacteristic
 from homebot.conventions.homekit.parts import HomekitPart, parts_of
 from homebot.devices.identity import identifiers
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.homekit.port import SERVICE_TYPE, FoundAccessory
+from homebot.gateways.homekit.port import FoundAccessory
 
 __all__ = ["AccessoryDevice", "describe", "key_of"]
 
@@ -44,13 +44,10 @@ class AccessoryDevice:
     device: GatewayDevice
     parts: Mapping[str, HomekitPart]
 
-    def find(self, iid: int) -> tuple[str, HapCharacteristic] | None:
-        """Return the type of a characteristic of its parts, and the characteristic; None for an unknown *iid*."""
-        for part in self.parts.values():
-            for kind, one in part.service.characteristics.items():
-                if one.iid == iid:
-                    return kind, one
-        return None
+    def find(self, iid: int) -> HapCharacteristic | None:
+        """Return a characteristic of its parts; None for an unknown *iid*."""
+        known = (one for part in self.parts.values() for one in part.service.characteristics.values())
+        return next((one for one in known if one.iid == iid), None)
 
 
 def describe(
@@ -81,7 +78,8 @@ def describe(
             [f"homekit {found.id.upper()} pairing"] * is_first + [serial] * (is_own and serials.count(serial) == 1)
         ),
         authenticated=accessory is not None,  # it has proved the key of its pairing
-        service_type="" if parts else SERVICE_TYPE,
+        service_type="" if parts else found.service_type,
         raw_address=f"homekit/{key}",
+        sleeps=known.sleeps,
     )
     return AccessoryDevice(known.aid, device, parts)

@@ -6,10 +6,11 @@ then: some have no events, and it shows whether the accessory is still there.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Final
 
 import anyio
+from anyio.abc import TaskGroup
 
 from homebot.conventions.homekit.accessory import CharacteristicId, parse_accessories
 from homebot.devices.gateway_messages import Command
@@ -29,11 +30,11 @@ LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, lat
 CONNECTED_WITHIN: Final = 5.0
 """Seconds that a command waits for a connection that is being made."""
 
-READ_EVERY: Final = 30.0
-"""Seconds between two readings of all values."""
+AWAKE_WITHIN: Final = 30.0
+"""Seconds that it waits for the connection to an accessory that sleeps."""
 
-READ_AT_ONCE: Final = 40
-"""Characteristics in one request."""
+READ_EVERY, READ_SLEEPER_EVERY = 30.0, 300.0
+"""Seconds between two readings of all values: they cost battery."""
 
 _LINK_PROBLEMS: Final = {
     -70402: "its bridge does not reach it",
@@ -49,6 +50,7 @@ class AccessoryRunner(DeviceRunner):
 
     Attributes:
         link: The connection; None if there is none.
+        sleeps: Whether its radio is off most of the time; then a lost connection does not say that it is away.
     """
 
     def __init__(self, found: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
@@ -57,9 +59,11 @@ class AccessoryRunner(DeviceRunner):
         self._found = found
         self._pairing = pairing
         self._port = port
+        self.sleeps = found.is_on_thread  # it may, until it describes itself
         self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
         self._queue = ValueQueue(devices, self.key, self._accessories)
+        self._tasks: TaskGroup | None = None
         self._writes = 0
 
     @property
@@ -70,17 +74,17 @@ class AccessoryRunner(DeviceRunner):
     def change(self, found: FoundAccessory) -> None:
         """Use the new announcement of the accessory; connect anew if it has other accessories.
 
-        If it says that it moved, the connection is tested first: anyone can announce its ID.
+        If it says that values changed, or that it moved, they are read at once, which tests the connection: anyone can
+        announce its ID.
         """
         before, self._found = self._found, found
         self.name = found.name
-        moved = (found.address, found.port) != (before.address, before.port)
-        if found.version != before.version or (moved and self.link is None):
+        has_moved = (found.address, found.port) != (before.address, before.port)
+        if found.version != before.version or (has_moved and self.link is None):
             self.restart()
-        elif moved:
+        elif has_moved or found.state != before.state:
             self._doubted.set()
-        else:
-            self.wake()
+        self.wake()
 
     async def work(self) -> None:
         """Connect, describe the accessories, and relay their values until the connection is lost."""
@@ -88,17 +92,16 @@ class AccessoryRunner(DeviceRunner):
         async with self._port.connected(self._found, self._pairing, self._queue.on_event) as link:
             self._describe(await link.list_accessories())
             await link.subscribe(self._ids("ev"))
-            for ids in self._chunks():
-                self._queue.put(await link.read(ids), is_read=True)
+            self._queue.put(await link.read(self._ids("pr")), is_read=True)
             self.link = link
             self.on_answer()
             self._attempt_ended.set()
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._queue.report_all)
-                tasks.start_soon(self._read_written, link)
-                tasks.start_soon(self._read_all, link)
+            async with anyio.create_task_group() as self._tasks:
+                self._tasks.start_soon(self._queue.report_all)
+                self._tasks.start_soon(self._read_all, link)
                 await link.lost.wait()
-                tasks.cancel_scope.cancel()
+                self.link = None
+                self._tasks.cancel_scope.cancel()
         raise LinkError(f"the connection to {self.name} was lost")
 
     def list_unheard(self) -> None:
@@ -112,10 +115,10 @@ class AccessoryRunner(DeviceRunner):
         self._attempt_ended = anyio.Event()
         super().on_end()
         for key in self.keys - {self.key}:
-            self._devices.report_reachable(key, reachable=False)
+            self._devices.report_reachable(key, reachable=None if self.sleeps else False)
 
     async def perform(self, command: Command) -> None:
-        """Carry *command* out; without a connection, try once to connect."""
+        """Carry *command* out; without a connection, wait for one: of an accessory that does not sleep, try once."""
         link = await self._connected()
         accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
         part = None if accessory is None else accessory.parts.get(command.part)
@@ -133,19 +136,24 @@ class AccessoryRunner(DeviceRunner):
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
         watched = (known[kind] for kind in {*wanted, *ability.watched} & known.keys())
-        self._queue.ask_for((accessory.aid, one.iid) for one in watched if "pr" in one.perms)
+        ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
+        if self._tasks is not None and self.link is link:
+            self._tasks.start_soon(self._read, link, ids)
 
     async def _connected(self) -> HomekitLink | None:
-        """Return the connection, after one attempt to make it; None if that failed."""
+        """Return the connection, once there is one; None if there is none in time."""
         if self.link is None:
             self.wake()
-            with anyio.move_on_after(CONNECTED_WITHIN):
+            with anyio.move_on_after(AWAKE_WITHIN if self.sleeps else CONNECTED_WITHIN):
                 await self._attempt_ended.wait()
+                while self.sleeps and self.link is None:
+                    await self._attempt_ended.wait()
         return self.link
 
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that are not there any more."""
         before, accessories = self.keys, parse_accessories(listed)
+        self.sleeps = any(one.sleeps for one in accessories.values())
         self._accessories.clear()
         for aid, accessory in accessories.items():
             self._accessories[aid] = found = describe(self._found, accessory, accessories.values())
@@ -159,31 +167,24 @@ class AccessoryRunner(DeviceRunner):
             (aid, one.iid)
             for aid, accessory in self._accessories.items()
             for part in accessory.parts.values()
-            for kind, one in part.service.characteristics.items()
-            if permission in one.perms and any(kind in ability.watched for ability in part.abilities)
+            for one in part.service.characteristics.values()
+            if permission in one.perms and any(one.type in ability.watched for ability in part.abilities)
         )
 
-    def _chunks(self) -> Iterable[list[CharacteristicId]]:
-        ids = self._ids("pr")
-        return (ids[start : start + READ_AT_ONCE] for start in range(0, len(ids), READ_AT_ONCE))
-
-    async def _read_written(self, link: HomekitLink) -> None:
-        """Read what was written, until cancelled."""
-        while True:
-            ids = await self._queue.asked()
-            self._queue.put(await link.read(ids), is_read=True)
+    async def _read(self, link: HomekitLink, ids: Collection[CharacteristicId]) -> None:
+        """Read what was written."""
+        self._queue.put(await link.read(ids), is_read=True)
 
     async def _read_all(self, link: HomekitLink) -> None:
         """Read all values now and then; those that were read while a command was sent may be older than it."""
         while True:
             self._doubted = anyio.Event()
-            with anyio.move_on_after(READ_EVERY):
+            with anyio.move_on_after(READ_SLEEPER_EVERY if self.sleeps else READ_EVERY):
                 await self._doubted.wait()
-            for ids in self._chunks():
-                writes = self._writes
-                answer = await link.read(ids)
-                if writes == self._writes:
-                    self._queue.put(answer, is_read=True, is_routine=True)
+            writes = self._writes
+            values = await link.read(self._ids("pr"))
+            if writes == self._writes:
+                self._queue.put(values, is_read=True, is_routine=True)
             for one in self._accessories.values():
                 self._devices.put(one.device, "it answers")
 

@@ -1,103 +1,149 @@
 """The port to accessories by aiohomekit, which has the cryptography and the framing; the one file that imports it.
 
-The library's own pairing connects again by itself, repeats what was written as if it were an event, and goes on sending
-after a cancelled request. So its connection is used, and closed in one piece when it is lost, or too late.
+The library would connect again by itself, repeat a written value as an event, and go on sending after a cancelled
+request. So a connection is used once: it is closed in one piece when it is lost, or when an answer is too late.
 """
 
 from __future__ import annotations
 
-import contextlib
+import asyncio
+import os
 import socket
 import struct
+import sys
+from abc import abstractmethod
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
-from contextlib import asynccontextmanager, contextmanager
-from itertools import groupby
+from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import Any, Final
 
 import anyio
 from aiohomekit import exceptions, hkjson
 from aiohomekit.characteristic_cache import CharacteristicCacheMemory
-from aiohomekit.controller.ip.connection import SecureHomeKitConnection
+from aiohomekit.controller.coap.controller import CoAPController
+from aiohomekit.controller.coap.discovery import CoAPDiscovery
+from aiohomekit.controller.ip.connection import HomeKitConnection
 from aiohomekit.controller.ip.controller import IpController
 from aiohomekit.controller.ip.discovery import IpDiscovery
+from aiohomekit.controller.ip.pairing import format_characteristic_list
 from aiohomekit.model import Categories
 from aiohomekit.model.feature_flags import FeatureFlags
 from aiohomekit.model.status_flags import StatusFlags
-from aiohomekit.protocol.tlv import TLV
-from aiohomekit.zeroconf import HAP_TYPE_TCP, HomeKitService
+from aiohomekit.protocol.tlv import TlvParseException
+from aiohomekit.zeroconf import HomeKitService
 
 from homebot.conventions.homekit.accessory import CharacteristicId
-from homebot.conventions.payload import as_fields, clean_text
-from homebot.errors import LinkError, RefusedError, WireError, WrongCodeError
-from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, OnEvent, Pairing, StatusCodes
+from homebot.conventions.payload import clean_text
+from homebot.errors import HomebotError, LinkError, RefusedError, WireError, WrongCodeError
+from homebot.gateways.homekit.port import (
+    FoundAccessory,
+    HomekitLink,
+    HomekitPort,
+    HomekitValues,
+    OnEvent,
+    Pairing,
+    StatusCodes,
+)
 from homebot.support.numbers import whole_number
 
 __all__ = ["AiohomekitPort"]
 
-CONNECTS_WITHIN, ANSWERS_WITHIN, PAIRS_WITHIN = 10.0, 8.0, 60.0
-"""Seconds; small processors take some for the keys of a connection, and half a minute for those of a pairing."""
+if sys.platform == "linux":  # else it listens by TCP and WebSocket too, for each accessory over Thread
+    os.environ.setdefault("AIOCOAP_SERVER_TRANSPORT", "udp6")
+
+PAIRS_WITHIN: Final = 60.0
+"""Seconds; small processors take half a minute for the keys."""
 
 READ_AT_ONCE: Final = 40
-"""Characteristics in one request: some accessories take short addresses only."""
+"""Characteristics in one request over IP: some accessories take short addresses only."""
 
 _PREPARED: Final = 5000
 """Milliseconds in which a timed write has to follow its announcement."""
 
-_NO_LINGER: Final = struct.pack("ii", 1, 0)
 
+class _PairedLink(HomekitLink):
+    """A connection by a pairing of the library.
 
-class _Owner:
-    """The pairing that the library's connection reports to."""
+    Attributes:
+        answers_within: Seconds.
+    """
 
-    description = None
+    answers_within: float
 
-    def __init__(self, name: str, on_event: OnEvent) -> None:
-        self.name = name
-        self.event_received = on_event
-
-    async def connection_made(self, secure: bool) -> None:  # noqa: FBT001 - the library calls it so
-        """Do nothing: the connection is used by its opener."""
-
-
-class _Connection(SecureHomeKitConnection):
-    """A connection that is not made again when it is lost."""
-
-    def __init__(self, owner: _Owner, pairing: dict[str, Any]) -> None:
-        super().__init__(owner, pairing)  # type: ignore[arg-type]
+    def __init__(self, name: str, pairing: Any, on_event: OnEvent) -> None:
         self.lost = anyio.Event()
-
-    def _connection_lost(self, exception: Exception) -> None:
-        self.closing = True
-        super()._connection_lost(exception)
-        self.lost.set()
-
-    def abort(self) -> None:
-        """Close at once: bytes that are not yet sent are dropped, also those in the system's buffer."""
-        self.closing = True
-        if self.transport is not None:
-            opened = self.transport.get_extra_info("socket")
-            with contextlib.suppress(OSError):
-                opened.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _NO_LINGER)
-            self.transport.abort()
-        self.lost.set()
-
-
-class _AccessoryLink(HomekitLink):
-    def __init__(self, name: str, connection: _Connection, controller_id: str) -> None:
-        self.lost = connection.lost
         self._name = name
-        self._connection = connection
-        self._controller_id = controller_id
+        self._pairing = pairing
+        self._connection = pairing.connection
+        pairing.dispatcher_connect(on_event)
+
+    @abstractmethod
+    async def open(self) -> None:
+        """Connect."""
+
+    @abstractmethod
+    async def close(self) -> None:
+        """Close at once: a request that was not sent yet is not sent any more."""
 
     async def list_accessories(self) -> object:
         async with self._asking():
-            return await self._connection.get_json("/accessories")
+            return await self._pairing.list_accessories_and_characteristics()
 
-    async def read(self, ids: Iterable[CharacteristicId]) -> object:
+    async def read(self, ids: Iterable[CharacteristicId]) -> HomekitValues:
         async with self._asking():
-            return await self._connection.get_json(
-                "/characteristics?id=" + ",".join(f"{aid}.{iid}" for aid, iid in ids)
-            )
+            return dict(await self._pairing.get_characteristics(ids))
+
+    async def subscribe(self, ids: Iterable[CharacteristicId]) -> None:
+        async with self._asking():
+            await self._pairing.subscribe(sorted(ids))
+
+    async def unpair(self) -> None:
+        async with self._asking():
+            await self._pairing.remove_pairing(str(self._pairing.pairing_data.get("iOSPairingId")))
+
+    @asynccontextmanager
+    async def _asking(self) -> AsyncIterator[None]:
+        """Ask within a time limit; a request without an answer ends the connection."""
+        if self.lost.is_set():  # the library would make a new one
+            raise LinkError(f"{self._name} cannot be reached: the connection was lost")
+        try:
+            with _translated(self._name), anyio.fail_after(self.answers_within):
+                yield
+        except (LinkError, anyio.get_cancelled_exc_class()):
+            with anyio.CancelScope(shield=True):
+                await self.close()
+            raise
+
+
+class _IpLink(_PairedLink):
+    """A connection by TCP."""
+
+    answers_within = 8.0
+
+    def __init__(self, name: str, pairing: Any, on_event: OnEvent, connects_within: float) -> None:
+        super().__init__(name, pairing, on_event)
+        self._connects_within = connects_within
+        self._transport: asyncio.Transport | None = None
+
+    async def open(self) -> None:
+        await _connect(self._connection, self._connects_within)
+        self._connection.closing = True  # it is not opened again
+        self._transport = transport = self._connection.transport
+        linger = struct.pack("ii", 1, 0)  # the system drops what it could not send yet when it is closed
+        transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+        transport.set_protocol(_LossWatch(transport.get_protocol(), self.lost))
+
+    async def close(self) -> None:
+        if self._transport is not None:
+            self._transport.abort()
+        self.lost.set()
+        with suppress(exceptions.HomeKitException):  # why it could not be opened
+            await self._pairing.close()
+
+    async def read(self, ids: Iterable[CharacteristicId]) -> HomekitValues:
+        waiting, values = list(ids), dict[CharacteristicId, Mapping[str, object]]()
+        for start in range(0, len(waiting), READ_AT_ONCE):
+            values |= await super().read(waiting[start : start + READ_AT_ONCE])
+        return values
 
     async def write(self, values: Mapping[CharacteristicId, object], *, is_timed: bool) -> StatusCodes:
         body: dict[str, object] = {
@@ -107,61 +153,120 @@ class _AccessoryLink(HomekitLink):
             if is_timed:
                 body["pid"] = 1
                 await self._connection.put_json("/prepare", {"ttl": _PREPARED, "pid": 1})
-            return _statuses(await self._connection.put_json("/characteristics", body), tuple(values))
+            answer = await self._connection.put_json("/characteristics", body)
+            return _statuses(format_characteristic_list(answer, set(values)))
 
-    async def subscribe(self, ids: Iterable[CharacteristicId]) -> None:
-        for _, of_one in groupby(sorted(ids), lambda one: one[0]):  # one accessory at a time, as iOS does
-            body = {"characteristics": [{"aid": aid, "iid": iid, "ev": True} for aid, iid in of_one]}
-            async with self._asking():
-                await self._connection.put_json("/characteristics", body)
 
-    async def unpair(self) -> None:
-        request = [
-            (TLV.kTLVType_State, TLV.M1),
-            (TLV.kTLVType_Method, TLV.RemovePairing),
-            (TLV.kTLVType_Identifier, self._controller_id.encode()),
-        ]
-        async with self._asking():
-            await self._connection.post_tlv("/pairings", request)
+class _LossWatch(asyncio.Protocol):
+    """The protocol of a connection of the library, which sets an event when the connection is lost."""
 
-    @asynccontextmanager
-    async def _asking(self) -> AsyncIterator[None]:
-        """Ask within a time limit; a request without an answer ends the connection, and is not sent any more."""
+    def __init__(self, protocol: asyncio.Protocol, lost: anyio.Event) -> None:
+        self.data_received, self.eof_received = protocol.data_received, protocol.eof_received  # type: ignore[method-assign]
+        self._protocol = protocol
+        self._lost = lost
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._protocol.connection_lost(exc)
+        self._lost.set()
+
+
+class _ThreadLink(_PairedLink):
+    """A session by CoAP; it is lost when a request has no answer."""
+
+    answers_within = 20.0
+    """The library waits 16 s: a router keeps the messages for an accessory that sleeps."""
+
+    def __init__(self, name: str, pairing: Any, on_event: OnEvent) -> None:
+        super().__init__(name, pairing, self._on_event)
+        self._relay = on_event
+        self._written: set[CharacteristicId] = set()
+
+    async def open(self) -> None:
+        await self._connection.connect(self._pairing.pairing_data)
+
+    async def close(self) -> None:
+        self.lost.set()
+        if self._connection.is_connected:
+            await self._connection.reconnect_soon()  # which only closes it
+
+    async def write(self, values: Mapping[CharacteristicId, object], *, is_timed: bool) -> StatusCodes:
+        del is_timed  # the library writes in one step here
+        self._written |= values.keys()
         try:
-            with _translated(self._name), anyio.fail_after(ANSWERS_WITHIN):
-                yield
-        except (LinkError, anyio.get_cancelled_exc_class()):
-            self._connection.abort()
-            raise
+            async with self._asking():
+                written = [(aid, iid, value) for (aid, iid), value in values.items()]
+                return _statuses(await self._pairing.put_characteristics(written))
+        finally:
+            self._written -= values.keys()
+
+    def _on_event(self, values: HomekitValues) -> None:
+        """Relay what the accessory reported, but not what the library repeats of a write."""
+        self._relay({key: one for key, one in values.items() if key not in self._written})
 
 
 class AiohomekitPort(HomekitPort):
-    """Accessories on the local network, by TCP."""
+    """Accessories on the local network, by TCP, and over Thread, by CoAP.
+
+    Args:
+        connects_within: Seconds that a TCP connection may take.
+    """
+
+    def __init__(self, connects_within: float = 10.0) -> None:
+        self._connects_within = connects_within
 
     @asynccontextmanager
     async def connected(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> AsyncIterator[HomekitLink]:
         """Connect to a paired accessory."""
-        keys = {**pairing, "AccessoryIPs": [found.address], "AccessoryIP": found.address, "AccessoryPort": found.port}
-        connection = _Connection(_Owner(found.name, on_event), keys)
+        link = self._link_to(found, pairing, on_event)
         try:
-            with _translated(found.name), anyio.fail_after(CONNECTS_WITHIN):
-                await connection._connect_once()  # type: ignore[no-untyped-call]  # noqa: SLF001 - the public method goes on trying by itself
-            yield _AccessoryLink(found.name, connection, str(pairing.get("iOSPairingId")))
+            with _translated(found.name):
+                await link.open()
+            yield link
         finally:
-            connection.abort()
+            with anyio.CancelScope(shield=True):
+                await link.close()
 
     async def pair(self, found: FoundAccessory, digits: str) -> Pairing:
         """Pair with an accessory."""
-        controller = IpController(CharacteristicCacheMemory(), None)  # type: ignore[arg-type]  # it finds nothing
-        discovery = IpDiscovery(controller, _service_of(found))
+        discovery: Any = (CoAPDiscovery if found.is_on_thread else IpDiscovery)(
+            _controller_of(found), _service_of(found)
+        )
         try:
             with _translated(found.name), anyio.fail_after(PAIRS_WITHIN):
-                await discovery.connection._connect_once()  # noqa: SLF001 - likewise
+                if not found.is_on_thread:
+                    await _connect(discovery.connection, self._connects_within)
                 finish = await discovery.async_start_pairing(found.id)
-                return dict((await finish(digits))._pairing_data)  # noqa: SLF001 - of each kind of pairing
+                return dict((await finish(digits)).pairing_data)
         finally:
             with anyio.CancelScope(shield=True):
-                await discovery.close()  # type: ignore[no-untyped-call]
+                await discovery.close()
+
+    def _link_to(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> _PairedLink:
+        keys = {
+            **pairing,
+            "AccessoryIP": found.address,
+            "AccessoryIPs": [found.address],
+            "AccessoryPort": found.port,
+            "Connection": "CoAP" if found.is_on_thread else "IP",
+        }
+        loaded = _controller_of(found).load_pairing(found.id, keys)
+        if found.is_on_thread:
+            return _ThreadLink(found.name, loaded, on_event)
+        return _IpLink(found.name, loaded, on_event, self._connects_within)
+
+
+def _controller_of(found: FoundAccessory) -> Any:
+    """Return a controller that finds nothing by itself: the mDNS gateway does."""
+    kind: Any = CoAPController if found.is_on_thread else IpController
+    return kind(CharacteristicCacheMemory(), None)
+
+
+async def _connect(connection: HomeKitConnection, within: float) -> None:
+    """Open a TCP connection; the library tries again and again within the time limit."""
+    with anyio.move_on_after(within):
+        await connection.ensure_connection()
+    if not connection.is_connected:
+        raise connection.last_connector_error or TimeoutError
 
 
 def _service_of(found: FoundAccessory) -> HomeKitService:
@@ -175,26 +280,21 @@ def _service_of(found: FoundAccessory) -> HomeKitService:
         state_num=1,
         category=Categories.OTHER,
         protocol_version="1.1",
-        type=HAP_TYPE_TCP,
+        type=f"{found.service_type}.local.",
         address=found.address,
         addresses=[found.address],
         port=found.port,
     )
 
 
-def _statuses(answer: object, written: tuple[CharacteristicId, ...]) -> StatusCodes:
-    """Return the status codes that are not 0; one for all counts for each."""
-    fields = as_fields(answer)
-    status, listed = whole_number(fields.get("status")) or 0, fields.get("characteristics")
-    found = dict.fromkeys(written, status) if status else {}
-    for one in map(as_fields, listed if isinstance(listed, list) else ()):
-        aid, iid, code = (whole_number(one.get(name)) for name in ("aid", "iid", "status"))
-        if aid is not None and iid is not None and code:
-            found[aid, iid] = code
-    return found
+def _statuses(answer: HomekitValues) -> StatusCodes:
+    """Return the status codes that are not 0."""
+    statuses = {key: whole_number(one.get("status")) for key, one in answer.items()}
+    return {key: status for key, status in statuses.items() if status}
 
 
 _REFUSALS: Final = (
+    (exceptions.AuthenticationError, "the code is wrong, or the pairing was removed there; pair it again"),
     (exceptions.UnavailableError, "it is paired with another controller; remove it there, or reset it"),
     (exceptions.MaxPeersError, "it has as many pairings as it can keep"),
     (exceptions.MaxTriesError, "too many wrong codes were tried; disconnect its power for a moment"),
@@ -203,6 +303,20 @@ _REFUSALS: Final = (
     (exceptions.InvalidError, "it does not know homebot any more, or is no accessory; pair it again"),
     (exceptions.HttpErrorResponse, "it refuses the request"),
 )
+_LOST: Final = (exceptions.AccessoryDisconnectedError, exceptions.EncryptionError, OSError, TimeoutError)
+"""An accessory that restarted does not know the keys of a session over Thread any more."""
+
+_BROKEN: Final = (
+    exceptions.HomeKitException,
+    TlvParseException,
+    *hkjson.JSON_DECODE_EXCEPTIONS,
+    struct.error,
+    AttributeError,
+    LookupError,
+    TypeError,
+    ValueError,
+)
+"""The library's own, and those of Python where it trusts the accessory."""
 
 
 @contextmanager
@@ -210,14 +324,23 @@ def _translated(name: str) -> Iterator[None]:
     """Turn the library's errors into ours; no error shows a code or a key."""
     try:
         yield
-    except exceptions.AuthenticationError:
-        reason = "the code is wrong, or the pairing was removed there; pair it again"
-        raise WrongCodeError(f"the connection to {name}", reason) from None
-    except tuple(kind for kind, _ in _REFUSALS) as exc:
-        reason = next(text for kind, text in _REFUSALS if isinstance(exc, kind))
-        raise RefusedError(f"the connection to {name}", reason) from None
-    except (exceptions.AccessoryDisconnectedError, OSError, TimeoutError) as exc:
-        reason = clean_text(str(exc)) or "it does not answer in time"
-        raise LinkError(f"{name} cannot be reached: {reason}") from None
-    except (exceptions.HomeKitException, *hkjson.JSON_DECODE_EXCEPTIONS, IndexError, KeyError) as exc:
-        raise WireError(f"{name} does not follow the HomeKit Accessory Protocol ({type(exc).__name__})") from None
+    except (*_LOST, *_BROKEN) as exc:
+        raise _error_of(name, exc) from None
+
+
+def _error_of(name: str, error: Exception) -> HomebotError:
+    what, causes = f"the connection to {name}", tuple(_causes(error))
+    for kind, reason in _REFUSALS:
+        if any(isinstance(one, kind) for one in causes):
+            is_wrong = kind is exceptions.AuthenticationError
+            return WrongCodeError(what, reason) if is_wrong else RefusedError(what, reason)
+    if isinstance(error, _LOST):
+        return LinkError(f"{name} cannot be reached: {clean_text(str(error)) or 'it does not answer in time'}")
+    return WireError(f"{name} does not follow the HomeKit Accessory Protocol ({type(error).__name__})")
+
+
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """Yield an error, and those that the library had when it raised it: over Thread, it hides the reason."""
+    while error is not None:
+        yield error
+        error = error.__context__

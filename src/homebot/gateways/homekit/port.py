@@ -18,9 +18,10 @@ from homebot.conventions.homekit.accessory import CharacteristicId
 from homebot.devices import Sighting
 from homebot.errors import WireError
 
-__all__ = ["FoundAccessory", "HomekitLink", "HomekitPort", "OnEvent", "Pairing", "StatusCodes"]
+__all__ = ["FoundAccessory", "HomekitLink", "HomekitPort", "HomekitValues", "OnEvent", "Pairing", "StatusCodes"]
 
-SERVICE_TYPE: Final = "_hap._tcp"
+_THREAD: Final = "_hap._udp"
+_SERVICE_TYPES: Final = frozenset({"_hap._tcp", _THREAD})
 _ID: Final = re.compile(r"(?:[0-9A-F]{2}:){5}[0-9A-F]{2}")
 _UNPAIRED: Final = 1
 """The bit of the status flags that says that it is paired with nobody."""
@@ -28,8 +29,11 @@ _UNPAIRED: Final = 1
 Pairing: TypeAlias = Mapping[str, object]
 """The keys of a pairing: secret. Only the port reads them."""
 
-OnEvent: TypeAlias = Callable[[object], None]
-"""Takes the JSON of an event, unchecked; never raises."""
+HomekitValues: TypeAlias = Mapping[CharacteristicId, Mapping[str, object]]
+"""The ``value`` or the HAP ``status`` of characteristics, unchecked."""
+
+OnEvent: TypeAlias = Callable[[HomekitValues], None]
+"""Takes the values of an event; never raises."""
 
 StatusCodes: TypeAlias = dict[CharacteristicId, int]
 """The HAP status codes of characteristics that could not be written; empty if all were."""
@@ -41,8 +45,10 @@ class FoundAccessory:
 
     Attributes:
         id: Its pairing ID, ``AA:BB:CC:DD:EE:FF``; it changes when it is reset.
+        service_type: The type of its DNS-SD service.
         is_paired: Whether it is paired with some controller.
         version: Its configuration number, which grows when its accessories change.
+        state: Its state number, which grows when values changed that it could not push.
         features: Its feature flags, which say how it is paired.
     """
 
@@ -50,10 +56,17 @@ class FoundAccessory:
     name: str
     address: str
     port: int
+    service_type: str = "_hap._tcp"
     model: str = ""
     is_paired: bool = True
     version: str = ""
+    state: str = ""
     features: int = 0
+
+    @property
+    def is_on_thread(self) -> bool:
+        """True if it is reached over Thread, by CoAP."""
+        return self.service_type == _THREAD
 
     @classmethod
     def of(cls, sighting: Sighting) -> FoundAccessory | None:
@@ -63,7 +76,7 @@ class FoundAccessory:
             WireError: Its TXT record breaks the rules.
         """
         facts = {one.key: one.value for one in sighting.metadata}
-        if facts.get("dns_sd_type") != SERVICE_TYPE:
+        if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES:
             return None
         key = facts.get("txt_id", "").upper()
         flags, port, features = (facts.get(name, "0") for name in ("txt_sf", "port", "txt_ff"))
@@ -71,13 +84,22 @@ class FoundAccessory:
             raise WireError(f"the TXT record of {sighting.key[:100]} has the id {key[:40]!r}, not six pairs of digits")
         if not all(one.isascii() and one.isdecimal() and len(one) <= 5 for one in (flags, port, features)):
             raise WireError(f"the TXT record of {sighting.key[:100]} has sf {flags[:10]!r} and ff {features[:10]!r}")
-        is_paired = not int(flags) & _UNPAIRED
-        version, address = facts.get("txt_c#", ""), facts.get("ip_address", "")
-        return cls(key, sighting.name, address, int(port), facts.get("model", ""), is_paired, version, int(features))
+        return cls(
+            key,
+            sighting.name,
+            facts.get("ip_address", ""),
+            int(port),
+            service_type,
+            facts.get("model", ""),
+            is_paired=not int(flags) & _UNPAIRED,
+            version=facts.get("txt_c#", ""),
+            state=facts.get("txt_s#", ""),
+            features=int(features),
+        )
 
 
 class HomekitLink(ABC):
-    """An encrypted connection to an accessory.
+    """An encrypted connection to an accessory. Its methods raise LinkError or PeerError.
 
     Attributes:
         lost: Set when it is lost.
@@ -87,15 +109,17 @@ class HomekitLink(ABC):
 
     @abstractmethod
     async def list_accessories(self) -> object:
-        """Return the JSON of all accessories, unchecked. Like all here, it raises LinkError or PeerError."""
+        """Return all accessories, as JSON objects, unchecked."""
 
     @abstractmethod
-    async def read(self, ids: Iterable[CharacteristicId]) -> object:
-        """Return the JSON of the values of characteristics, unchecked."""
+    async def read(self, ids: Iterable[CharacteristicId]) -> HomekitValues:
+        """Return the values of characteristics."""
 
     @abstractmethod
     async def write(self, values: Mapping[CharacteristicId, object], *, is_timed: bool) -> StatusCodes:
-        """Write characteristics; a write that is cancelled or too late does not reach the accessory any more.
+        """Write characteristics; a write that is cancelled or too late is not sent any more.
+
+        A router of a Thread network may hold one that was sent until the accessory is awake.
 
         Args:
             is_timed: Whether the accessory wants a timed write.

@@ -59,6 +59,7 @@ _FLAG_DIGITS: Final = 3
 
 _HINTS: Final[Mapping[str, _Hint]] = {
     "_hap._tcp.local.": _Hint("homekit", _homekit),
+    "_hap._udp.local.": _Hint("homekit", _homekit),
     "_home-assistant._tcp.local.": _Hint("homeassistant", _home_assistant),
     "_hue._tcp.local.": _Hint("hue", _hue),
 }

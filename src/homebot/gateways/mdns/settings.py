@@ -22,6 +22,7 @@ KNOWN_TYPES = tuple(
         "_esphomelib._tcp",
         "_googlecast._tcp",
         "_hap._tcp",
+        "_hap._udp",
         "_home-assistant._tcp",
         "_homebot._tcp",
         "_http._tcp",
