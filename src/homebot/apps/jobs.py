@@ -39,8 +39,6 @@ class JobFacts:
     Attributes:
         name: Its name, one of its app's.
         text: When it is called, such as ``daily at 22:00``.
-        where: The line that made it.
-        forget: Removes a job from its schedule.
     """
 
     name: str

@@ -86,12 +86,9 @@ class Notifier:
     """Sends notifications: ten at once for each app, then one in 10 s; the others are dropped and counted.
 
     Args:
-        node: The node that publishes them.
         settings: The table; without it they are logged alone.
 
     Attributes:
-        recent: The last hundred notifications.
-        dropped: Number of dropped ones.
         failed: Number of those that a service did not take.
         trouble: The reason why the last one was not sent; empty if it was.
     """

@@ -37,7 +37,6 @@ class HandlerRuns:
     five in a row the handler is given up.
 
     Args:
-        node: The node of the app.
         start_task: Starts a task of the app.
         title: Name of the handler in the log and in health reports, such as ``job evening``.
         mode: What a call does while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
@@ -46,8 +45,6 @@ class HandlerRuns:
         is_quiet: Whether a dropped call is usual, and logged for debugging alone.
 
     Attributes:
-        dropped: Number of calls that were dropped.
-        failures: Number of failures since the last success.
         trouble: Why the handler is called no longer; empty while it is.
 
     Raises:

@@ -40,7 +40,6 @@ class AppStores:
 
     Args:
         path: The file; None for none.
-        clock: For the name of a damaged file.
     """
 
     def __init__(self, path: Path | None, clock: Clock) -> None:

@@ -45,7 +45,6 @@ class ControlActions:
     """Serves the actions of the control layer.
 
     Args:
-        node: The node of the layer.
         layer: Returns its parts.
     """
 

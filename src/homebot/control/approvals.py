@@ -22,7 +22,6 @@ class Approvals:
     """List of the devices that wait for approval.
 
     Args:
-        lookup: Looks the devices up.
         is_needed: Whether devices need an approval at all.
 
     Attributes:

@@ -56,7 +56,6 @@ class IssuedCommand:
         device: The device at the time of the command.
         settings: The wanted values by capability, in the order of sending.
         issuer: The name of a node, or ``client:NAME`` for a client of the door.
-        rights: The devices that the issuer may command.
         cause: The id of its trigger; empty for a person's command.
         trigger: The report, message or timer that led to it.
         issued_at: Seconds since the Unix epoch.
@@ -250,8 +249,6 @@ def known_state(
     recent.
 
     Args:
-        command: The command.
-        asked: Capabilities.
         unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
         lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """

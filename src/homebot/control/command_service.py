@@ -40,10 +40,7 @@ class CommandService:
     """Finds the devices that a command in words is for, and commands all of them at once.
 
     Args:
-        node: The node of the client that queries the directory.
-        lookup: Looks the devices up.
         perform: Carries out each command.
-        preview: Tells which it would refuse.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform, preview: Preview) -> None:

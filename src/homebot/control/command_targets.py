@@ -58,8 +58,6 @@ class CommandTargets:
     """Search for the targets of a command in words.
 
     Args:
-        node: The node of the client that queries the directory.
-        lookup: Looks the devices up.
         refusal: Returns why a target would be refused the command now; empty if it would not.
     """
 
@@ -166,7 +164,6 @@ class CommandTargets:
         """Return the parts of a device that are called *text*, such as one of four relays.
 
         Args:
-            text: Their name.
             taking: The command that one of them must take; None for any.
 
         Raises:

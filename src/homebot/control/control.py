@@ -54,7 +54,6 @@ class Control:
     Most homes start without a command, so that its parts are built when the first is needed.
 
     Args:
-        node: The node of the layer.
         settings: The table ``[control]``.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.

@@ -46,15 +46,10 @@ class ControlLayer:
     """The parts of the control layer, each with those that it calls.
 
     Args:
-        node: The node of the layer.
-        feed: The messages of the gateways.
-        lookup: Looks devices up.
-        house_watch: Its raw commands explain changes.
         settings: The table ``[control]``; None for its defaults.
         grants: The scope of each node that may not command everything, by its full name.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
         approves_all: Whether no device needs an approval, regardless of the settings.
-        detected: Motion sensors that detected a person in another run.
         journal_file: The file of the journal; None for memory.
         store: The store of the journal, in place of the file.
         rehearsal: Answers commands in place of the devices; None if they are sent.

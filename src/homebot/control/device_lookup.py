@@ -24,11 +24,7 @@ _Address: TypeAlias = tuple[str, str]
 
 @final
 class DeviceLookup:
-    """Client of the directory; a look-up raises `ServiceError` if the directory does not answer.
-
-    Args:
-        node: The calling node.
-    """
+    """Client of the directory; a look-up raises `ServiceError` if the directory does not answer."""
 
     def __init__(self, node: Node) -> None:
         self._clock = node.graph.clock

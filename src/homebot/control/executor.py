@@ -74,22 +74,11 @@ class CommandExecutor:
     """Carries commands out, any number at once.
 
     Args:
-        node: The node of the layer.
         settings: The time limits, the number of repetitions, and the witnesses.
-        lookup: Looks the devices up.
         policies: Checks each command.
         journal: Records each step.
-        leases: The held values.
         timelines: The facts of each part.
-        feed: The messages of the gateways.
-        learnt: The profiles of the devices.
         rehearsal: Answers commands in place of the devices; None if they are sent.
-
-    Attributes:
-        leases: The same.
-        rehearsal: The same.
-        timelines: The same.
-        witnesses: Sensors that observe the effects of commands.
     """
 
     def __init__(

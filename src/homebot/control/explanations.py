@@ -106,7 +106,6 @@ class Explanations:
     """Explanations of the state of a device.
 
     Args:
-        read: Reads the journal.
         find_device: Returns a device by its id; None if there is none.
         find_fights: Returns the fights over a device, by its id.
     """

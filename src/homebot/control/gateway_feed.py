@@ -62,9 +62,6 @@ class ReportWatch:
 class GatewayFeed:
     """The one subscription to the reports, answers and states of each gateway.
 
-    Args:
-        node: The subscribing node.
-
     Attributes:
         on_gateway: Called with the name of each gateway.
         on_answer: Called with the id of a command, a capability, and the problem or an empty text.

@@ -49,10 +49,6 @@ class LearntPersistence:
     A record that does not change for as long as the journal stores its entries is dropped with them. An unreadable one
     is dropped and logged.
 
-    Args:
-        node: For its log and clock.
-        store: The store.
-
     Attributes:
         is_awaited: Whether a command has to wait for the records, which takes a second at most.
     """

@@ -54,9 +54,6 @@ class LeaseService:
     """Commands the held values, watches them, and commands them again.
 
     Args:
-        node: The node of the layer.
-        lookup: Looks the devices up.
-        executor: Carries the commands out, which its leases may refuse.
         journal: Records each step of each lease.
     """
 

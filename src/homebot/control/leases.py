@@ -51,11 +51,9 @@ class LeaseHolder:
     """Holder of a lease.
 
     Attributes:
-        by: Its name for people.
         ttl: Seconds that each renewal gives.
         deadline: The end, on the monotonic clock.
         scope: Its rights, if it is a client of the door.
-        trigger: The cause of its lease.
     """
 
     by: str
@@ -76,18 +74,13 @@ class Lease:
 
     Attributes:
         part: The ids of the device and of the part.
-        capability: The held capability.
-        value: Its held value.
         holders: The holders, the first one first.
         rounded: The value to which the device rounds; None if that is not known.
         is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: The time until which a hand, or a stop command, outranks the lease.
-        saw: The report of the hand.
         stop_watch: Ends the watch of the part; None before it begins.
-        lock: Held while the value is commanded.
         outcome: The outcome of the newest command.
-        seen: The value that was reported since.
     """
 
     part: _Part

@@ -65,8 +65,6 @@ class Measurement(NamedTuple):
     """Values of one sensor around one command.
 
     Attributes:
-        capability: The measured capability.
-        before: The value before the command.
         newest: The newest value.
     """
 

@@ -39,14 +39,8 @@ class PolicyEngine:
     """Checks commands against the policies; follows the devices that these need.
 
     Args:
-        node: The following node.
-        settings: The policies.
         grants: The scope of each node that may not command everything, by its full name.
-        journal: Records the verdicts.
-        learnt: Saves the motion sensors that have detected a person.
-        timelines: Know the unexplained changes.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
-        detected: Motion sensors that detected a person in another run.
 
     Attributes:
         rights: Returns the rights of an issuer by the configuration; those of a client of the door are checked by
@@ -101,7 +95,6 @@ class PolicyEngine:
         """Return the refusal of *command*; None if it may be sent now.
 
         Args:
-            command: The command.
             is_recorded: Whether the journal records the verdicts; not for a preview.
         """
         now, monotonic = self._clock.now(), self._clock.monotonic()
@@ -163,13 +156,7 @@ class PolicyEngine:
 
 @final
 class _NeededDevices:
-    """Watcher of the house that puts the devices which policies need into their house.
-
-    Args:
-        house: The house of the policies.
-        view: The view of the node.
-        needs: The query for the devices.
-    """
+    """Watcher of the house that puts the devices which policies need into their house."""
 
     def __init__(self, house: House, view: HouseView, needs: Query) -> None:
         self._house = house

@@ -43,11 +43,7 @@ class _SavedProfile(BaseModel):
 
 @final
 class Profiles:
-    """The profiles of the last 10,000 commanded parts; the longest unused is forgotten.
-
-    Args:
-        save: Saves the record of a part, over a restart.
-    """
+    """The profiles of the last 10,000 commanded parts; the longest unused is forgotten."""
 
     def __init__(self, save: SaveRecord) -> None:
         self._save = save

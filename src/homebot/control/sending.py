@@ -32,10 +32,6 @@ class OpenCommand:
     Its one task waits with a future and a shared timer: an event within a time limit would cost several times as much.
 
     Attributes:
-        command: The command.
-        timeline: The timeline of its part.
-        progress: Its progress.
-        limits: Ends waits that take too long.
         recorded: The last report of each capability in the journal, which does not get the same one again.
     """
 
@@ -73,12 +69,8 @@ class Sending:
     for an unreachable device, and after a lost connection the device has to report another value first.
 
     Args:
-        node: The node that sends them.
-        settings: The time limit and the number of repetitions.
         policies: Checks each repetition.
         journal: Records each sending.
-        leases: The held values.
-        feed: Knows lost connections.
     """
 
     def __init__(

@@ -56,7 +56,6 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
         command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
             and its value, such as ``level 40``; :data:`SET` for none. Capitals make no difference.
         values: Further values by capability, as text: ``level`` is ``40``.
-        part: The part.
         target: Its name, for errors.
 
     Raises:

@@ -39,10 +39,7 @@ class TextCommands:
     """Serves the texts of applications.
 
     Args:
-        node: The node that publishes them.
-        lookup: Looks the devices up.
         executor: Knows the devices, the leases and the commands under way.
-        policies: Know the rights of issuers.
         journal: Records each text.
     """
 

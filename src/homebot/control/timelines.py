@@ -50,9 +50,6 @@ class Timelines:
     """The timelines of the last 10,000 commanded parts; the longest unused is forgotten. Set the callbacks before use.
 
     Args:
-        node: For its clock.
-        feed: The reports.
-        profiles: The knowledge of the devices.
         timeout: Seconds that a device with unknown response times has for its answer.
         settle: Seconds for which a confirmed value has to hold.
 

@@ -36,11 +36,8 @@ class Witness:
     """A sensor that observes one command.
 
     Attributes:
-        name: The name of its device.
         is_named: Whether the owner named it, so that it is waited for, and contradicts the device.
-        values: The measured values.
         seen_at: When it last reported, on the monotonic clock.
-        watch: The watch of its reports.
     """
 
     name: str
@@ -62,10 +59,7 @@ class Witnesses:
     """Sensors that observe commands.
 
     Args:
-        node: For its log and clock.
         settings: The sensors that the owner names, and for how long they are waited for.
-        feed: The reports of the sensors.
-        lookup: Looks the sensors up.
 
     Attributes:
         contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts

@@ -21,11 +21,7 @@ _ANSWERS_WITHIN: Final = 5.0
 
 
 class CommandSender:
-    """Sends commands by the best route that accepts them.
-
-    Args:
-        node: The node that sends them.
-    """
+    """Sends commands by the best route that accepts them."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -52,9 +52,6 @@ class Commander:
 
     A graph that was built by hand may have no control layer. Then a command goes to the gateway, and only its
     acknowledgement is known. Beside a runtime that never happens: while its control layer is away nothing is sent.
-
-    Args:
-        node: The node, which is the issuer.
     """
 
     def __init__(self, node: Node) -> None:
@@ -80,10 +77,8 @@ class Commander:
 
         Args:
             view: The device; it has the reported values as soon as they are known.
-            part_id: The id of the part.
             values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
             transition: Seconds that the change takes, if the device supports that.
-            code: The code that an alarm or a lock requires.
 
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.

@@ -25,7 +25,6 @@ class DeviceView:
     """The newest description and values of one device, shared by its handles and live queries.
 
     Args:
-        device: The description.
         sequence: The number of the last change in it; see :class:`homebot.devices.DeviceChange`.
 
     Attributes:

@@ -64,12 +64,7 @@ class Exposure:
     """An exposed device, published within a ``with`` block and withdrawn after it; one task reads its commands.
 
     Args:
-        node: The node that exposes it.
-        offer: The device.
         gateway: Name of the gateway that publishes it, where that is switched on.
-
-    Attributes:
-        offer: The device.
     """
 
     def __init__(self, node: Node, offer: ExposedDevice, gateway: str = "mqtt") -> None:

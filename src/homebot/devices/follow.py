@@ -42,8 +42,6 @@ class LiveQuery(ABC, Generic[ItemT]):
 
     Args:
         node: The node that asks; the query ends with it.
-        names: The conditions with names that may be misspelt.
-        text: The query as it is written in the app.
         near: The query by which the directory is asked for what is near a robot; None for none.
     """
 

@@ -52,7 +52,6 @@ class ConfiguredNames:
     """Looks for rooms and devices that a configuration names; if there is none, it is logged once.
 
     Args:
-        node: The node that asks the directory.
         read: Returns the names as they are configured now.
     """
 

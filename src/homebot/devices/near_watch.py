@@ -32,14 +32,8 @@ class NearWatch:
     """The devices near a robot, for as long as its task runs; none while the place of the robot is not known.
 
     Args:
-        node: The node that asks.
-        view: Its view of the house.
-        query: The query for the directory.
         changed: Called with the ids of the devices that came near or left.
         refuse: Called with the mistake in the query, such as an unknown robot.
-
-    Attributes:
-        ids: Their ids.
     """
 
     def __init__(

@@ -21,8 +21,6 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
 
     Args:
         target: The id of the part, for the error.
-        part: The part.
-        capability: The name of the capability.
         value: The value, in the unit of the vocabulary.
 
     Raises:

@@ -22,7 +22,6 @@ class TextTarget(NamedTuple):
     """Destination of a text.
 
     Attributes:
-        gateway: The name of the gateway.
         address: The address that the gateway sends it to.
         others: The names of the other parts that would accept the text too.
     """
@@ -33,11 +32,7 @@ class TextTarget(NamedTuple):
 
 
 class TextSender:
-    """Publishes texts for the gateways.
-
-    Args:
-        node: The node that publishes them.
-    """
+    """Publishes texts for the gateways."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -100,13 +95,7 @@ class TextSender:
 class GatewayOutput:
     """Publisher of texts to one gateway, with the last state that it reported.
 
-    Args:
-        sender: The node that sends the texts.
-        gateway: The name of the gateway.
-
     Attributes:
-        node: The full name of its node.
-        out: Publishes to it.
         unavailable: The reason why it does not reach its network, by the state that :meth:`refusal` read last; empty
             where it does.
     """

@@ -75,8 +75,6 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
     """Return the words by which *text* says that it is for something of *groups*; empty if it does not.
 
     Args:
-        text: A name, or a model.
-        groups: Groups of the table.
         anywhere: Whether the place of the words in *text* is of no account.
     """
     words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())

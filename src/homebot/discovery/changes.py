@@ -64,15 +64,9 @@ class _PendingChange:
 class ChangeQueue:
     """Collects changes until they are taken: a device that is announced in thirty messages is then published once.
 
-    Args:
-        entries: The devices that are known.
-        topics: Which announcement may use which command topic.
-        first_sequence: Number of the first change.
-
     Attributes:
         sequence: Number of the last change that was taken.
         states_lost: Changes of states that were dropped before they were taken.
-        pending: Changes that wait to be taken.
         states: Changes of states that wait to be taken.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
         recent: The last changes that were taken, for late clients.

@@ -45,10 +45,6 @@ MAX_FACTS = 200
 class DeviceDescription:
     """The part of a device's record that follows from the announcements and the owner's statements.
 
-    Attributes:
-        addresses: The addresses of its endpoints.
-        merged: Its parts.
-
     The others are those of :class:`homebot.devices.Device`.
     """
 
@@ -73,7 +69,6 @@ def describe_device(
 
     Args:
         sources: Its announcements, at least one.
-        topics: Says which of them may use which command topic.
         known_ids: Ids that its parts had.
         owner: Where rooms are, as the owner states; None if nothing is stated.
     """
@@ -228,7 +223,6 @@ def with_approvals(
     """Return the description with the owner's approvals: each approved route, and the changes since elsewhere.
 
     Args:
-        described: The description from announcements and statements.
         approvals: Its approved parts, each with the changes since as text.
     """
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
@@ -258,7 +252,6 @@ def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], s
     """Return the description of a device of several gateways with its routes in the order of *prefer*, and that fact.
 
     Args:
-        described: The description.
         prefer: Names of gateways, the best first.
         said_at: When that was stated, in seconds since the Unix epoch.
     """

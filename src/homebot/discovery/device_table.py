@@ -40,22 +40,12 @@ class IndexCounters:
 class DeviceTable:
     """The tables of the index, shared by merging, liveness, states and search, which each change their part of them.
 
-    Args:
-        first_sequence: Number of the first change.
-        owner: The owner's statements on devices.
-
     Attributes:
-        owner: The owner's statements on devices.
         sources: Announcements by gateway and key.
         owners: The device of each announcement.
         entries: Devices by id.
-        tombstones: Devices that went.
-        topics: Which announcement may use which command topic.
-        changes: Changes that were not taken yet.
-        postings: The search terms of devices.
         outdated: Ids of the devices with outdated postings.
         unsaved: Ids of the devices with an outdated record in the index file.
-        counters: Counts of dropped and refused inputs.
     """
 
     __slots__ = (
@@ -107,7 +97,6 @@ class UnsavedDevices:
 
     Args:
         known: Ids of the devices that are known.
-        tombstones: Devices that went.
 
     Attributes:
         is_enabled: Whether there is an index file; without one nothing is noted.

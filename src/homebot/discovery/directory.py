@@ -68,15 +68,10 @@ class Directory:
     another program publishes there are ignored.
 
     Args:
-        node: The node that it is on the graph.
-        settings: How long it remembers.
         file: Where it keeps the index over a restart; None for nowhere.
         owner: The owner's statements on devices in the configuration; by default none.
         needs_approval: Whether a device that can hurt waits for the owner's approval.
         known: The devices known at the start if it has no *file*.
-
-    Attributes:
-        index: The index of devices.
     """
 
     def __init__(
@@ -136,12 +131,7 @@ class Directory:
                         self._follow(change.entity)
 
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
-        """Replace the statements of the configuration on rooms and devices.
-
-        Args:
-            places: The statements.
-            rooms: As :meth:`HouseRooms.reconfigured` returned them.
-        """
+        """Replace the statements of the configuration on rooms and devices."""
         await TimeSlice(self._clock).do(self.index.places_exchange.reconfigure(places, rooms, self._clock.now()))
         while self._publisher.publish_some(FEW):
             await anyio.lowlevel.checkpoint()

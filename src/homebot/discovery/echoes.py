@@ -43,10 +43,6 @@ class Echoes:
         """Return whether an event was not reported by another route already.
 
         Args:
-            place: Which part of the device.
-            capability: The capability of the event.
-            value: The event.
-            route: The announcement through which it was reported.
             now: When, on a clock that is never set.
         """
         what = (place, capability, value)

@@ -54,13 +54,10 @@ class Entry:
     Attributes:
         id: Its id, for as long as the entry lives.
         sources: Its announcements by gateway and key.
-        first_seen: When it was first heard of.
         freshness: See :class:`Device`.
         deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
         expires: The same in seconds since the Unix epoch.
-        report_interval: How often it speaks.
         evidence: Why its announcements are one device, in words.
-        published_conflicts: Its conflicts as they were published last.
         topic_owner: The device that keeps a topic from it, as was published last; empty for none.
         silence_allowed: For how many seconds its gateways think that silence is no bad sign.
         saved_period: The period of the clock that is never set in which it was last to be written that it was seen.
@@ -271,7 +268,6 @@ class Entry:
         """Return the newest report of all routes to each part; live values take precedence over retained ones.
 
         Args:
-            merged: The parts.
             events: Whether to return events rather than values.
         """
         newest: dict[tuple[int, str], StoredValue] = {}

@@ -16,18 +16,7 @@ __all__ = ["HouseRooms"]
 
 @final
 class HouseRooms:
-    """The rooms of the house.
-
-    Args:
-        home: The name of the home.
-        configured: The rooms of the configuration.
-        doors: The doors of the configuration.
-
-    Attributes:
-        plan: All rooms and doors.
-        imported: The rooms that were imported.
-        imported_doors: The doors that were imported.
-    """
+    """The rooms of the house."""
 
     __slots__ = ("_configured", "imported", "imported_doors", "plan")
 
@@ -89,8 +78,6 @@ class HouseRooms:
         """Give an imported room another name.
 
         Args:
-            name: The name.
-            new: The new name.
             is_stated: Whether devices were placed in it, so that no import need have stated it.
 
         Raises:

@@ -30,7 +30,6 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
     taken, the gateway or a few letters of its identity follow.
 
     Args:
-        sighting: How it was announced.
         known: Ids of the devices that are known.
         gone: Ids of those that went.
     """
@@ -69,8 +68,6 @@ class Tombstone(NamedTuple):
 
     Attributes:
         id: The id it had, and gets again when it returns.
-        keys: Its announcements.
-        hardware: Its hardware addresses.
         retained_only: Whether it was forgotten, though its announcements may still be kept by the broker: these alone
             do not bring it back.
         at: When it went, in seconds since the Unix epoch.

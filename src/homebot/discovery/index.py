@@ -44,20 +44,15 @@ class DeviceIndex:
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
         first_sequence: Number of the first change; a new index that follows an old one starts above it.
-        max_devices: The most devices that it takes in.
         owner: The owner's statements on devices; by default none.
 
     Attributes:
-        counters: Counts of dropped and refused inputs.
-        owner: The owner's statements on devices.
         changes: The changes to be published, and the last ones that were.
-        pop_changes: Its :meth:`ChangeQueue.pop`.
         pop_states: Its :meth:`ChangeQueue.pop_states`; to be called after *pop_changes*.
         outdated: The ids of devices that are not findable as they are now.
         deadlines: The times at which :meth:`expire` has something to do, in seconds of its clock.
         next_deadline: Returns the first of them; None for never.
         settings: Settings that changed and were not taken yet.
-        tombstones: Devices that went.
     """
 
     def __init__(
@@ -118,7 +113,6 @@ class DeviceIndex:
         """Take *sighting* in.
 
         Args:
-            sighting: The sighting from a gateway.
             now: When, in seconds of the clock that :meth:`expire` is asked with, one that is never set; by default its
                 stamp is the time, as of something recorded.
         """
@@ -137,7 +131,6 @@ class DeviceIndex:
         """Take in the report of a device; that of an unannounced one waits a moment, and is counted.
 
         Args:
-            report: The report.
             now: As for :meth:`observe`.
         """
         self._liveness.now = report.received_at.to_seconds() if now is None else now
@@ -236,7 +229,6 @@ class DeviceIndex:
         """Remove the device; announcements of it that the broker keeps do not bring it back, its own messages do.
 
         Args:
-            device_id: Its id.
             now: Seconds since the Unix epoch, for the tombstone.
 
         Returns:
@@ -272,7 +264,6 @@ class DeviceIndex:
         """Make several devices of one, because the owner says so; return their ids, that of the one first.
 
         Args:
-            device_id: The device.
             key: Gateway and key of the announcement that is not about it; None to make one device of each.
             now: As for :meth:`expire`.
 
@@ -340,7 +331,6 @@ class DeviceIndex:
         """Take in a device of the index file, unconfirmed, before anything else is taken in.
 
         Args:
-            entry: The device.
             now: Seconds of the clock that :meth:`expire` is asked with: it has its whole time from now on, as the time
                 for which homebot was away is unknown if a clock was set meanwhile.
             wall: Seconds since the Unix epoch, for its stamp; by default the same.

@@ -29,7 +29,6 @@ class Liveness:
     """Deadlines of the devices: after its own a device is stale, and after *forget_after* more it is overdue.
 
     Args:
-        table: The devices.
         forget_after: Seconds for which a stale device is kept.
 
     Attributes:
@@ -58,8 +57,6 @@ class Liveness:
         """Note that *entry* itself spoke now, through *source*: it is fresh.
 
         Args:
-            entry: The device.
-            source: The announcement through which it spoke.
             stamp: The time in seconds since the Unix epoch.
             why: The reason to give where it was neither fresh nor stale.
         """
@@ -95,7 +92,6 @@ class Liveness:
         """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one already.
 
         Args:
-            entry: The device.
             source: One of its announcements.
             heard_at: Seconds of the clock that is never set.
         """
@@ -109,7 +105,6 @@ class Liveness:
         """Allow *entry*, which is known from before, its whole silence from now on.
 
         Args:
-            entry: The device.
             now: Seconds of the clock that is never set.
             wall: Seconds since the Unix epoch.
         """

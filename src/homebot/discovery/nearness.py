@@ -56,7 +56,6 @@ class Nearness:
     """Finds the devices near a robot.
 
     Args:
-        node: The node of the directory.
         index: The index; all its changes were taken when it is asked.
     """
 
@@ -81,7 +80,6 @@ class Nearness:
         """Return the devices near a robot.
 
         Args:
-            near: The robot and the distance.
             rest: The query without it.
             limit: How many; 0 for all.
 

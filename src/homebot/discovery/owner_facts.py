@@ -37,13 +37,7 @@ _MOST_NAMED = 5
 
 @dataclass(slots=True, eq=False)
 class _Statement:
-    """Facts that commands and imports state of the device of some announcements, or of some names.
-
-    Attributes:
-        facts: The facts.
-        keys: The announcements.
-        names: The ids and hardware addresses.
-    """
+    """Facts that commands and imports state of the device of some announcements, or of some names."""
 
     facts: _Facts
     keys: dict[SourceKey, None] = field(default_factory=dict)
@@ -55,12 +49,10 @@ class OwnerFacts:
     """The rooms of the house, and the facts that the owner states of devices.
 
     Args:
-        home: The name of the home.
         places: The table ``[places]`` of the configuration.
         read_at: When that was read, in seconds since the Unix epoch.
 
     Attributes:
-        approvals: The approved parts.
         closed_door: Metres that going through a closed door counts.
         rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
@@ -106,10 +98,6 @@ class OwnerFacts:
         """Return the facts of a device, each once: room, aliases, those shown first first, tags.
 
         Only to be asked for where it :attr:`is_empty` no longer.
-
-        Args:
-            device_id: Its id.
-            sources: Its announcements.
         """
         stated = self.stated(device_id, sources)
         found = (*stated, *self._configured_of(device_id, sources)) if self._configured else stated
@@ -139,8 +127,6 @@ class OwnerFacts:
         """Replace the statements of commands and imports on a device.
 
         Args:
-            device_id: Its id.
-            sources: Its announcements.
             facts: The facts; none to take all back.
             present: The announcements of devices that are there; others of the device are gone, and lose theirs too.
 
@@ -188,7 +174,6 @@ class OwnerFacts:
         Args:
             names: The id, or the hardware addresses, that it will have.
             facts: The facts; none to take all back.
-            present: The announcements of devices that are there.
 
         Raises:
             RefusedError: There are too many statements.

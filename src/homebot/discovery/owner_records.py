@@ -56,10 +56,7 @@ def places_record(
 
     Args:
         statements: Facts, with the announcements and the names that they are stated of.
-        rooms: The imported rooms.
-        doors: The imported doors.
         known_as: The name of each announcement in the configuration.
-        approvals: The approved parts.
     """
     record = {
         "statements": [

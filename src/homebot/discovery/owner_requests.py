@@ -22,11 +22,7 @@ _DEPTH: Final = 1000
 
 @final
 class OwnerRequests:
-    """Publisher of the requests to the services of the owner, if there is a subscriber.
-
-    Args:
-        node: The directory's node.
-    """
+    """Publisher of the requests to the services of the owner, if there is a subscriber."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -37,11 +37,7 @@ class _Tally:
 
 @final
 class PastOutcomes:
-    """The outcomes of three weeks, from the journal, and from then on as they come.
-
-    Args:
-        node: The node that reads the journal.
-    """
+    """The outcomes of three weeks, from the journal, and from then on as they come."""
 
     def __init__(self, node: Node) -> None:
         self._clock = node.graph.clock

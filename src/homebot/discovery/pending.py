@@ -28,7 +28,6 @@ class PendingReports:
     """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten devices.
 
     Attributes:
-        count: How many came.
         reports: The reports that wait, by their device.
     """
 

@@ -78,8 +78,6 @@ class IndexPersistence:
     """Keeps the index file.
 
     Args:
-        node: For its log and clock.
-        index: The index to be saved.
         path: The path of the file; None for no file.
         known: The known devices if there is no file, as from a recording.
 

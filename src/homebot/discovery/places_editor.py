@@ -36,11 +36,7 @@ _TAUGHT: Final = ("taught_area", "taught_position")
 
 @final
 class PlacesEditor:
-    """Takes the owner's statements, and updates the devices with them.
-
-    Args:
-        table: The devices.
-    """
+    """Takes the owner's statements, and updates the devices with them."""
 
     __slots__ = ("_table",)
 
@@ -55,7 +51,6 @@ class PlacesEditor:
         """Set the room of a device, its position, or both; return the room that it is in now.
 
         Args:
-            device_id: The device.
             room: The room, or a floor; empty for none.
             now: Seconds since the Unix epoch.
             at: The position, as text; empty for none.
@@ -159,9 +154,6 @@ class PlacesEditor:
         That is the tag's own place, as far as it is known.
 
         Args:
-            device_id: The device.
-            gateway: The gateway of the tag.
-            tag: The key of the tag.
             room: The room on the tag; the room that it is in itself counts more.
             now: Seconds since the Unix epoch.
 

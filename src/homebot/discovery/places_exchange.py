@@ -38,12 +38,7 @@ class Imported:
 
 @final
 class PlacesExchange:
-    """Writes and reads places files.
-
-    Args:
-        table: The devices.
-        editor: Stores the statements of a file.
-    """
+    """Writes and reads places files."""
 
     __slots__ = ("_editor", "_table")
 
@@ -80,7 +75,6 @@ class PlacesExchange:
         turn at each step.
 
         Args:
-            places: The content.
             replaces: Whether the file's room of a device wins over one that was stated here before.
 
         Raises:
@@ -112,8 +106,6 @@ class PlacesExchange:
         Others may have their turn at each step.
 
         Args:
-            places: The statements.
-            rooms: The rooms, which fit.
             now: Seconds since the Unix epoch.
         """
         owner = self._table.owner
@@ -212,7 +204,6 @@ def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = 
 
     Args:
         text: Its text: TOML, or GeoJSON.
-        home: The name of the home.
         now: Seconds since the Unix epoch.
         known: The rooms of the house, to which doors of the file may lead.
 
@@ -259,8 +250,6 @@ def _merge(
 
     Args:
         device: The device, for messages.
-        stated: The statements before.
-        new: The facts of the file.
         in_use: All that is stated of it, in the configuration too.
         kept: Is given the room and position that were kept, as text.
         replaces: Whether those of the file win.

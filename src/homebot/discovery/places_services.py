@@ -82,7 +82,6 @@ class PlacesServices:
 
     Args:
         clock: Gives the time of each statement.
-        index: The index of devices.
         publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
     """
 

@@ -73,10 +73,8 @@ class Burst:
     """Wait for the end of a burst of announcements: a house that comes at once is described once, not per message.
 
     Args:
-        clock: The clock.
         counter: The number of announcements so far, as its attribute ``announced``.
         pause: Waits for the time without an announcement after which a burst is over.
-        waiting: The devices that wait for its end.
     """
 
     def __init__(
@@ -110,12 +108,7 @@ class Burst:
 
 @final
 class ChangePublisher:
-    """Publisher of an index: changes soon after a burst of announcements, each device once; states at once.
-
-    Args:
-        node: The directory's node.
-        index: The index.
-    """
+    """Publisher of an index: changes soon after a burst of announcements, each device once; states at once."""
 
     def __init__(self, node: Node, index: DeviceIndex) -> None:
         clock = node.graph.clock

@@ -32,9 +32,7 @@ def offline_parts(
     """Return the ids of the parts that cannot be reached, by the same rule for each.
 
     Args:
-        sources: The announcements of the device.
         places: Which part of the device each of theirs is.
-        ids: The ids of those.
     """
     reports: dict[int, list[_SourceReach]] = {}
     for (gateway, key, part), place in places.items():

@@ -30,8 +30,6 @@ class Records(NamedTuple):
     """Rows of the index file: id and record.
 
     Attributes:
-        devices: Of devices that are known.
-        tombstones: Of those that went.
         owner: The owner's decisions, by the name of their subject.
     """
 

@@ -87,9 +87,6 @@ class DirectoryServices:
     """The services of the directory.
 
     Args:
-        node: The directory's node.
-        index: The index of devices.
-        persistence: The index file.
         publish: Publishes so many of the changes that wait, so that an answer holds nothing that is published after
             it; says whether there may be more.
     """

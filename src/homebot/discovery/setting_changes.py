@@ -28,9 +28,6 @@ _Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, StoredValue]
 class SettingChanges:
     """Settings that changed and were not taken yet; to record one that changed already costs nearly nothing.
 
-    Args:
-        table: The devices.
-
     Attributes:
         waiting: Those that wait, by the identity of the stored value.
     """

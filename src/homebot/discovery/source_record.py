@@ -38,8 +38,7 @@ class Reach:
 
     Attributes:
         value: Whether it can; None for unknown.
-        since: Since when.
-        heard_at: The same on the clock that is never set.
+        heard_at: ``since`` on the clock that is never set.
         live: Whether that was reported live, rather than in a retained message.
     """
 
@@ -56,10 +55,8 @@ class SourceRecord:
     Attributes:
         sighting: The newest sighting; the description counts.
         number: Grows with each new source: the order of arrival.
-        first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
         heard_at: The same on the clock that is never set; minus infinity where that was before the start.
-        key: Its key in the index.
         confirmed: Whether the device itself was heard through it since the start.
         facts: Each fact with its value, and when it was first announced.
         values: The values of its parts, by part and capability.

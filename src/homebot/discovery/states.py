@@ -37,10 +37,8 @@ class StateRecorder:
     """Takes in the reports of known devices.
 
     Args:
-        table: The devices.
         liveness: When each was heard.
         trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
-        settings: Takes the settings that changed.
     """
 
     __slots__ = ("_liveness", "_settings", "_table", "_trust")

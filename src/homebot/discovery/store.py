@@ -39,7 +39,6 @@ def index_path(home: str, network: str) -> Path:
     """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data.
 
     Args:
-        home: The name of the home.
         network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
             those of the first would be ghosts there.
     """

@@ -19,7 +19,6 @@ class Series(NamedTuple):
     """A value of a device that has a history.
 
     Attributes:
-        number: Its number in the file.
         unit: The unit of its numbers; empty if there is none.
     """
 
@@ -46,7 +45,6 @@ class Batch:
     Attributes:
         series: The number of the series of each value.
         times: Milliseconds since the Unix epoch.
-        values: The values.
         states: The states by their begin and series, in milliseconds since the Unix epoch.
         new: Series without a row.
     """

@@ -19,8 +19,6 @@ class Bucket(NamedTuple):
     """The summary of the values in one span of time.
 
     Attributes:
-        low: The smallest value.
-        high: The largest value.
         mean: The mean, in which each value counts for as long as it lasted.
         last: The newest value.
         seconds: The time for which a value was known.
@@ -44,7 +42,6 @@ def buckets_of(
         times: Milliseconds since the Unix epoch, in the order of arrival: they go back where a clock was set.
         values: The value at each time; it lasts until the next one, and no longer than its bucket.
         width: Milliseconds of a bucket.
-        until: The end of the last value.
         is_counter: Whether to sum the positive steps.
     """
     sums: dict[int, list[float]] = {}

@@ -52,13 +52,10 @@ class Collector:
     A number is collected when it changes, and at each batch, for as long as its device lives: so a pause is a gap.
 
     Args:
-        clock: The clock.
         most: The number of series at most, without those of devices that were not seen in this run.
-        known: The series of earlier runs.
         last: The last value of each counter in earlier runs, by the number of its series.
 
     Attributes:
-        batch: The values and states that wait.
         series: All series, by device, part and capability.
         lost: Values and states that were dropped because too many waited.
         left_out: Series that there was no room for.

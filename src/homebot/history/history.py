@@ -40,7 +40,6 @@ class HistoryKeeper:
     """Keeps the history of a house.
 
     Args:
-        node: The node.
         settings: The table ``[history]``.
         path: The file; None for memory.
         zone: The time zone of the home; None for that of the computer.

@@ -111,7 +111,6 @@ class HistoryFile(SqliteFile):
         """Write *batch* in one transaction; seal the hours and days that are over, and drop what is too old.
 
         Args:
-            batch: The values and states.
             now: Milliseconds since the Unix epoch.
 
         Raises:

@@ -48,8 +48,6 @@ class HistoryService:
     """Answers questions.
 
     Args:
-        node: The node, which asks the directory for devices.
-        store: The file.
         zone: The time zone of the home; None for that of the computer.
 
     Attributes:

@@ -65,10 +65,8 @@ class HistoryReader:
     """Reads the file at one moment.
 
     Attributes:
-        connection: The open file.
         waiting: Values and states that are not written yet.
         keep: How long what is kept.
-        counters: The numbers of the series of counters.
         now: Milliseconds since the Unix epoch.
     """
 

@@ -31,12 +31,9 @@ class HistoryStore:
     """The file and its troubles.
 
     Args:
-        node: For its log and clock.
         path: The file; None for memory.
-        settings: The settings.
 
     Attributes:
-        file: The file.
         problem: The trouble of the file, as text; empty if there is none.
         failures: Times that it could not be written or read.
         is_unusable: Whether no history can be kept until the next start.

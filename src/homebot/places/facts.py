@@ -66,7 +66,6 @@ class OwnerFact(NamedTuple):
         name: ``area`` for the room, ``position`` as :attr:`Position.text`, ``name`` for an alias, ``tag``, or
             ``taught_area`` and ``taught_position`` for what an NFC tag or a code at the device says, used only without
             any other statement.
-        value: The value.
         source: How it was stated: ``configuration``, ``command`` or ``import``; of a taught room the gateway and the
             number of the tag, with ``/`` between.
         said_at: When, in seconds since the Unix epoch.
@@ -83,7 +82,6 @@ class Places:
     """A table ``[places]``, checked.
 
     Attributes:
-        rooms: The rooms.
         devices: The facts of each device, by the ids and hardware addresses that it is known by.
         doors: The doors of which more is stated than their rooms.
         closed_door: Metres that going through a closed door counts.
@@ -102,7 +100,6 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Po
     """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``; ``+-`` will do for ``±``.
 
     Args:
-        text: The text.
         error: Its error, if the text has none.
         source: See :class:`Position`.
 

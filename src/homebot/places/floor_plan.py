@@ -35,7 +35,6 @@ class RoomAt(NamedTuple):
     """The room of a point.
 
     Attributes:
-        room: The room.
         is_nearest: Whether the point is in no room, and this is the nearest.
         distance: Metres from the point to the room; 0 inside.
     """
@@ -57,12 +56,6 @@ class _Area(NamedTuple):
 @final
 class FloorPlan:
     """The rooms and doors of a house in the plane.
-
-    Args:
-        plan: The rooms and doors.
-
-    Attributes:
-        plan: Likewise.
 
     Raises:
         ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
@@ -135,7 +128,6 @@ class FloorPlan:
         """Return the place of a position, for a :class:`PathFinder`; None if it is in no room.
 
         Args:
-            position: The position.
             room: The room, if it is stated; of one without an area, or far away, the room alone counts.
         """
         point = position.x, position.y

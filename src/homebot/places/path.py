@@ -24,7 +24,6 @@ class Spot(NamedTuple):
     """A place of a robot or a target.
 
     Attributes:
-        room: The room.
         point: Its position in metres; None if only the room is known.
     """
 
@@ -36,8 +35,6 @@ class Doorway(NamedTuple):
     """A door, or a stair, between two rooms.
 
     Attributes:
-        name: Its name.
-        rooms: The two rooms.
         points: For each way through it a point inside each room, 1 mm behind the threshold; empty if not known. A wide
             opening has several ways.
     """
@@ -51,7 +48,6 @@ class Way(NamedTuple):
     """The way to a target.
 
     Attributes:
-        target: The target.
         path: Metres to go.
         extra: Metres that are counted for doors on the way which are not open.
         doors: The names of the doors on the way.
@@ -160,7 +156,6 @@ class PathFinder:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
 
         Args:
-            start: Where the ways begin.
             crossing: What going through each door costs.
             wanted: The only targets to look for; None for all.
         """

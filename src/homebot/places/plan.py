@@ -55,7 +55,6 @@ class HouseRoom(NamedTuple):
     """A room.
 
     Attributes:
-        name: Its name.
         floor: The floor that it is on; empty where that is not stated.
         doors: The rooms that a door joins it to.
         polygons: Its area; empty where that is not known.
@@ -73,7 +72,6 @@ class HouseDoor(NamedTuple):
     """A door, an opening, or a stair, between two rooms.
 
     Attributes:
-        name: Its name.
         rooms: The two rooms; one may be the outside.
         position: Its two ends, or its centre alone, in metres; empty where that is not known.
         width: Metres; only for a centre.
@@ -101,17 +99,14 @@ class HousePlan:
     """The areas of one home.
 
     Args:
-        home: The name of the home.
         rooms: Its rooms. Of several entries for one room, a later floor or area replaces an earlier one, and doors
             add up.
         source: Where they are from, for messages.
         doors: The doors of which more is stated; a later one replaces an earlier one of the same name.
 
     Attributes:
-        home: The name of the home.
         source: Where the rooms are from, for messages.
         rooms: Its rooms, with each door at both its ends.
-        floors: The names of its floors.
         doors: All its doors, those of rooms too of which nothing else is stated.
         has_areas: Whether the area of a room is known.
 

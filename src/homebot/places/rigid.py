@@ -63,7 +63,6 @@ class Rigid(NamedTuple):
 
     Attributes:
         translation: The origin of the child frame, in metres.
-        rotation: The orientation of the child frame.
     """
 
     translation: Vector

@@ -180,8 +180,6 @@ def read_places(
     """Return the table ``[places]``, checked.
 
     Args:
-        table: The table.
-        home: The name of the home.
         source: The file, for messages.
         stated_by: See :attr:`OwnerFact.source`.
         now: See :attr:`OwnerFact.said_at`.

@@ -14,11 +14,7 @@ _MOST_BYTES: Final = 64 * 1024 * 1024
 
 @final
 class LineBuffer:
-    """At most 50,000 lines and 64 MiB of text; while it is full, new lines are dropped, and a line says how many.
-
-    Attributes:
-        lost: Lines dropped since the start.
-    """
+    """At most 50,000 lines and 64 MiB of text; while it is full, new lines are dropped, and a line says how many."""
 
     def __init__(self) -> None:
         self.lost = 0

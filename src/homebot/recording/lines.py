@@ -194,7 +194,6 @@ class RecordingLine:
 
     Attributes:
         at: Seconds since the start of the recording.
-        message: Its message; the class identifies the kind.
     """
 
     at: float

@@ -71,15 +71,7 @@ class RunFacts:
 
 @final
 class Recorder:
-    """Records events from its start on.
-
-    Args:
-        node: The node that listens.
-        facts: The run.
-
-    Attributes:
-        lines: The lines that wait to be written.
-    """
+    """Records events from its start on."""
 
     def __init__(self, node: Node, facts: RunFacts) -> None:
         self._node = node

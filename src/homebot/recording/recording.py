@@ -51,7 +51,6 @@ class TimedCommand:
 
     Attributes:
         at: Seconds since the start of the recording.
-        command: The command.
         result: Its outcome; None for a raw text, and if the recording ended first.
         line: The number of its line; 0 without a recording.
     """
@@ -68,7 +67,6 @@ class TimedLease:
 
     Attributes:
         at: Seconds since the start of the recording.
-        news: The step.
     """
 
     at: float
@@ -81,8 +79,6 @@ class RecordedEvent:
 
     Attributes:
         at: Seconds since the start of the recording.
-        message: The message.
-        line: The number of its line.
     """
 
     at: float
@@ -95,14 +91,12 @@ class Recording:
     """The content of a recording.
 
     Attributes:
-        header: The run.
         index: The rows of the directory's index at the start.
         devices: The devices by id, each as it was at the start or when it first appeared, in this order.
         before: Messages of gateways before the start: their states, then sightings, reports and raw messages.
         events: Their messages during the recording, and the owner's requests, in the order of time.
         commands: The commands that were given, in the order of time.
         leases: Changes of leases; those at the start have time 0.
-        lost: Lines that are missing.
         ends_at: Seconds since the start at which it ends.
         end: The reason of its end, as text; empty for a regular end.
         is_whole: Whether it has an end; that of a recorder which was killed has none.

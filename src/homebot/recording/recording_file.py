@@ -36,11 +36,6 @@ class RecordingFile:
         megabytes: How much text at most.
         force: Whether to replace a file that is there.
 
-    Attributes:
-        path: The same.
-        lines: The lines written.
-        dropped: The lines that did not fit.
-
     Raises:
         UsageError: It cannot be written, or is there already.
     """
@@ -112,11 +107,7 @@ class LineSink(Protocol):
 
 @final
 class FileSink:
-    """Writes into a file, by a thread.
-
-    Args:
-        file: The file.
-    """
+    """Writes into a file, by a thread."""
 
     def __init__(self, file: RecordingFile) -> None:
         self._file = file

@@ -72,8 +72,6 @@ async def record_for_client(node: Node, facts: RunFacts, ready: anyio.Event) -> 
     """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds.
 
     Args:
-        node: The node that records, and answers the client.
-        facts: The run.
         ready: Set when the lines can be fetched.
     """
     recorder = Recorder(node, facts)

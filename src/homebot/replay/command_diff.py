@@ -29,7 +29,6 @@ class DifferentCommand:
 
     Attributes:
         kind: ``added``: only the replay has it; ``gone``: only the recording has it.
-        given: The command.
         refused: The reason why the other refused it, as text; empty if the other does not have it.
     """
 
@@ -58,8 +57,6 @@ def command_diff(
 
     Args:
         recorded: The commands of the recording, in the order of time.
-        replayed: Those of the replay.
-        issuers: The full names of the nodes that are compared.
         ends_at: The end of the recording, in seconds since its start. An unmatched command within 1 s before it is no
             difference: its counterpart may have come too late.
     """

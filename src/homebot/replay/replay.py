@@ -60,7 +60,6 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     """Return the configuration of a replay of *recording*.
 
     Args:
-        recording: The recording.
         apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
         given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, where it has them, and
             ``[discovery]`` take the place of those of the recording, and its tables of apps that of their settings.
@@ -89,7 +88,6 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     """Run the apps of *config* through the recorded time, on an event loop of virtual time.
 
     Args:
-        recording: The recording.
         config: Made by :func:`replay_config`.
         settle: Returns when everything has happened that is due now.
 
@@ -127,11 +125,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
 
 @final
 class _ReplayJournal:
-    """The commands that apps gave in a replay, and their results.
-
-    Args:
-        began: The beginning of the replay, on its clock.
-    """
+    """The commands that apps gave in a replay, and their results."""
 
     def __init__(self, began: float) -> None:
         self._began = began

@@ -31,8 +31,6 @@ class ReplayFeed:
     the owner was in between: later messages may be its effect. Messages at the moment of a timer come after the timer.
 
     Args:
-        recording: The recording; it starts at the present of *clock*.
-        clock: The time of the replay.
         settle: Returns when everything has happened that is due now.
     """
 

@@ -37,8 +37,6 @@ class ReplayGateway(Gateway):
 
     Args:
         node: Its node, of the name that it had in the recording.
-        settings: Its table.
-        context: It has the :class:`ReplayFeed` of the recording.
     """
 
     Settings: ClassVar[type[BaseModel]] = GatewaySettings

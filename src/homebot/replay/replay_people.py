@@ -87,11 +87,6 @@ class ReplayPeople:
 
     Leases are held for as long as they were: they end when they were released, ended, or over in the recording. Those
     of apps are their own.
-
-    Args:
-        node: The node that asks in their place.
-        recording: The recording.
-        feed: The clock of the recording.
     """
 
     def __init__(self, node: Node, recording: Recording, feed: ReplayFeed) -> None:

@@ -30,11 +30,7 @@ _BASES: Final = ("base_link", "base_footprint")
 
 @final
 class RobotFrames:
-    """The frames that robots state, each at the time when it was received.
-
-    Args:
-        owners: The robots, with their frames.
-    """
+    """The frames that robots state, each at the time when it was received."""
 
     def __init__(self, owners: RobotOwners) -> None:
         self._owners = owners

@@ -24,9 +24,7 @@ class ImportedRooms:
     """The rooms of one map in the house, also those of an earlier run. A room with another area keeps it.
 
     Args:
-        node: The node that asks the directory.
         house: Returns the plan of the house as it is now.
-        robot: The name of the robot whose map it is.
     """
 
     def __init__(self, node: Node, house: Callable[[], HousePlan], robot: str) -> None:

@@ -68,9 +68,6 @@ class PoseTopics:
     """Reads the pose topics of all robots.
 
     Args:
-        node: The node that reads.
-        owners: The robots, with their topics and frames.
-        robots: The same, by name.
         on_arrival: Called when there are messages to read.
     """
 

@@ -36,15 +36,10 @@ class TrackedRobot:
     """The poses that the sources of one robot state.
 
     Args:
-        name: The name of the robot.
-        settings: Its table.
         now: Returns seconds since the Unix epoch, by a clock that is never set.
         on_change: Called after each change.
 
     Attributes:
-        name: Likewise.
-        settings: Likewise.
-        now: Likewise.
         alive_at: When it last gave a sign of life.
         unsure_because: Why the robot does not know where it is; empty if it does.
         sigma: The standard deviation of its position, in metres, as it stated it last; None if it did not.
@@ -73,7 +68,6 @@ class TrackedRobot:
         """Take the place that *source* states instead of its last, and check whether the robot was carried away.
 
         Args:
-            source: The topic, sensor or tag.
             limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, for a parked one.
             at: The position; None where only the room is known.
             age: Seconds since it was received.

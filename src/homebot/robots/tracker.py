@@ -46,10 +46,7 @@ class RobotTracker:
     """The places of all robots, from all that is known of them.
 
     Args:
-        node: Its node.
-        owners: The robots, with their topics and frames.
         house: Returns the plan of the house as it is now.
-        settings: The tables of those that have one.
     """
 
     def __init__(

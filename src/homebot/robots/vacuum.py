@@ -40,9 +40,6 @@ class Vacuum:
     """Reads the topics of one vacuum.
 
     Args:
-        node: The node that reads.
-        devices: The devices of the house, for that node.
-        robot: The robot; its table names the topics.
         house: Returns the plan of the house as it is now.
     """
 

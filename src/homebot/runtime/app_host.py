@@ -32,10 +32,6 @@ class AppHost:
     Args:
         plan: Has the zone and the place of the home, and where notifications go.
         file: The file of what apps keep; None for nowhere.
-
-    Attributes:
-        context: The context that every app gets.
-        running: The apps that run, by name.
     """
 
     def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:

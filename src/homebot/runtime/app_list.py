@@ -22,7 +22,6 @@ def serve_app_list(node: Node, names: Callable[[], Iterable[str]], host: AppHost
 
     Args:
         names: Returns the names of the apps.
-        host: Has those that run.
     """
 
     def answer(_request: AppsRequest) -> AppsResponse:

@@ -92,7 +92,6 @@ class AppManager:
         """Start *planned*, each when the one before is ready; at the end, stop all in reverse order.
 
         Args:
-            planned: The apps.
             is_cut: Returns whether nothing more is to be started.
 
         Raises:

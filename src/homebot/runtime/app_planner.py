@@ -35,7 +35,6 @@ class AppPlanner:
         """Return the app *name* and its code, which can be taken back.
 
         Args:
-            name: Its name; for a new one also its file.
             is_new: Whether it does not run yet.
 
         Raises:

@@ -23,7 +23,6 @@ class RuntimeHealth:
 
     Args:
         watch: Detector of a blocked event loop, or None.
-        apps: The surroundings of the apps.
     """
 
     def __init__(

@@ -71,9 +71,6 @@ async def reload_configuration(running: Config, plan: Plan, parts: RunningParts,
     """Apply the configuration that *read* returns as far as it needs no restart; one with a mistake changes nothing.
 
     Args:
-        running: The configuration that homebot was started with.
-        plan: The plan in use.
-        parts: The parts that take it over.
         read: Called in a worker thread.
 
     Returns:

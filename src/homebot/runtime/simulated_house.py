@@ -41,13 +41,7 @@ class HouseOfRun:
     """A simulated house, with the networks and the broker of its devices.
 
     Args:
-        world: The house as it is described.
-        configured: The names of the gateways in the configuration.
         robot: The name of its robot with ROS; empty for none. A house of which no room has an extent has none.
-
-    Attributes:
-        robot: Likewise.
-        network: The networks of its devices.
     """
 
     def __init__(self, world: World, configured: Collection[str], robot: str = "") -> None:
@@ -111,11 +105,7 @@ class HouseOfRun:
         *,
         task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
     ) -> None:
-        """Run the devices at the host in *context* until cancelled.
-
-        Args:
-            graph: The graph, on which its robot is.
-        """
+        """Run the devices at the host in *context* until cancelled."""
         host = context.service(SimulatedHouse.Host)
         assert host is not None  # noqa: S101 - its plan has one
         house = SimulatedHouse.hosted_by(
@@ -166,7 +156,6 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
     """Return the id of a simulated device in the directory, or else the id and the hardware address that it may have.
 
     Args:
-        placed: The device.
         home: The first level of the devices' topics, on which hardware addresses depend.
     """
     name, kind = placed.device.device_id, placed.device.service_type

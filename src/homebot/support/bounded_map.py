@@ -13,11 +13,7 @@ Value = TypeVar("Value")
 
 @final
 class BoundedMap(OrderedDict[Key, Value]):
-    """A dictionary that drops its oldest entry if it gets too large; an assignment makes an entry the newest.
-
-    Args:
-        most: The largest number of entries.
-    """
+    """A dictionary that drops its oldest entry if it gets too large; an assignment makes an entry the newest."""
 
     def __init__(self, most: int) -> None:
         super().__init__()

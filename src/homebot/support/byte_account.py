@@ -15,7 +15,6 @@ class ByteAccount(Generic[Client]):
     """The bytes that all clients hold together; above the bound, the client with the most loses some.
 
     Args:
-        most: The bound.
         clients: Returns the clients, the oldest first: of equal ones it loses first.
         size_of: Returns the bytes of a client now.
         shed: Drops some of a client's bytes, or the client, and subtracts them with :meth:`add`.

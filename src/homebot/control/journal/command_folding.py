@@ -35,8 +35,6 @@ class _Minute:
 
     Attributes:
         began: Time of the first, in seconds since the Unix epoch.
-        stored: The number of stored commands.
-        outcomes: The outcomes among them.
         folded: The entries of the newest folded command for each outcome; the first has the number of the others.
     """
 

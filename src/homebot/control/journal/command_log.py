@@ -48,13 +48,8 @@ ENDS: Final = frozenset({"would", "published", "outcome"})
 class CommandLog:
     """Logs each command once, from the entries of the journal.
 
-    Args:
-        node: For its log and clock.
-        lookup: Looks the devices up.
-
     Attributes:
         open: The first entry, and the device, of each command without an end.
-        fights: The fights of apps.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup) -> None:

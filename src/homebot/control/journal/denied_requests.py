@@ -38,7 +38,6 @@ class _DeniedOfClient:
 
     Attributes:
         recorded: The requests with an entry, each with the id of its device.
-        more: The number of others.
         newest: The newest of the others.
     """
 
@@ -53,11 +52,6 @@ class DeniedRequests:
 
     A flood takes little room: each different request of a client is an entry once in an hour, 20 in all, and the others
     are counted in one entry at its end, or when homebot stops.
-
-    Args:
-        node: For its tasks.
-        lookup: Looks the devices up.
-        journal: The journal.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup, journal: CommandJournal) -> None:

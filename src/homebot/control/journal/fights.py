@@ -35,9 +35,7 @@ class Turn(NamedTuple):
 
     Attributes:
         at: When it was given, in seconds since the Unix epoch.
-        issuer: The app.
         values: The wanted values by capability.
-        label: The part for people.
         sensed: The values of another device to which the app responds, by device, part and capability.
     """
 

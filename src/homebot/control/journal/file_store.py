@@ -51,8 +51,6 @@ class FileStore(JournalStore):
     or a newer one wrote it, entries are in memory only. If it is removed, a new one is made.
 
     Args:
-        node: For its log and clock.
-        path: The file.
         longest: Seconds for which an entry is stored.
         most_bytes: The size of all entries at most.
         most_in_memory: The number of entries at most if the file cannot be used.

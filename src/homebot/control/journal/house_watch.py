@@ -46,9 +46,6 @@ class RawWindow(NamedTuple):
 
     Attributes:
         id: The id of the command; empty for none.
-        began: The begin.
-        until: The end.
-        text: The command.
     """
 
     id: str = ""
@@ -111,14 +108,9 @@ class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
 
     Args:
-        node: The subscribing node.
-        lookup: Looks the devices up.
         journal: Returns the journal, which is built for the first entry.
         cause_of: Returns the cause of a change; None if no command was ever given to the part.
         is_dry_run: Whether gateways send nothing, so that a raw command has no effect.
-
-    Attributes:
-        changes: The last values, and the raw commands.
     """
 
     def __init__(

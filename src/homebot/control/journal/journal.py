@@ -64,15 +64,9 @@ class CommandJournal:
     """Publishes and stores the entries.
 
     Args:
-        node: The publishing node.
-        store: The store.
-        lookup: Knows the names of devices.
         begin_raw: Called with each sent raw command: the device, the id, the text, and the time in which it explains
             changes.
         settle: Seconds after a raw command in which it explains a change of the device.
-
-    Attributes:
-        fights: The fights of apps.
     """
 
     def __init__(
@@ -154,12 +148,7 @@ class CommandJournal:
         """Record a command to the part *place* at *at*, in seconds since the Unix epoch; return its new id.
 
         Args:
-            issuer: Its issuer.
-            place: The part.
             settings: The wanted values, without codes.
-            trigger: Its cause.
-            at: The time.
-            device: The device, if it is known.
         """
         name = next(self._ids)
         note = JournalNote("requested", at, *place, name, issuer, trigger, settings)
@@ -210,9 +199,6 @@ class CommandJournal:
         """Record a raw command to a device at *at*, in seconds since the Unix epoch.
 
         Args:
-            device: The id of the device.
-            command: The command.
-            at: The time.
             is_sent: Whether the gateway sends it.
             is_code: Whether its text is a code, which is not recorded.
         """

@@ -33,9 +33,7 @@ class CommandPattern:
     """Pattern of commands.
 
     Attributes:
-        text: The pattern as it is written.
         verb: One of :data:`VERBS`.
-        query: The devices.
     """
 
     text: str

@@ -31,8 +31,6 @@ class Facts(NamedTuple):
         now: Seconds since the Unix epoch.
         monotonic: Seconds of a clock that is never set.
         zone: The time zone of the home; None for that of the computer.
-        house: The devices that the policies need.
-        turns: The turns of values.
         timeline_of: The timeline of each part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
@@ -76,10 +74,8 @@ class Verdict(NamedTuple):
     """Answer of one policy to one command.
 
     Attributes:
-        policy: The name of the policy.
         allowed: Whether the command may be sent.
         reason: The reason; empty if the policy does not concern the command.
-        facts: The facts behind it.
     """
 
     policy: str

@@ -40,7 +40,6 @@ class HomePolicy(ABC):
         settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
 
     Attributes:
-        Settings: The model of its table.
         needs: The query for the devices that it reads in ``facts.house``; None for none.
     """
 
@@ -57,12 +56,7 @@ class HomePolicy(ABC):
 
 @final
 class NamedPolicy:
-    """A policy with the name of its table; one that fails refuses the command.
-
-    Args:
-        name: The name.
-        policy: The policy.
-    """
+    """A policy with the name of its table; one that fails refuses the command."""
 
     def __init__(self, name: str, policy: HomePolicy) -> None:
         self.name = name

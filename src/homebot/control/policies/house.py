@@ -43,7 +43,6 @@ class House:
 
     Attributes:
         is_known: Whether the devices have been read from the directory; before, nothing is known.
-        detections: The sensors that have detected a person.
     """
 
     def __init__(self, detections: Detections | None = None) -> None:

@@ -24,10 +24,7 @@ class _Rule(NamedTuple):
     """The parsed condition of an interlock.
 
     Attributes:
-        condition: The condition as it is written.
-        query: The condition as a query.
         possible: The query for the parts that may match it at some time.
-        capabilities: The capabilities with values in it.
     """
 
     condition: str

@@ -21,9 +21,6 @@ Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
 class Policies:
     """The policies of the settings: first rights, then dangers, then times.
 
-    Args:
-        settings: The policies and their tables.
-
     Attributes:
         needs: The query for the devices with values that some policy needs.
     """

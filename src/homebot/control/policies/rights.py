@@ -68,7 +68,6 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     """Return why the client that gave *command* may not command the part; empty if it may.
 
     Args:
-        command: The command.
         needs_approval: Whether dangerous devices need an approval, which the reason then names with the right.
     """
     device, part, asks = command.device, command.part, command.why_it_asks

@@ -28,13 +28,8 @@ class _Sent:
     """The last command for one place.
 
     Attributes:
-        value: The commanded value.
-        at: The time of its last sending.
-        command: Its id.
         turned_by: The id of the last command for another value than the one before.
-        direction: The last change of a number.
         is_turn: Whether the last change was a turn.
-        turns: The times of the turns.
     """
 
     value: PlainValue

@@ -38,7 +38,6 @@ class Attribution(NamedTuple):
     """Cause of a report.
 
     Attributes:
-        cause: The cause.
         command: The id of the command that caused it, or that it ended; empty for none.
         role: The role of the report for that command; None for none.
     """
@@ -57,7 +56,6 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
     """Return the cause of a report.
 
     Args:
-        fact: The report.
         commands: The commands to the part, newest first.
     """
     if fact.is_first:

@@ -36,7 +36,6 @@ class Order:
     """Wanted state of a part, as one command states it.
 
     Attributes:
-        id: The id of the command.
         settings: The commanded values by capability.
         wanted: The values that the part is to report; empty if it reports none of them.
         transition: Seconds that the change takes.
@@ -45,9 +44,6 @@ class Order:
         opens_further: Whether it opens a part that is open, but not all the way.
         turns_on: Whether it turns on a part that reports "off" without a setting for that.
         has_ramp: Whether the part has a level that can be set.
-        echoed: The capabilities with a declared echo.
-        issuer: The name of its issuer.
-        label: The commanded part for people.
     """
 
     id: str
@@ -71,9 +67,6 @@ class Reported:
     Attributes:
         at: Seconds.
         stamp: The time of the message, in seconds since the Unix epoch.
-        number: Its number in the timeline.
-        capability: The capability.
-        value: The value.
         previous: The live value before; None if there was none.
         is_first: Whether there was no live value before.
         is_after_loss: Whether the connection was lost since the value before.

@@ -32,14 +32,9 @@ class WantedValue:
     """Value that a part is to report for one command, and its reports since.
 
     Args:
-        order: The command.
-        capability: The capability.
-        value: The wanted value.
         known: The value that was certain before; :data:`NOTHING` if none was.
-        profile: Knowledge of the device, which rounds.
 
     Attributes:
-        value: The wanted value.
         seen: The value that the device reported since; :data:`NOTHING` if it reported none.
         met_at: When the wanted value was reported first, if it still is; None if it is not.
         echoed_at: When its last echo came; None if none did.
@@ -97,10 +92,6 @@ class Motion:
     """Approach of a level or a position to its goal, over the reports after one command.
 
     Many dimmers have a ramp of their own, and many blinds report their position alone until the last step.
-
-    Args:
-        order: The command.
-        last: The values that the part reported last.
     """
 
     __slots__ = ("_goals", "_is_positioned", "_now")

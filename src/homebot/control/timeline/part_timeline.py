@@ -31,14 +31,12 @@ class PartTimeline:
     Reports are appended once, when they arrive. The progress of each command is a function of the later reports.
 
     Args:
-        profile: Knowledge of the device.
         first: Seconds that a device with unknown response times has for its answer.
         settle: Seconds for which a confirmed value has to hold.
 
     Attributes:
         reports: The reports, oldest first.
         commands: The commands, also older ones that still may have an effect, oldest first.
-        profile: Knowledge of the device.
         unsure_since: Since when each capability may have another value than the reported one.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_report: Called with each report for each command that it may be due to.
@@ -77,9 +75,6 @@ class PartTimeline:
         """Append a command, which supersedes the older ones for the same; return its progress.
 
         Args:
-            order: The command.
-            at: The time.
-            known: The values of the part that are certain.
             last: The values that the part reported last, certain or not.
             is_raw: Whether it is a raw text, of which no outcome is awaited.
         """
@@ -125,9 +120,6 @@ class PartTimeline:
         Args:
             at: Seconds on the monotonic clock.
             stamp: The time of the message, in seconds since the Unix epoch.
-            capability: The capability.
-            value: Its value.
-            lost_at: When the connection was last lost.
         """
         known = self._latest.get(capability)
         self._latest[capability] = value, at

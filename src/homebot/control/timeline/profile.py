@@ -66,7 +66,6 @@ class DeviceProfile:
         """Return how long to wait for an answer, and the longest known answer, in seconds.
 
         Args:
-            capabilities: The commanded capabilities.
             first: The least wait if fewer than three answers are known.
         """
         longest, is_known = 0.0, True

@@ -33,24 +33,13 @@ class CommandProgress:
     """Progress of one command: the reports since, and their roles.
 
     Args:
-        order: The command.
-        at: When it was given.
-        known: The values of the part that were certain before.
         last: The values that the part reported last before, certain or not.
-        profile: Knowledge of the device before this command.
         is_raw: Whether it is a raw text, of which no outcome is awaited.
 
     Attributes:
-        order: The command.
-        given_at: When it was given.
         wanted: The values that the part is to report, and its reports of them.
-        known: The values that were certain before.
-        last: The values that were reported last before.
         roles: The role of each report, by its number.
         accepted: When the network accepted each setting.
-        sendings: How often it was sent.
-        first_sent_at: When it was first sent.
-        sent_at: When it was last sent.
         moved_at: When the device was last seen on its way; None if it was not.
         stopped_at: When a motor last reported that it stopped; -inf if it did not.
         told_otherwise_at: When another value was last reported, and no movement; -inf for never.
@@ -58,8 +47,6 @@ class CommandProgress:
         refusal: The reason why the device refuses it; empty if it does not.
         must_answer: Whether the device answers commands, so that its answer is waited for.
         ended_at: When its outcome was decided, or it was superseded; inf before.
-        outcome: Its outcome, once decided.
-        settling: The judgement of later reports, once confirmed.
         learns_late: Whether an answer after its failure teaches how long the device takes.
         is_witnessed: Whether a second device observed the effect.
         is_learnt: Whether the profile knows how the confirmed value ended.

@@ -26,8 +26,6 @@ class Undoing(NamedTuple):
     """The end of a confirmed value.
 
     Attributes:
-        at: When another value was reported.
-        capability: Of which.
         after: Seconds after the confirmation.
     """
 
@@ -65,11 +63,6 @@ class SettledCommand(Protocol):
 @final
 class Settling:
     """Judgement of the reports after a confirmation: further steps of a transition, or the end of the value.
-
-    Args:
-        progress: The confirmed command.
-        at: When it was confirmed.
-        seconds: How long values have to hold.
 
     Attributes:
         until: When it ends, unless further steps come.

@@ -27,20 +27,15 @@ class Facets:
     """The properties of a device that queries can ask for.
 
     Attributes:
-        id: Its id.
         name: Its name, folded.
         kinds: Type and tag of each part that it is there for; without parts the type of its word, where that is one.
         advertised: The types in the words of its announcements, folded.
         possible_types: The types that the word of a device without parts may mean; empty for a device with parts.
-        capabilities: Capabilities of its parts.
-        settable: Those that can be set.
         areas: Its room and the areas that this is in, folded.
         tags: Its tags, folded.
         words: The words of its id, names, room, floor, tags and model, folded.
         freshness: See :class:`Device`.
         reachable: See :class:`Device`.
-        gateways: Its gateways.
-        conventions: The conventions of its announcements.
         categories: ``config`` and ``diagnostic``, if it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.

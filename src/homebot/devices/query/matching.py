@@ -37,14 +37,7 @@ __all__ = ["PartFacets", "compares", "fits"]
 
 
 class PartFacets:
-    """The properties of one part of a device that queries can ask for, each worked out when it is asked for.
-
-    Args:
-        device: The device; it has parts.
-
-    Attributes:
-        part: The part, at first the first one.
-    """
+    """The properties of one part of a device that queries can ask for, each worked out when it is asked for."""
 
     __slots__ = ("_device", "part")
 

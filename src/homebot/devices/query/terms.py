@@ -60,7 +60,6 @@ class TypeIs:
 
     Attributes:
         word: The word of the query, folded; a device that was announced with this very word matches as well.
-        types: The device types that the word means.
         tag: The declared kind of an opening: a door is no window; empty for any.
         by_word: Whether announced words count beside the types.
     """
@@ -140,8 +139,6 @@ class StateIs:
     """A part that reported such a value; an unknown value matches nothing.
 
     Attributes:
-        capability: The capability that is compared.
-        operator: The comparison.
         value: The value to compare with; texts folded.
         types: The types of which the part may be; empty for any.
     """

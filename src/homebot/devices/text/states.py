@@ -102,9 +102,6 @@ class TextDecoder:
     It is the reverse of :func:`encode_state`. Values that follow count as well: with ``0.4`` a lamp is on, with
     ``closed`` a cover is at 0 %. A bare number belongs to the first capability in the order of :func:`encode_state`,
     if it is within its bounds. ``nan`` and its like in the place of a measurement mean that it is unknown.
-
-    Args:
-        capabilities: The capabilities of the part.
     """
 
     def __init__(self, capabilities: tuple[Capability, ...]) -> None:

@@ -64,9 +64,6 @@ class Agreement:
         """Note that *endpoint* reported a change.
 
         Args:
-            change: The change.
-            endpoint: The endpoint.
-            claimed: The endpoints that are not trusted.
             now: Seconds of a clock that is never set.
 
         Returns:

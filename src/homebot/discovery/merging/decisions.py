@@ -32,7 +32,6 @@ class MergeDecisions:
     """Keeps which identifiers are no evidence, and which announcements are one device because the owner says so.
 
     Attributes:
-        ignored: Identifiers that connect nothing.
         merged: The identifiers that the owner gave to announcements.
         is_unsaved: Whether something was decided that is not in the index file.
     """

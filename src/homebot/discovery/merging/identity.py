@@ -64,9 +64,6 @@ class Identity:
     """An identity; announcements of the same identity are about one device.
 
     Attributes:
-        gateway: Where it is heard.
-        convention: Its convention.
-        identifiers: The identifiers of the device in it.
         key: The announcement, if each is a device of its own.
         offers_parts: Whether it is a service of a host that offers parts; None if it names no host.
     """
@@ -96,9 +93,6 @@ class Identity:
 @final
 class IdentityGraph:
     """The graph of shared identifiers.
-
-    Args:
-        decisions: The owner's decisions.
 
     Attributes:
         cut: Announcements with identifiers that were partly left out.

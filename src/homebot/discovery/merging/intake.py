@@ -26,11 +26,8 @@ class SightingIntake:
     """Takes in sightings.
 
     Args:
-        table: The devices.
         liveness: When each was heard.
-        merger: Which announcements are about which device.
         pending: Where the announcements of devices that were forgotten are kept.
-        max_devices: How many devices are taken in.
     """
 
     __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table")
@@ -128,7 +125,6 @@ class SightingIntake:
         """Take in a device of the index file; one that is known already, or too many, is left out.
 
         Args:
-            entry: The device.
             now: Seconds of the clock that is never set.
             wall: Seconds since the Unix epoch.
         """

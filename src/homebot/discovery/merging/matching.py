@@ -35,8 +35,6 @@ class Candidate(NamedTuple):
     """A part among the others of its source.
 
     Attributes:
-        part: The part.
-        abilities: Its capabilities, by name.
         name: Its name, folded.
         words: Its id in words.
         prefix: How many of them, from the first, all ids of its source begin with.
@@ -59,7 +57,6 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     """Return the *parts* of one source, each beside the others.
 
     Args:
-        parts: All parts of the source.
         identifiers: The identifiers of the device in the source: ids of parts are often made of them.
     """
     ids = [tuple(fold(part.id).split()[:MAX_WORDS]) for part in parts]
@@ -91,7 +88,6 @@ def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) ->
 
     Args:
         groups: Parts of the device; each as the sources before describe it, one or more.
-        others: The parts of a further source.
     """
     found: dict[int, int] = {}
     for pairs_of in (_by_id, _by_topic, _by_name, _by_type):  # the surest first, weaker ones for what that leaves open

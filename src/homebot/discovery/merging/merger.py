@@ -34,12 +34,10 @@ class DeviceMerger:
     """Keeps each device the set of the announcements that are about it.
 
     Args:
-        table: The devices.
         liveness: How long each may be silent.
         pending: Where the announcements of devices that were forgotten are kept.
 
     Attributes:
-        decisions: The owner's decisions on that.
         identities: The announcements about each device.
     """
 
@@ -57,7 +55,6 @@ class DeviceMerger:
 
         Args:
             sources: Its announcements; the table has them already.
-            why: The reason to give.
         """
         table = self._table
         tombstone = self._pop_tombstone(sources) if table.tombstones.by_id else None
@@ -126,8 +123,6 @@ class DeviceMerger:
         """Remove *entry* with its announcements.
 
         Args:
-            entry: The device.
-            why: The reason to give.
             retained_only: Whether announcements that the broker kept are not to bring it back.
             at: When, in seconds since the Unix epoch.
         """
@@ -192,7 +187,6 @@ class DeviceMerger:
         """Make several devices of *entry*, because the owner says so; return them, *entry* first.
 
         Args:
-            entry: The device.
             key: The announcement that is not about it, with those of the same identity; None for each
                 of them to be a device of its own.
 

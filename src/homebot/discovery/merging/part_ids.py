@@ -25,7 +25,6 @@ class Named(NamedTuple):
 
     Attributes:
         name: Its name in its best announcement.
-        label: The name of that announcement for people.
         places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
     """
 

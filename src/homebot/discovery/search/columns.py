@@ -22,14 +22,10 @@ class StoredValue:
     """A value that a part reported.
 
     Attributes:
-        reported: The value.
-        value: The same in plain Python, by which it is found.
-        since: Since when it is that.
-        told_at: When it was last reported.
-        heard_at: The same on the clock that is never set, which decides on the newer one.
+        value: The reported value in plain Python, by which it is found.
+        heard_at: ``told_at`` on the clock that is never set, which decides on the newer one.
         live: Whether the device reported it, rather than a retained message.
         column: Where it is searched, which holds ``value`` again; None if it cannot be found.
-        row: Its place there.
         is_first: Whether no report of another value came before it.
     """
 

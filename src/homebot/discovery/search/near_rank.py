@@ -55,9 +55,6 @@ class NearDevice(NamedTuple):
 
     Attributes:
         cost: The metres by which it is ranked.
-        device: Its id.
-        route: The way to it.
-        terms: What counts besides.
     """
 
     cost: float
@@ -81,12 +78,8 @@ def nearest(
     """Return the best *limit* of the *wanted* devices, best first, and how many are near enough.
 
     Args:
-        finder: Finds the ways.
-        start: The place of the robot.
         crossing: What going through each door costs.
-        wanted: The ids of the devices that fit otherwise.
         terms: What speaks against each.
-        total: To how many of them a way leads.
         within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
         least: The metres that speak against each at least.
         limit: How many; 0 for all.
@@ -114,7 +107,6 @@ def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str
     """Return the cost of *device* and its terms, such as ``10.1 m = 7.1 path by Front door + 3.0 …``.
 
     Args:
-        device: The device.
         doors: The state of each door.
         is_exact: Whether the places of the robot and the device are known better than by their rooms.
     """

@@ -32,9 +32,6 @@ def check_words(
     """Check that *query* has no misspelt word.
 
     Args:
-        query: The query.
-        postings: The devices.
-        plan: The rooms of the house.
         devices: Returns the devices, for the names of their parts.
 
     Raises:

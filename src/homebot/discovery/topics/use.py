@@ -38,7 +38,6 @@ class Place(NamedTuple):
 
     Attributes:
         levels: Whole levels of the topic that name a device.
-        words: All words in it that do.
         leads: For each level the first of them, which devices name their announcements by.
         numbers: Those of the words that are a number of the device, such as a hardware address.
     """
@@ -139,14 +138,8 @@ class TopicUse(NamedTuple):
     """The topics that one announcement uses.
 
     Attributes:
-        key: The announcement.
-        device: The id of its device.
-        announced_on: The topic of the announcement.
-        writes: Its command topics.
-        reads: Its state topics.
         owns: Topics that the device has for itself, with all that is below them.
         identifiers: The identifiers of the device, if it has such topics.
-        bridge: The bridge that the device is behind.
         is_anonymous: Whether it does not identify the device.
         is_native: Whether it is in a convention of devices themselves.
         commands: The type and the payloads of its one part; empty for several, or if they follow from the topics.
