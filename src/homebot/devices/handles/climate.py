@@ -33,7 +33,6 @@ class Thermostat(Handle):
             above: It measures more than this, in °C.
             below: It measures less than this, in °C.
             mode: The mode that it reports, for example ``heat``.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(
             filters,

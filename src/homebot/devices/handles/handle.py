@@ -34,6 +34,9 @@ class Handle:
     Its properties are the latest values that the device reported, and ``None`` where nothing is known. A command
     does not change them, the report of the device does. Two handles of the same part and kind are equal.
 
+    A command raises `RefusedError` if the part does not take it, or not this value. A *code* is for an alarm or a lock
+    that requires one; it is never logged or shown in an error.
+
     Attributes:
         service_types: The device types of this kind; empty for any.
     """

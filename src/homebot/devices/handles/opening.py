@@ -23,7 +23,6 @@ class _Opening(Handle):
 
         Args:
             closed: Whether it reports that it is closed; one with an unknown state matches neither.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         is_closed = StateIs(cls.moves_by, "=" if closed else "!=", "closed")
         return cls._where(filters, *(() if closed is None else (is_closed,)))
@@ -39,27 +38,15 @@ class _Opening(Handle):
         return self._text(self.moves_by)
 
     async def open(self) -> Outcome:
-        """Open it.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Open it."""
         return await self._move("open", 100.0)
 
     async def close(self) -> Outcome:
-        """Close it.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Close it."""
         return await self._move("closed", 0.0)
 
     async def stop(self) -> Outcome:
-        """Stop moving.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Stop moving."""
         return await self.command(self.moves_by, "stopped")
 
     async def set_position(self, position: float) -> Outcome:

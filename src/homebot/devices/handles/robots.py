@@ -24,7 +24,6 @@ class RoboticVacuumCleaner(Handle):
 
         Args:
             state: The activity that it reports; see :attr:`state`.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"vacuum": state})
 
@@ -39,35 +38,19 @@ class RoboticVacuumCleaner(Handle):
         return self._number_of_device("battery")
 
     async def start(self) -> Outcome:
-        """Start or resume cleaning.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Start or resume cleaning."""
         return await self.command("vacuum", "cleaning")
 
     async def pause(self) -> Outcome:
-        """Pause where it is.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Pause where it is."""
         return await self.command("vacuum", "paused")
 
     async def stop(self) -> Outcome:
-        """Stop the job.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Stop the job."""
         return await self.command("vacuum", "idle")
 
     async def return_to_dock(self) -> Outcome:
-        """Return to the dock.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Return to the dock."""
         return await self.command("vacuum", "returning")
 
 
@@ -82,7 +65,6 @@ class LawnMower(Handle):
 
         Args:
             state: The activity that it reports: ``mowing``, ``paused``, ``docked``, ``returning`` or ``error``.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"mower": state})
 
@@ -92,25 +74,13 @@ class LawnMower(Handle):
         return self._text("mower")
 
     async def start(self) -> Outcome:
-        """Start or resume mowing.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Start or resume mowing."""
         return await self.command("mower", "mowing")
 
     async def pause(self) -> Outcome:
-        """Pause where it is.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Pause where it is."""
         return await self.command("mower", "paused")
 
     async def return_to_dock(self) -> Outcome:
-        """Return to the dock.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Return to the dock."""
         return await self.command("mower", "docked")

@@ -25,7 +25,6 @@ class DoorLock(Handle):
 
         Args:
             locked: Whether it reports that it is locked; one that is jammed or moving is not.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         is_locked = StateIs("lock", "=" if locked else "!=", "locked")
         return cls._where(filters, *(() if locked is None else (is_locked,)))
@@ -41,36 +40,15 @@ class DoorLock(Handle):
         return {"locked": True, "unlocked": False, "open": False, "opening": False}.get(self.state or "")
 
     async def lock(self, *, code: str = "") -> Outcome:
-        """Lock it.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Lock it."""
         return await self.command("lock", "locked", code=code)
 
     async def unlock(self, *, code: str = "") -> Outcome:
-        """Unlock it; the latch still holds the door.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Unlock it; the latch still holds the door."""
         return await self.command("lock", "unlocked", code=code)
 
     async def open(self, *, code: str = "") -> Outcome:
-        """Unlock it and draw the latch, so that the door can be pushed open.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Unlock it and draw the latch, so that the door can be pushed open."""
         return await self.command("lock", "open", code=code)
 
 
@@ -85,7 +63,6 @@ class AlarmPanel(Handle):
 
         Args:
             state: The state that it reports, for example ``disarmed``.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"alarm": state})
 
@@ -101,78 +78,29 @@ class AlarmPanel(Handle):
         return True if state.startswith("armed_") or state == "triggered" else False if state == "disarmed" else None
 
     async def disarm(self, *, code: str = "") -> Outcome:
-        """Disarm it.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Disarm it."""
         return await self.command("alarm", "disarmed", code=code)
 
     async def arm_home(self, *, code: str = "") -> Outcome:
-        """Arm it for a house with people at home.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Arm it for a house with people at home."""
         return await self.command("alarm", "armed_home", code=code)
 
     async def arm_away(self, *, code: str = "") -> Outcome:
-        """Arm it for an empty house.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Arm it for an empty house."""
         return await self.command("alarm", "armed_away", code=code)
 
     async def arm_night(self, *, code: str = "") -> Outcome:
-        """Arm it for the night.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Arm it for the night."""
         return await self.command("alarm", "armed_night", code=code)
 
     async def arm_vacation(self, *, code: str = "") -> Outcome:
-        """Arm it for a vacation.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Arm it for a vacation."""
         return await self.command("alarm", "armed_vacation", code=code)
 
     async def arm_custom_bypass(self, *, code: str = "") -> Outcome:
-        """Arm it without the sensors that were bypassed at the panel.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Arm it without the sensors that were bypassed at the panel."""
         return await self.command("alarm", "armed_custom_bypass", code=code)
 
     async def trigger(self, *, code: str = "") -> Outcome:
-        """Trigger the alarm.
-
-        Args:
-            code: The code, if it requires one; never logged or shown in an error.
-
-        Raises:
-            RefusedError: It does not support this.
-        """
+        """Trigger the alarm."""
         return await self.command("alarm", "triggered", code=code)

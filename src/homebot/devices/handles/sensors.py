@@ -31,7 +31,6 @@ class ContactSensor(Handle):
 
         Args:
             is_open: Whether it reports that the door or window is open.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"contact": is_open})
 
@@ -52,7 +51,6 @@ class OccupancySensor(Handle):
 
         Args:
             occupied: Whether it reports presence or motion.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"occupancy": occupied})
 
@@ -73,7 +71,6 @@ class WaterLeakDetector(Handle):
 
         Args:
             wet: Whether it reports water.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"water_leak": wet})
 
@@ -94,7 +91,6 @@ class SmokeAlarm(Handle):
 
         Args:
             smoke: Whether it reports smoke.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"smoke": smoke})
 
@@ -127,7 +123,6 @@ class _Measuring(Handle):
         Args:
             above: It measures more than this, in the unit of its property.
             below: It measures less than this, likewise.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, above={cls.measures: above}, below={cls.measures: below})
 

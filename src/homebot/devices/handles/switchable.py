@@ -42,7 +42,6 @@ class Light(Handle):
             dimmable: Whether its brightness can be set.
             tunable: Whether its colour temperature can be set.
             colored: Whether its colour can be set.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         settable = {"level": dimmable, "color_temperature": tunable, "color": colored}
         return cls._where(filters, states={"on_off": on}, settable=settable)
@@ -108,11 +107,7 @@ class Light(Handle):
         return await self.commands(settings, transition=transition)
 
     async def turn_off(self, *, transition: float = 0.0) -> Outcome:
-        """Turn it off, by its brightness if it has no switch.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Turn it off, by its brightness if it has no switch."""
         if not self.can("on_off") and self.can("level"):
             return await self.command("level", 0.0, transition=transition)
         return await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
@@ -141,7 +136,6 @@ class _Switchable(Handle):
 
         Args:
             on: Whether it reports that it is on; one with an unknown state matches neither.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"on_off": on})
 
@@ -151,19 +145,11 @@ class _Switchable(Handle):
         return self._flag("on_off")
 
     async def turn_on(self) -> Outcome:
-        """Turn it on.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Turn it on."""
         return await self.command("on_off", True)  # noqa: FBT003  # the value
 
     async def turn_off(self) -> Outcome:
-        """Turn it off.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Turn it off."""
         return await self.command("on_off", False)  # noqa: FBT003  # the value
 
 
@@ -201,7 +187,6 @@ class Fan(Handle):
 
         Args:
             on: Whether it reports that it is on; one with an unknown state matches neither.
-            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._where(filters, states={"on_off": on})
 
@@ -241,11 +226,7 @@ class Fan(Handle):
         return await self.commands(settings)
 
     async def turn_off(self) -> Outcome:
-        """Turn it off, by its speed or preset if it has no switch.
-
-        Raises:
-            RefusedError: It takes no such command.
-        """
+        """Turn it off, by its speed or preset if it has no switch."""
         if not self.can("on_off") and (mode := self._mode_off()) is not None:
             return await self.command("fan_mode", mode)
         if not self.can("on_off") and self.can("fan_speed"):
