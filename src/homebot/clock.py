@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import os
 import time
+import zoneinfo
 from collections.abc import Generator
 from datetime import UTC, tzinfo
 from functools import lru_cache
@@ -146,8 +147,6 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
 
 @lru_cache(maxsize=16)
 def _read_zone(name: str, computer: Path) -> tzinfo:
-    import zoneinfo  # noqa: PLC0415 - few runs ask for the local time
-
     for one in (name,) if name else _names_of_computer(computer):
         try:
             return zoneinfo.ZoneInfo(one)

@@ -30,6 +30,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Self, TypeAlias, TypeVar, get_args, get_origin
+from zoneinfo import available_timezones
 
 from pydantic import (
     AfterValidator,
@@ -121,8 +122,6 @@ class HomeSettings(BaseModel):
             if zone:
                 read_zone(zone)
         except UsageError as exc:
-            from zoneinfo import available_timezones  # noqa: PLC0415 - only after a mistake
-
             hint = did_you_mean(zone, available_timezones(), "write it like Europe/Berlin")
             raise ValueError(f"{exc}; {hint}") from exc
         return zone

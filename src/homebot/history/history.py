@@ -15,13 +15,17 @@ from homebot.devices.health import Count, GetHealth, HealthRequest, HealthRespon
 from homebot.devices.history_messages import ReadEnergy, ReadHistory
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
-from homebot.graph import Node
+from homebot.graph import Graph, Node
 from homebot.history.collector import Collector
 from homebot.history.history_service import HistoryService
 from homebot.history.settings import HistorySettings
 from homebot.history.store import HistoryStore
+from homebot.support.isolation import run_as
 
-__all__ = ["HistoryKeeper"]
+__all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]
+
+HISTORY_FILE: Final = "history.sqlite"
+"""The name of the file, beside that of the index."""
 
 _LOOK_EVERY: Final = 60.0
 """Seconds at most until the clock is looked at: it may have been set, and the computer may have slept."""
@@ -33,6 +37,13 @@ _MANY: Final = 20_000
 """Values that are written before the batch is due."""
 
 _LAST_CHANCE: Final = 5.0
+
+
+async def keep_history(graph: Graph, settings: HistorySettings | None, index: Path | None, zone: tzinfo | None) -> None:
+    """Keep the history until cancelled, in a file beside *index*; in memory without one."""
+    path = None if index is None else index.with_name(HISTORY_FILE)
+    async with Node(graph, "history") as node:
+        await run_as(node.full_name, HistoryKeeper(node, settings or HistorySettings(), path, zone).serve)
 
 
 @final

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
 from homebot.places.facts import CLOSED_DOOR, FactName, OwnerFact, Places, read_position
+from homebot.places.floor_plan import FloorPlan
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom, Point, Rings, door_name
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -193,8 +194,6 @@ def read_places(
     house_doors = _doors(settings.doors, source)
     plan = HousePlan(home, (*known, *rooms) if rooms or house_doors else (), source, house_doors)
     if plan.has_areas:
-        from homebot.places.floor_plan import FloorPlan  # noqa: PLC0415 - with the first polygon
-
         FloorPlan.of(plan)
     devices: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {}
     names: dict[str, str] = {}

@@ -17,10 +17,10 @@ from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA
 from homebot.errors import LinkError
 from homebot.graph import Node
+from homebot.history.history import HISTORY_FILE
 from homebot.history.history_file import HISTORY_SCHEMA
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.runtime.app_host import STORE_FILE
-from homebot.runtime.history_starter import HISTORY_FILE
 from homebot.runtime.plan import JOURNAL_FILE
 from homebot.support.installation import INSTALLATION_FILE
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database

@@ -1,8 +1,10 @@
-"""The recording of a run, with its facts, which a replay needs."""
+"""The recording of a run, with its facts, which a replay needs; a client may start one."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Self, final
 
 import anyio
@@ -12,7 +14,9 @@ from homebot.apps import App
 from homebot.clock import zone_name
 from homebot.config import HomeSettings
 from homebot.control import ControlSettings
+from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
+from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.places import HousePlan, places_text
 from homebot.recording.lines import RecordedApp
 from homebot.recording.recorder import RunFacts
@@ -21,9 +25,13 @@ from homebot.recording.secrets import public_settings
 from homebot.recording.session import record_for_client, record_into
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan, PlannedComponent
+from homebot.support.isolation import run_as
 
-__all__ = ["RunRecording"]
+__all__ = ["RecorderStarter", "RunRecording"]
 
+BUSY = "another client records; homebot makes one recording at a time for a client"
+
+_READY_WITHIN = 10.0
 _SCOPE = "act: "
 
 
@@ -54,6 +62,43 @@ class RunRecording:
     async def serve_client(self, node: Node, ready: anyio.Event) -> None:
         """Record for a client, see :func:`record_for_client`."""
         await record_for_client(node, self._facts, ready)
+
+
+@final
+class RecorderStarter:
+    """Starts one recorder at a time.
+
+    Args:
+        node: The node of the runtime, which runs the recorder's tasks.
+    """
+
+    def __init__(self, node: Node, recording: Callable[[], Awaitable[RunRecording]]) -> None:
+        self._node = node
+        self._recording = recording
+        self._is_busy = False
+
+    def offer(self) -> None:
+        """Offer the service on the node."""
+        self._node.create_service(Trigger, START_RECORDER, lambda _: self.start())
+
+    async def start(self) -> SuccessResponse:
+        """Start a recorder; the answer says why there is none."""
+        if self._is_busy:
+            return SuccessResponse(success=False, message=BUSY)
+        self._is_busy = True
+        ready = anyio.Event()
+        self._node.create_task(partial(self._record, ready))
+        with anyio.move_on_after(_READY_WITHIN):
+            await ready.wait()
+        return SuccessResponse(success=ready.is_set(), message="" if ready.is_set() else "the recorder did not start")
+
+    async def _record(self, ready: anyio.Event) -> None:
+        try:
+            recording = await self._recording()
+            async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
+                await run_as(node.full_name, partial(recording.serve_client, node, ready))
+        finally:
+            self._is_busy = False
 
 
 def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:

@@ -300,7 +300,7 @@ class Runtime:
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
 
     def _serve_app_list(self, main: Node) -> None:
-        from homebot.runtime.app_list import serve_app_list  # noqa: PLC0415 - few runs are asked
+        from homebot.runtime.app_services import serve_app_list  # noqa: PLC0415 - few runs are asked
 
         serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host, self.supervisor)
 
@@ -336,13 +336,13 @@ class Runtime:
     async def _history(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await anyio.sleep(_HISTORY_AFTER)
-        from homebot.runtime.history_starter import keep_history  # noqa: PLC0415 - the start does without
+        from homebot.history.history import keep_history  # noqa: PLC0415 - the start does without
 
         index = self.index_file if self._plan.discovery.persist else None
         await keep_history(self.graph, self._plan.history, index, self.app_host.context.zone)
 
     def _serve_recorder(self, main: Node) -> None:
-        from homebot.runtime.recorder_starter import RecorderStarter  # noqa: PLC0415 - few runs are recorded
+        from homebot.runtime.run_recording import RecorderStarter  # noqa: PLC0415 - few runs are recorded
 
         RecorderStarter(main, self._recording).offer()
 

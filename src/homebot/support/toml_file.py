@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import TypeAlias
 
@@ -48,8 +49,6 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
         ConfigError: It is no TOML, is nested too deep, or holds a number of more than 64 bits or the character U+0000;
             names *source*, key and reason.
     """
-    import tomllib  # noqa: PLC0415 - a start without a file needs none
-
     try:
         tables = tomllib.loads(text)
         _check(tables, source, "", any_text=any_text)

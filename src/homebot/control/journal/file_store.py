@@ -8,19 +8,17 @@ from __future__ import annotations
 from collections import deque
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, final
+from typing import Final, final
 
 import anyio
 from anyio import to_thread
 
+from homebot.control.journal.journal_file import JournalFile
 from homebot.control.journal.store import JournalNote, JournalStore, LearntRow, with_newer
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
-
-if TYPE_CHECKING:
-    from homebot.control.journal.journal_file import JournalFile
 
 __all__ = ["FileStore"]
 
@@ -195,8 +193,6 @@ class FileStore(JournalStore):
             if not await to_thread.run_sync(self._file.is_lost):
                 return self._file
             await self._begin_anew(self._file)
-        from homebot.control.journal.journal_file import JournalFile  # noqa: PLC0415 - SQLite is loaded at need
-
         file = JournalFile(self._path)
         file.write_rest = self._write
         try:
