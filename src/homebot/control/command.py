@@ -203,11 +203,13 @@ def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, 
     return {**others, "on_off": False}  # at last, as to set a colour turns most lamps on
 
 
-def commanded_part(device: Device, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:
+def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:
     """Return the part with the id *part_id*; without one, the only part that takes all *settings*.
 
     A part that is a setting is returned only if no other takes the same. None if there is no such part, or several.
     """
+    if device is None:
+        return None
     part = device.part(part_id)
     if part is not None or part_id:
         return part
@@ -262,8 +264,11 @@ def known_state(
         if state is None or not (state.live or is_online):
             continue
         told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability, -inf)
-        is_sure = state.live and unsure_at == -inf and told_at > lost_at
-        is_recent = is_recent and is_sure and abs(command.issued_at - told_at) <= durations.FRESH
+        is_recent = is_recent and unsure_at == -inf and _is_recent(state, told_at, lost_at, command.issued_at)
         if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
             values[capability] = state.value.plain()
     return KnownState(values, is_recent)
+
+
+def _is_recent(state: State, told_at: float, lost_at: float, now: float) -> bool:
+    return state.live and told_at > lost_at and abs(now - told_at) <= durations.FRESH

@@ -137,15 +137,22 @@ class CommandTargets:
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
         for text in alternatives:
-            targets = await self._named(text)
-            if not targets and text in words and not (targets := await self._named_part(text)):
-                unnamed.append(text)
-            targets = targets or await self._one_query(request, text, is_alternative=True)
-            if not (targets or text in unnamed or text.startswith("(")) and _texts(parse_query(text)):
+            targets, is_named = await self._alternative(request, text, is_words=text in words)
+            if not is_named:
                 unnamed.append(text)
             for device, parts in targets:
                 found.setdefault(device.id, (device, {}))[1].update({one.id: one for one in parts})
         return [(device, tuple(parts.values())) for device, parts in found.values()], unnamed
+
+    async def _alternative(
+        self, request: CommandDevicesRequest, text: str, *, is_words: bool
+    ) -> tuple[list[_Target], bool]:
+        """Return the targets that fit one alternative; and False if its words are no name, or fit no device."""
+        named = await self._named(text) or (await self._named_part(text) if is_words else [])
+        targets = named or await self._one_query(request, text, is_alternative=True)
+        if is_words:
+            return targets, bool(named)
+        return targets, bool(targets) or text.startswith("(") or not _texts(parse_query(text))
 
     async def _one_query(
         self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
@@ -211,11 +218,7 @@ class CommandTargets:
             return await self._named_part(text)
         if total > MOST_DEVICES:
             raise NoTargetError(f"{total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        devices = await self._lookup.devices(query)
-        meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
-        if devices and not meant:
-            similar = " or ".join(device.name or device.id for device in devices[:3])
-            raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
+        meant = _spelled(text, query, await self._lookup.devices(query))
         if isinstance(query, HasText) and len(meant) > 1 and not is_alternative:
             raise NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
         return [(device, _parts(device, query)) for device in meant]
@@ -301,6 +304,19 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
             return any(one.startswith(word) for one in words)
         case _:
             return True
+
+
+def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Device]:
+    """Return those of *devices* that fit the query *text* without a typo.
+
+    Raises:
+        NoTargetError: None does; the message names the similar ones.
+    """
+    meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
+    if devices and not meant:
+        similar = " or ".join(device.name or device.id for device in devices[:3])
+        raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
+    return meant
 
 
 def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:

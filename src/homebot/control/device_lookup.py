@@ -37,8 +37,10 @@ class DeviceLookup:
         found = (await self._find.call(_request_for(device_id))).devices
         return found[0] if found else None
 
-    async def called(self, name: str) -> Device | None:
-        """Return the only device with that name; None if there is none, or several."""
+    async def named(self, name: str) -> Device | None:
+        """Return the device with that id, else the only one with that name; None if there is none, or several."""
+        if (device := await self.device(name)) is not None:
+            return device
         found = await self.devices(NameIs(fold(name)))
         return found[0] if len(found) == 1 else None
 

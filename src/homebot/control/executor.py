@@ -19,7 +19,7 @@ from homebot.control.command import (
 )
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.journal.given_codes import MAY_BE_CODE, without_codes
+from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
@@ -32,7 +32,7 @@ from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, settings_text
-from homebot.control.witnesses import Witness, Witnesses
+from homebot.control.witnesses import Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
@@ -122,11 +122,9 @@ class CommandExecutor:
             device = await self._lookup.device(request.device)
         except ServiceError as exc:
             problem = str(exc)
-        part = None if device is None else commanded_part(device, request.part, request.settings)
+        part = commanded_part(device, request.part, request.settings)
         place = (request.device, request.part if part is None else part.id)
-        shown = request.settings
-        if not MAY_BE_CODE.isdisjoint([one.capability for one in shown]):
-            shown = () if device is None or part is None else without_codes(shown, device, part)
+        shown = without_codes(request.settings, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
         if problem:
             outcome: Outcome = NoAnswer(0.0, problem, command_id=name)
@@ -201,25 +199,29 @@ class CommandExecutor:
         if self._learnt.is_awaited:
             await self._learnt.load()
         opened, is_certain = self._begin(command)
-        witnesses: list[Witness] = []
         try:
             if is_certain and _is_so(opened):
                 return self._decided(opened, AlreadySo(command_id=command.id))
             if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
                 return await self._rehearsed(opened, assumed)
-            witnesses = await self.witnesses.begin(opened)
-            outcome = await self._sending.run(opened)
-            if witnesses:
-                outcome = await self.witnesses.verify(opened, witnesses, outcome)
-            if _is_lost(outcome) and await self._is_gone(command):
-                outcome = Gone(command_id=command.id)
-            return self._decided(opened, outcome)
+            return self._decided(opened, await self._send(opened))
         except asyncio.CancelledError:
             self._on_cancelled(opened)
             raise
         finally:
-            self.witnesses.end(witnesses)
             del self._open[command.id]
+
+    async def _send(self, opened: OpenCommand) -> Outcome:
+        """Send a command, and return its outcome by the reports of the device and its witnesses."""
+        witnesses = await self.witnesses.begin(opened)
+        try:
+            outcome = await self._sending.run(opened)
+            if witnesses:
+                outcome = await self.witnesses.verify(opened, witnesses, outcome)
+        finally:
+            self.witnesses.end(witnesses)
+        is_gone = _is_lost(outcome) and await self._is_gone(opened.command)
+        return Gone(command_id=opened.command.id) if is_gone else outcome
 
     def _on_cancelled(self, opened: OpenCommand) -> None:
         """Record the outcome of a command that is cancelled by its issuer: it is not sent again."""

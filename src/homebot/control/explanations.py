@@ -322,7 +322,7 @@ def _may_be(capability: Capability, wanted: str) -> bool:
     if known.kind == "bool":
         return wanted in _FLAGS
     if options:
-        return wanted in options or any(_COMMANDED_STATES.get(one) == wanted for one in options)
+        return wanted in options or _WORDS.get(wanted) in options
     return any(char.isdigit() for char in wanted) or wanted in {"on", "off", "open", "closed"}
 
 

@@ -17,7 +17,7 @@ from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
 from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.values import STOPPED, value_text
-from homebot.devices import DevicePart
+from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, Setting
@@ -81,32 +81,19 @@ class LeaseService:
     async def hold(self, request: HoldRequest) -> LeaseState:
         """Command a value and hold it; return when the outcome of the command is known."""
         try:
-            device = await self._lookup.device(request.device) or await self._lookup.called(request.device)
+            device = await self._lookup.named(request.device)
         except ServiceError as exc:
             return LeaseState(held=False, outcome=NoAnswer(0.0, str(exc)))
-        part = None if device is None else commanded_part(device, request.part, (request.setting,))
+        part = commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))
-        held = _setting_of(request.setting, part)
-        request = request.model_copy(update={"device": device.id, "part": part.id, "setting": held})
-        if is_client(request.issuer):  # which might name another client
-            request = request.model_copy(update={"trigger": NO_TRIGGER})
-        try:
-            check_setting(device.id, part.part, held.capability, held.value.plain())
-        except RefusedError as exc:
-            return self._refused(request, f"{exc.what}: {exc.reason}", "device")
-        if (shown := without_codes((request.setting,), device, part)) != (request.setting,):
-            return self._refused(
-                request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
-            )
+        request = _resolved(request, device, part)
         key = _key(request)
         holder = LeaseHolder(
             request.by, request.ttl, self._clock.monotonic() + request.ttl, request.scope, request.trigger
         )
-        first = _command_of((request.device, part.id), request.setting, request.issuer, holder)
-        refused = self._executor.preview(first, device, part)
-        if refused is not None:  # before it blocks others
-            return self._refused(request, refused.reason, refused.policy)
+        if (refused := self._refusal(request, holder, device, part)) is not None:  # before it blocks others
+            return refused
         lease = self._begin(request, holder)
         if isinstance(lease, str):
             return self._refused(request, lease)
@@ -154,6 +141,23 @@ class LeaseService:
             self._log("control.lease_ended", lease, f"is no longer held by {by} ({issuer}): {request.issuer} ended it")
             self._record("ended", lease, request.issuer, by)
         return response
+
+    def _refusal(
+        self, request: HoldRequest, holder: LeaseHolder, device: Device, part: DevicePart
+    ) -> LeaseState | None:
+        """Return the refusal of a value that the part does not take, of a code, or by rights or policies."""
+        held = request.setting
+        try:
+            check_setting(device.id, part.part, held.capability, held.value.plain())
+        except RefusedError as exc:
+            return self._refused(request, f"{exc.what}: {exc.reason}", "device")
+        if (shown := without_codes((held,), device, part)) != (held,):
+            return self._refused(
+                request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
+            )
+        first = _command_of((device.id, part.id), held, request.issuer, holder)
+        refused = self._executor.preview(first, device, part)
+        return None if refused is None else self._refused(request, refused.reason, refused.policy)
 
     def _begin(self, request: HoldRequest, holder: LeaseHolder) -> Lease | str:
         """Return the lease of a new holder, or the reason of its refusal."""
@@ -279,10 +283,13 @@ class LeaseService:
         self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
 
 
-def _setting_of(wanted: Setting, part: DevicePart) -> Setting:
-    """Return the held setting for *wanted*: off in place of a level of 0, as it is commanded."""
+def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldRequest:
+    """Return *request* with the ids, and with off in place of a level of 0, as it is commanded."""
+    wanted = request.setting
     ((capability, value),) = zero_as_off({wanted.capability: wanted.value.plain()}, part.part).items()
-    return Setting.of(capability, value)
+    trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client might name another one
+    held = Setting.of(capability, value)
+    return request.model_copy(update={"device": device.id, "part": part.id, "setting": held, "trigger": trigger})
 
 
 def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: LeaseHolder) -> CommandRequest:

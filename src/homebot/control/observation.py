@@ -98,6 +98,10 @@ def observed(values: Measurement, *, is_rise: bool, is_heard: bool) -> Observed:
         return Observed.EFFECT if newest is is_rise else Observed.NOTHING
     if not (isinstance(before, float) and isinstance(newest, float)):
         return Observed.UNCLEAR
+    return _observed_number(sense, before, newest, is_rise=is_rise, is_heard=is_heard)
+
+
+def _observed_number(sense: _Sense, before: float, newest: float, *, is_rise: bool, is_heard: bool) -> Observed:
     change = newest - before if is_rise else before - newest
     if change >= max(sense.least, _SHARE * abs(before)):
         return Observed.EFFECT

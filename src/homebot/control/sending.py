@@ -144,9 +144,9 @@ class Sending:
                     value,
                     command.transition,
                     command.code,
-                    plan.began + plan.lasts - began if is_repeated else plan.lasts,
+                    plan.time_left(began),
                     command.id,
-                    plan.keeps_for if plan.attempts < plan.tries else 0.0,
+                    plan.stored_for,
                     repeated=is_repeated,
                 )
         except LinkError as exc:

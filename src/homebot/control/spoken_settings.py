@@ -76,10 +76,14 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
         check_setting(target, part, name, value)
     if not found:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
-    if given and not _agree({"on_off": True, **found} if is_light_on else found, part):
-        told = ", ".join(f"{one.key} {one.value}" for one in values)
+    if not _agree({"on_off": True, **found} if is_light_on else found, part):
+        told = _told(values)
         raise RefusedError(f"{word} with {told}", "these cannot be so together; give one of them")
     return found
+
+
+def _told(values: Sequence[KeyValue]) -> str:
+    return ", ".join(f"{one.key} {one.value}" for one in values)
 
 
 def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
@@ -105,16 +109,11 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     try:
         return decode_command(given, part)
     except RefusedError as exc:
-        if (respelt := _respelt(word, part)) is not None:
-            return respelt
-        if (named := _named_value(word, part, target)) is not None:
-            return named
+        found = _respelt(word, part) or _named_value(word, part, target) or _robot_state(word, part)
+        if found is not None:
+            return found
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
             raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
-        for state in _ROBOT_STATES.get(word, ()):
-            for one in part.capabilities:
-                if one.settable and state in one.options and one.name in _ROBOTS:
-                    return one.name, state
         capability = _capability(word, part)
         accepted = accepted_values(part, capability)
         if not accepted:
@@ -122,6 +121,15 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         if capability in _PRESSED:
             return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
+
+
+def _robot_state(word: str, part: Part) -> tuple[str, PlainValue] | None:
+    """Return the setting of a vacuum cleaner or mower for a word; None if *part* is none, or takes no such word."""
+    for state in _ROBOT_STATES.get(word, ()):
+        for one in part.capabilities:
+            if one.settable and state in one.options and one.name in _ROBOTS:
+                return one.name, state
+    return None
 
 
 def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -94,11 +94,7 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
         case float(), float():
-            if capability == "fan_speed" and _is_next_speed(wanted, seen):
-                return True
-            known = _type(capability)
-            slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
-            return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
+            return _fits_number(capability, wanted, seen)
         case _:
             return wanted is None and seen is None
 
@@ -124,6 +120,14 @@ def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bo
     if isinstance(wanted, str) and isinstance(seen, str):
         return seen.casefold() in _type(capability).on_the_way.get(wanted.casefold(), ())
     return isinstance(seen, float) and _type(capability).moves
+
+
+def _fits_number(capability: str, wanted: float, seen: float) -> bool:
+    if capability == "fan_speed" and _is_next_speed(wanted, seen):
+        return True
+    known = _type(capability)
+    slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
+    return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
 
 
 def _fits_numbers(capability: str, wanted: tuple[float, ...], seen: tuple[float, ...]) -> bool:
@@ -174,20 +178,9 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)
-    if {held, capability} <= _OPENINGS:
-        return not fits("position", _position(value), _position(wanted))
-    if {held, capability} <= POWERS:
-        return is_on(value) != is_on(wanted)
-    if {held, capability} == _HUES:
-        return True
-    if held in POWERS and capability == _FAN_MODE:
-        return is_on(value) != _is_running(wanted)
-    if held == _FAN_MODE and capability in POWERS:
-        return _is_running(value) != is_on(wanted)
-    if held in POWERS and capability in COLORS:
-        return not is_on(value)
-    if held in COLORS and capability in POWERS:
-        return not is_on(wanted)
+    for one, other, is_change in _CHANGES:
+        if held in one and capability in other:
+            return is_change(value, wanted)
     return capability == _PRESS
 
 
@@ -221,6 +214,19 @@ def _position(value: PlainValue) -> PlainValue:
 def is_on(value: PlainValue) -> bool:
     """Return whether *value* of one of :data:`POWERS` is on: a dimmed lamp is."""
     return value is not None and value is not False and value != 0.0
+
+
+_FAN_MODES: Final = frozenset({_FAN_MODE})
+_CHANGES: Final[tuple[tuple[frozenset[str], frozenset[str], Callable[[PlainValue, PlainValue], bool]], ...]] = (
+    (_OPENINGS, _OPENINGS, lambda value, wanted: not fits("position", _position(value), _position(wanted))),
+    (POWERS, POWERS, lambda value, wanted: is_on(value) != is_on(wanted)),
+    (_HUES, _HUES, lambda _value, _wanted: True),
+    (POWERS, _FAN_MODES, lambda value, wanted: is_on(value) != _is_running(wanted)),
+    (_FAN_MODES, POWERS, lambda value, wanted: _is_running(value) != is_on(wanted)),
+    (POWERS, COLORS, lambda value, _wanted: not is_on(value)),
+    (COLORS, POWERS, lambda _value, wanted: not is_on(wanted)),
+)
+"""For the held capability and the one that is set: whether the wanted value changes the held one."""
 
 
 def value_text(value: PlainValue) -> str:

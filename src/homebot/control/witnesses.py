@@ -113,24 +113,30 @@ class Witnesses:
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
         """Return *outcome*, or a better one by a witness; a named one is awaited."""
-        is_confirmed = isinstance(outcome, Confirmed)
-        if not is_confirmed and (not isinstance(outcome, NoAnswer) or outcome.reason):
-            return outcome
-        reported_at = self._clock.monotonic()
-        until = reported_at + self._timeout + opened.command.transition
+        now = self._clock.monotonic()
+        if isinstance(outcome, Confirmed):
+            return await self._verify_report(opened, witnesses, outcome, now)
+        is_silent = isinstance(outcome, NoAnswer) and not outcome.reason
+        seeing = _with_answer(Observed.EFFECT, witnesses, opened, now) if is_silent else []
+        return self._confirmed(opened, seeing[0], outcome) if seeing else outcome
+
+    async def _verify_report(
+        self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome, reported_at: float
+    ) -> Outcome:
+        """Return the outcome of a command that the device reported done at *reported_at*."""
+        until = now = reported_at
         named = [one for one in witnesses if one.is_named]
-        while True:
-            now = self._clock.monotonic()
-            if is_confirmed and not isinstance(newest := opened.outcome(now), Confirmed):
-                return newest  # a newer command, or the device went back
-            seeing = _with_answer(Observed.EFFECT, witnesses, opened, reported_at)
-            if seeing:
+        if named:
+            until += self._timeout + opened.command.transition
+        while isinstance(newest := opened.outcome(now), Confirmed):
+            if seeing := _with_answer(Observed.EFFECT, witnesses, opened, reported_at):
                 return self._confirmed(opened, seeing[0], outcome)
-            if now >= until or not is_confirmed or not named:
-                break
+            if now >= until:
+                contradicting = _with_answer(Observed.NOTHING, named, opened, reported_at)
+                return self._contradict(opened, contradicting[0]) if contradicting else outcome
             await opened.wait(until - now)
-        contradicting = _with_answer(Observed.NOTHING, named, opened, reported_at) if is_confirmed else []
-        return self._contradict(opened, contradicting[0]) if contradicting else outcome
+            now = self._clock.monotonic()
+        return newest  # a newer command, or the device went back
 
     def _name_for(self, command: IssuedCommand) -> str | None:
         """Return the sensor that the owner names for a part; empty for none, None for no statement."""
@@ -192,12 +198,15 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     """Return the sensors of a device that measure one of *wanted*, without silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
-    found: list[_Sensor] = []
-    for part in device.parts:
-        for one in part.part.capabilities:
-            if one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts:
-                for state in device.states:
-                    if state.live and (state.part, state.capability) == (part.id, one.name):
-                        value = state.value.plain()
-                        found.append((Witness(device.name, is_named, Measurement(one.name, value, value)), part))
-    return found
+    live = {(state.part, state.capability): state.value.plain() for state in device.states if state.live}
+    measured = [
+        (one.name, part)
+        for part in device.parts
+        for one in part.part.capabilities
+        if one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts
+    ]
+    return [
+        (Witness(device.name, is_named, Measurement(name, value := live[part.id, name], value)), part)
+        for name, part in measured
+        if (part.id, name) in live
+    ]

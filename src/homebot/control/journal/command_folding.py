@@ -96,16 +96,7 @@ class CommandFolding:
         return left
 
     def _begin(self, note: JournalNote) -> Sequence[JournalNote]:
-        if not 0 <= note.at - self._counted_since < _MINUTE:
-            self._counted_since = note.at
-            self._stored.clear()
-        key = note.issuer, note.device, note.part
-        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices need not exist
-            key = note.issuer, "", ""
-        minute = self._minutes.get(key)
-        if minute is None:
-            minute = self._minutes[key] = _Minute(note.at)
-            self._first = self._first or minute
+        minute = self._minute_of(note)
         if note.kind == "outcome":  # of a stored command
             minute.outcomes.add(_outcome(note))
             return (note,)
@@ -121,14 +112,29 @@ class CommandFolding:
         self._open[note.command] = [note]
         return self._open.pop(next(iter(self._open))) if len(self._open) > _MOST_OPEN else ()
 
+    def _minute_of(self, note: JournalNote) -> _Minute:
+        """Return the minute in which *note* counts, a new one if there is none."""
+        if not 0 <= note.at - self._counted_since < _MINUTE:
+            self._counted_since = note.at
+            self._stored.clear()
+        key = self._key_of(note)
+        minute = self._minutes.get(key)
+        if minute is None:
+            minute = self._minutes[key] = _Minute(note.at)
+            self._first = self._first or minute
+        return minute
+
+    def _key_of(self, note: JournalNote) -> _Key:
+        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER  # the named devices need not exist
+        return (note.issuer, "", "") if is_over else (note.issuer, note.device, note.part)
+
     def _continue(self, note: JournalNote) -> Sequence[JournalNote]:
         notes = self._open[note.command]
         notes.append(note)
         if note.kind != "outcome":
             return ()
         del self._open[note.command]
-        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER
-        minute = self._minutes.get((note.issuer, "", "") if is_over else (note.issuer, note.device, note.part))
+        minute = self._minutes.get(self._key_of(note))
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:

@@ -28,9 +28,16 @@ _MOST_READ: Final = 5_000
 """Characters of a raw text in the journal, so that a long one costs little."""
 
 
-def without_codes(settings: tuple[Setting, ...], device: Device, part: DevicePart) -> tuple[Setting, ...]:
-    """Return *settings*, which are for *part* of *device*, with :data:`CODE_GIVEN` for each code."""
-    if MAY_BE_CODE.isdisjoint(one.capability for one in settings) or not takes_code(device, part.part):
+def without_codes(settings: tuple[Setting, ...], device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
+    """Return *settings*, which are for *part* of *device*, with :data:`CODE_GIVEN` for each code.
+
+    If the part is unknown and one of them may be a code, none is returned.
+    """
+    if MAY_BE_CODE.isdisjoint([one.capability for one in settings]):
+        return settings
+    if device is None or part is None:
+        return ()
+    if not takes_code(device, part.part):
         return settings
     given = Value.of(CODE_GIVEN)
     return tuple(one.model_copy(update={"value": given}) if one.capability in MAY_BE_CODE else one for one in settings)

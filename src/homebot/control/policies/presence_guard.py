@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
-from homebot.control.policies.house import OCCUPANCY
+from homebot.control.policies.house import OCCUPANCY, SensorReading
 from homebot.devices.query import CanDo, Or, Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
@@ -91,20 +91,26 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
     silent, has never detected motion, or was first heard within these seconds, or again. Absent otherwise.
     """
-    found: list[FactUsed] = []
-    doubtful: list[FactUsed] = []
-    house = facts.house
-    for one in house.readings(room, OCCUPANCY):
+    found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
+    for one in facts.house.readings(room, OCCUPANCY):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, max(one.since, one.heard_since))
-        is_proven = one.value is False and one.sensor in house.detections
-        is_recent = is_proven and facts.age(used.since) < absent_after
-        is_seen = one.since >= one.heard_since and house.detected_since(one.sensor) is not None
-        if one.value is True or (is_recent and is_seen):
-            return "present", (used,)
-        (found if is_proven and not is_recent else doubtful).append(used)
-    if doubtful or not found:
-        return "unknown", tuple(doubtful)
-    return "absent", tuple(found)
+        found[_presence_by(one, used.since, facts, absent_after)].append(used)
+    if found["present"]:
+        return "present", (found["present"][0],)
+    presence: Presence = "unknown" if found["unknown"] or not found["absent"] else "absent"
+    return presence, tuple(found[presence])
+
+
+def _presence_by(reading: SensorReading, since: float, facts: Facts, absent_after: float) -> Presence:
+    """Return the presence by one sensor, which has had its value *since* then for certain."""
+    if reading.value is True:
+        return "present"
+    if reading.value is not False or reading.sensor not in facts.house.detections:
+        return "unknown"
+    if facts.age(since) >= absent_after:
+        return "absent"
+    is_seen = reading.since >= reading.heard_since and facts.house.detected_since(reading.sensor) is not None
+    return "present" if is_seen else "unknown"
 
 
 def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -> FactUsed | None:

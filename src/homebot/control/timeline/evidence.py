@@ -56,10 +56,19 @@ class SendingPlan:
     began: float = -math.inf
     lost_at: float = -math.inf
 
+    def time_left(self, now: float) -> float:
+        """Return the seconds until the end."""
+        return self.lasts if self.attempts == 1 else self.began + self.lasts - now
+
+    @property
+    def stored_for(self) -> float:
+        """Seconds for which the network may store the present sending; 0 for the last one."""
+        return self.keeps_for if self.attempts < self.tries else 0.0
+
 
 def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return the next step of a command at *now*."""
-    if progress.superseded_by or progress.refusal:
+    if progress.is_ended:
         return _DONE
     if not plan.attempts:
         return _SEND
@@ -70,8 +79,7 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     until = _answer_until(progress, plan, echo_until)
     if now < until and not has_given_up:
         return Step("wait", until)
-    is_on_its_way = progress.moved_at is not None and not progress.has_faded  # a stuck fade is sent again
-    if not (is_on_its_way or has_given_up) and plan.attempts < plan.tries and not progress.is_overruled:
+    if not (progress.is_on_its_way or has_given_up) and plan.attempts < plan.tries and not progress.is_overruled:
         return _repetition(progress, plan, now)
     return _last_wait(progress, plan, now)
 

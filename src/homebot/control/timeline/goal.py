@@ -82,6 +82,12 @@ class WantedValue:
             return False
         return self._known != value or is_same(self._capability, self.value, value) or self._is_answer(value)
 
+    def depart(self, at: float) -> None:
+        """Record that another value is reported."""
+        self.met_at = None
+        if self.fast_at is not None and self.returned_after is None:
+            self.returned_after = at - self.fast_at
+
     def _is_answer(self, value: PlainValue) -> bool:
         wanted = self._order.settings.get(self._capability)
         return self._profile.is_answer(self._capability, wanted, value) and fits(self._capability, wanted, value)

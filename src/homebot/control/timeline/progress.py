@@ -106,9 +106,14 @@ class CommandProgress:
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property
+    def is_ended(self) -> bool:
+        """True if a newer command replaced it, or the device refuses it."""
+        return bool(self.superseded_by or self.refusal)
+
+    @property
     def is_over(self) -> bool:
         """True if no report can make the outcome any better."""
-        return bool(self.superseded_by or self.refusal) or self.is_met
+        return self.is_ended or self.is_met
 
     @property
     def is_open(self) -> bool:
@@ -131,6 +136,11 @@ class CommandProgress:
     def has_echo(self) -> bool:
         """True if a bridge may report the wanted values before the device obeyed."""
         return bool(self.order.echoed or self.suspected)
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """True if it was seen to move; a dimmer may be stuck on its ramp."""
+        return self.moved_at is not None and not self.has_faded
 
     @property
     def has_faded(self) -> bool:
@@ -277,10 +287,8 @@ class CommandProgress:
     def _not_met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         capability, value, before = fact.capability, fact.value, wanted.seen
         is_nearer, was_met = self._is_nearer(capability, value), wanted.met_at is not None
-        wanted.met_at = None
+        wanted.depart(fact.at)
         _see(wanted, fact)
-        if wanted.fast_at is not None and wanted.returned_after is None:
-            wanted.returned_after = fact.at - wanted.fast_at
         if is_nearer or is_intermediate(capability, wanted.value, value):
             self.moved_at = fact.at
             wanted.is_step, wanted.is_overruled = True, False
