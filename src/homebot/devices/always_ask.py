@@ -195,12 +195,16 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     told = part.part
     if capability.name == "number" and capability.unit in _DEGREES:
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
-    if capability.name in _PRESSED and not told.category and told.tag not in _NO_DEED:
+    if capability.name in _PRESSED and _is_deed(told):
         return _why_named(ALL_THAT_ASK, *_names(device, part))
     names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
         return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
     return _why_named(OPEN, *names) if capability.name in _OPENING else None
+
+
+def _is_deed(button: Part) -> bool:
+    return not button.category and button.tag not in _NO_DEED
 
 
 def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:

@@ -185,15 +185,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     """
     found: dict[Right, list[str]] = {}
     for text in scope:
-        word, _, query = (one.strip() for one in text.partition(":"))
-        right = next((one for one in Right if one.value == word), None)
-        if right is None:
-            hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
-            raise UsageError(f"{text!r} is no right; {hint}")
-        if bool(query) is not (right in _NEEDS):
-            raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
-        if right is Right.ROBOT:
-            _check_robot(text, query)
+        right, query = _read_right(text)
         found.setdefault(right, []).append(query)
     wanted = found.get(Right.ACT, [])
     return ClientRights(
@@ -215,6 +207,20 @@ def without_taught_room(device: Device) -> Device:
     """
     conventions = {one.convention for one in device.facts if one.name in {"area", "position"}} if device.area else set()
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
+
+
+def _read_right(text: str) -> tuple[Right, str]:
+    """Return the right that *text* names, and its query."""
+    word, _, query = (one.strip() for one in text.partition(":"))
+    right = next((one for one in Right if one.value == word), None)
+    if right is None:
+        hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
+        raise UsageError(f"{text!r} is no right; {hint}")
+    if bool(query) is not (right in _NEEDS):
+        raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
+    if right is Right.ROBOT:
+        _check_robot(text, query)
+    return right, query
 
 
 def _check_robot(text: str, name: str) -> None:

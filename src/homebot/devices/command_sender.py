@@ -55,9 +55,7 @@ class CommandSender:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             LinkError: No gateway of the part is running and connected; it may work later.
         """
-        routes = part.routes if len(part.routes) == 1 else _routes(device, part, capability)
-        if repeated:
-            routes = (*routes[1:], routes[0])
+        routes = _routes(device, part, capability, is_repeated=repeated)
         problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
         for route in routes:
             command = Command(
@@ -106,13 +104,17 @@ class CommandSender:
         return client
 
 
-def _routes(device: Device, part: DevicePart, capability: str) -> Sequence[Route]:
+def _routes(device: Device, part: DevicePart, capability: str, *, is_repeated: bool) -> Sequence[Route]:
     """Return the routes by which *capability* is said to be set; all of them if no route says so.
 
-    If the owner approved some routes, the others are not used: they were announced later, or changed.
+    A repeated command begins with the second. If the owner approved some routes, the others are not used: they were
+    announced later, or changed.
     """
     if not part.routes:
         why = "; ".join(device.conflicts) or "it has no route for commands"
         raise RefusedError(f"a command to {device.id}", why)
-    routes = [route for route in part.routes if route.approved] or part.routes
-    return [route for route in routes if route.can(capability)] or routes
+    if len(part.routes) == 1:
+        return part.routes
+    approved = [route for route in part.routes if route.approved] or part.routes
+    routes = [route for route in approved if route.can(capability)] or approved
+    return (*routes[1:], routes[0]) if is_repeated else routes

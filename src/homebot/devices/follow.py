@@ -14,7 +14,8 @@ import anyio.lowlevel
 import homebot.devices.query
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And, AreaIs, FactIs, NameIs, Not, Or, Query, StateIs, TypeIs, facets_of, fits, type_is
+from homebot.devices.query import And, AreaIs, FactIs, NameIs, Query, StateIs, TypeIs, facets_of, fits, type_is
+from homebot.devices.query.terms import leaves
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -205,7 +206,7 @@ class Follow(LiveQuery[DeviceChange]):
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
-        self._asks_for_values = _has_states(self._query)
+        self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
         self._matching: set[str] = set()
 
     def on_values(self, change: StateChange) -> None:
@@ -220,8 +221,7 @@ class Follow(LiveQuery[DeviceChange]):
 
     def _process(self, view: HouseView, change: DeviceChange | StateChange) -> None:
         device_id = change.device if isinstance(change, StateChange) else change.device.id
-        known = view.get(device_id)
-        device = None if known is None else known.current() if self._asks_for_values else known.device
+        device = self._device_now(view, device_id)
         did_match, does_match = device_id in self._matching, device is not None and self._wants(device)
         (self._matching.add if does_match else self._matching.discard)(device_id)
         if isinstance(change, DeviceChange):
@@ -230,6 +230,11 @@ class Follow(LiveQuery[DeviceChange]):
                 self._ready.append(change.model_copy(update={"kind": kind, "device": device or change.device}))
         elif device is not None and did_match != does_match:
             self._ready.append(_of_values(change, device, does_match=does_match))
+
+    def _device_now(self, view: HouseView, device_id: str) -> Device | None:
+        if (known := view.get(device_id)) is None:
+            return None
+        return known.current() if self._asks_for_values else known.device
 
     def _wants(self, device: Device) -> bool:
         return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
@@ -255,13 +260,3 @@ def _of_values(change: StateChange, device: Device, *, does_match: bool) -> Devi
     kind: ChangeKind = "appeared" if does_match else "removed"
     why = f"{values} now" if does_match else NO_LONGER
     return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
-
-
-def _has_states(query: Query) -> bool:
-    match query:
-        case And(terms) | Or(terms):
-            return any(_has_states(term) for term in terms)
-        case Not(term):
-            return _has_states(term)
-        case _:
-            return isinstance(query, StateIs)

@@ -51,14 +51,11 @@ class TextSender:
             if not endpoint.command_address:
                 continue
             gateway = gateway or endpoint.gateway
-            peer = self._gateways.get(endpoint.gateway)
-            if peer is None:
-                try:
-                    check_gateway(endpoint)
-                except RefusedError as exc:
-                    problem = exc
-                    continue
-                peer = self._gateways[endpoint.gateway] = GatewayOutput(self._node, endpoint.gateway)
+            try:
+                peer = self._output_to(endpoint)
+            except RefusedError as exc:
+                problem = exc
+                continue
             if why_not := peer.refusal():
                 raise RefusedError(f"a command to {device.id}", why_not)
             if not peer.unavailable and peer.out.reaches(peer.node):
@@ -68,6 +65,13 @@ class TextSender:
         if not gateway:
             raise RefusedError(f"a command to {device.id}", "it takes no commands")
         raise _away(gateway, self._gateways[gateway].unavailable)
+
+    def _output_to(self, endpoint: Endpoint) -> GatewayOutput:
+        if (known := self._gateways.get(endpoint.gateway)) is not None:
+            return known
+        check_gateway(endpoint)
+        output = self._gateways[endpoint.gateway] = GatewayOutput(self._node, endpoint.gateway)
+        return output
 
     async def send(
         self,

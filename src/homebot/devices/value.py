@@ -9,7 +9,7 @@ from pydantic import Field, model_serializer, model_validator
 
 from homebot.messages.message import Message, UInt8
 
-__all__ = ["UNKNOWN", "PlainValue", "Reading", "ShortText", "Value"]
+__all__ = ["UNKNOWN", "PlainValue", "Reading", "ShortText", "Value", "plain_value"]
 
 ShortText: TypeAlias = Annotated[str, Field(max_length=1000)]
 """An id, or the name of a capability, in a request, which a program may repeat without end."""
@@ -124,3 +124,8 @@ def _decimal(number: float) -> float:
 UNKNOWN = Value()
 _TRUE = Value(type=_BOOL, flag=True)
 _FALSE = Value(type=_BOOL, flag=False)
+
+
+def plain_value(value: PlainValue) -> PlainValue:
+    """Return *value* with every number a ``float``, as the vocabulary has it."""
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value

@@ -14,6 +14,7 @@ from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import And, Not, Or, PartFacets, Query, StateIs, fits
 from homebot.devices.query.exact import parse_lasting_query
+from homebot.devices.query.terms import leaves
 
 __all__ = ["Interlock"]
 
@@ -49,7 +50,7 @@ class Interlock(PolicyTable):
     @cached_property
     def _rule(self) -> _Rule:
         query = parse_lasting_query(self.condition)
-        return _Rule(self.condition, query, without_states(query), frozenset(_capabilities(query)))
+        return _Rule(self.condition, query, without_states(query), _capabilities(query))
 
     @property
     def needs(self) -> Query:
@@ -119,15 +120,8 @@ def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
     return "it has reported nothing yet since homebot started" if device.freshness != "fresh" or is_silent else ""
 
 
-def _capabilities(query: Query) -> Iterator[str]:
-    match query:
-        case StateIs():
-            yield query.capability
-        case And(terms) | Or(terms):
-            for term in terms:
-                yield from _capabilities(term)
-        case Not(term):
-            yield from _capabilities(term)
+def _capabilities(query: Query) -> frozenset[str]:
+    return frozenset([one.capability for one in leaves(query) if isinstance(one, StateIs)])
 
 
 def _facts(device: Device, part: str, capabilities: frozenset[str]) -> Iterator[FactUsed]:

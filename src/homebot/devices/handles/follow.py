@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final
 
@@ -12,6 +12,7 @@ import anyio
 
 from homebot.clock import Clock
 from homebot.devices.device import Device, DeviceChange, State, StateChange
+from homebot.devices.device_view import DeviceView
 from homebot.devices.follow import LiveQuery
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
@@ -178,18 +179,10 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             self._compared.pop(device_id, None)
             self._ready.extend(HandleChange("removed", change.handle) for change in reported.values())
             return
-        if (
-            self._query.asks_for_values
-            or self._query.near is not None
-            or self._compared.get(device_id) is not known.device
-        ):
-            self._compared[device_id] = known.device
-            parts = self._query.parts(known.current()) if self._is_near(device_id) else []
-            self._ready.extend(
-                HandleChange("removed", change.handle) for part, change in reported.items() if part not in parts
-            )
-        else:
-            parts = list(reported)
+        parts = self._parts_now(known, reported)
+        self._ready.extend(
+            HandleChange("removed", change.handle) for part, change in reported.items() if part not in parts
+        )
         matching: dict[str, HandleChange[HandleT]] = {}
         for part in parts:
             if part in reported:
@@ -201,6 +194,15 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
                 self._ready.append(HandleChange("appeared", handle))
         if matching:
             self._reported[device_id] = matching
+
+    def _parts_now(self, known: DeviceView, reported: Iterable[str]) -> list[str]:
+        """Return the parts that match now; if nothing that the query asks for changed, those that are *reported*."""
+        query, device_id = self._query, known.device.id
+        is_same = self._compared.get(device_id) is known.device
+        if is_same and query.near is None and not query.asks_for_values:
+            return list(reported)
+        self._compared[device_id] = known.device
+        return query.parts(known.current()) if self._is_near(device_id) else []
 
 
 @final

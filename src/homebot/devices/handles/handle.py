@@ -14,7 +14,7 @@ from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Ter
 from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from homebot.devices.hold import Hold
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["Handle", "plain_value"]
+__all__ = ["Handle"]
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -245,15 +245,9 @@ class Handle:
             settable: Whether it can be set.
         """
         found = list(terms)
-        for name, value in states.items():
-            if value is not None:
-                found.append(StateIs(name, "=", fold(value) if isinstance(value, str) else plain_value(value)))
-        for name, limit in above.items():
-            if limit is not None:
-                found.append(StateIs(name, ">", float(limit)))
-        for name, limit in below.items():
-            if limit is not None:
-                found.append(StateIs(name, "<", float(limit)))
+        found += [StateIs(name, "=", _compared(value)) for name, value in states.items() if value is not None]
+        found += [StateIs(name, ">", float(limit)) for name, limit in above.items() if limit is not None]
+        found += [StateIs(name, "<", float(limit)) for name, limit in below.items() if limit is not None]
         for name, can in settable.items():
             if can is not None:
                 found.append(CanDo(name, settable=True) if can else Not(CanDo(name, settable=True)))
@@ -263,6 +257,5 @@ class Handle:
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}
 
 
-def plain_value(value: PlainValue) -> PlainValue:
-    """Return *value* with every number a ``float``, as the vocabulary has it."""
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+def _compared(value: PlainValue) -> PlainValue:
+    return fold(value) if isinstance(value, str) else plain_value(value)

@@ -4,8 +4,20 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar, get_args
+from collections.abc import Callable, Mapping
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Final,
+    Generic,
+    ParamSpec,
+    Protocol,
+    TypeAlias,
+    TypedDict,
+    TypeVar,
+    cast,
+    get_args,
+)
 
 import homebot.devices.query
 from homebot.devices.capabilities import CAPABILITIES
@@ -27,6 +39,8 @@ from homebot.devices.query import (
     TypeIs,
     fits,
 )
+from homebot.devices.query.terms import leaves
+from homebot.devices.value import PlainValue, plain_value
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -115,17 +129,9 @@ class HandleQuery(Generic[HandleT]):
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
         types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
-        places: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
-        if "tag" in filters:
-            places.append(FactIs("tag", fold(filters["tag"])))
-        names: list[Query] = [NameIs(fold(filters["name"]))] if "name" in filters else []
-        part_terms = [*types, *names]
-        if "reachable" in filters:
-            part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
-        fresh = FreshnessIs("fresh")
-        freshness: list[Query] = [fresh if filters["fresh"] else Not(fresh)] if "fresh" in filters else []
-        self._device_terms: Final = [*places, *freshness]
-        self._part_terms: Final = (*part_terms, *terms)
+        places, names = _asked(filters, "area", "tag"), _asked(filters, "name")
+        self._device_terms: Final = [*places, *_asked(filters, "fresh")]
+        self._part_terms: Final = (*types, *names, *_asked(filters, "reachable"), *terms)
         self._filters: Final = filters
         self._terms: Final = terms
         self.kind: Final = kind
@@ -133,7 +139,7 @@ class HandleQuery(Generic[HandleT]):
         self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
         self.search: Final[Query] = self._search(types, places, terms)
-        self.asks_for_values: Final = any(_is_of_value(term) for term in terms)
+        self.asks_for_values: Final = any(isinstance(one, StateIs) for term in terms for one in leaves(term))
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
         """Return the query for the devices that may have such a part; an own category gives no type."""
@@ -179,6 +185,21 @@ class HandleQuery(Generic[HandleT]):
         return matching
 
 
+_FRESH = FreshnessIs("fresh")
+_TERMS: Mapping[str, Callable[[Any], Query]] = {
+    "area": lambda area: AreaIs(fold(area)),
+    "tag": lambda tag: FactIs("tag", fold(tag)),
+    "name": lambda name: NameIs(fold(name)),
+    "fresh": lambda is_fresh: _FRESH if is_fresh else Not(_FRESH),
+    "reachable": lambda is_reachable: ReachableIs("yes" if is_reachable else "no"),
+}
+
+
+def _asked(filters: Mapping[str, object], *names: str) -> list[Query]:
+    """Return the terms of those filters among *names* that are given."""
+    return [_TERMS[name](filters[name]) for name in names if name in filters]
+
+
 def _near(filters: CommonFilters) -> IsNear | None:
     if "near" not in filters:
         if "within" in filters:
@@ -188,10 +209,6 @@ def _near(filters: CommonFilters) -> IsNear | None:
     if not within >= 0:
         raise ValueError(f"within is a number of metres from 0, not {within!r}")
     return IsNear(filters["near"], float(within))
-
-
-def _is_of_value(term: Query) -> bool:
-    return isinstance(term, StateIs) or (isinstance(term, Not) and _is_of_value(term.term))
 
 
 class HandleType(Protocol[P, HandleT]):
@@ -207,18 +224,20 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
     for name, value in filters.items():
         if name not in _FILTER_TYPES:
             raise TypeError(f"{kind.__name__} cannot be filtered by {name!r}: {_hint(kind, name)}")
-        expected = _FILTER_TYPES[name]
-        is_number = expected is float and isinstance(value, int) and not isinstance(value, bool)
-        if not (is_number or isinstance(value, expected)):
+        if not isinstance(plain_value(cast("PlainValue", value)), _FILTER_TYPES[name]):
             raise TypeError(f"{name} is {_called(_FILTER_TYPES[name])}, not {value!r}")
     if (category := filters.get("category", "")) not in _CATEGORIES:
         known = " or ".join(repr(one) for one in _CATEGORIES if one)
         raise ValueError(f"category is {known}, not {category!r}")
     for term in terms:
-        if isinstance(term, StateIs) and (capability := CAPABILITIES.get(term.capability)) is not None:
-            expected = {"bool": bool, "number": float, "text": str}.get(capability.kind, tuple)
-            if not isinstance(term.value, expected):
-                raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
+        if isinstance(term, StateIs) and term.capability in CAPABILITIES:
+            _check_value(term)
+
+
+def _check_value(term: StateIs) -> None:
+    expected = {"bool": bool, "number": float, "text": str}.get(CAPABILITIES[term.capability].kind, tuple)
+    if not isinstance(term.value, expected):
+        raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
 
 
 def _hint(kind: type[Handle], name: str) -> str:

@@ -85,30 +85,39 @@ def _state(capability: CapabilityType, operator: Operator, value: Token) -> Stat
 
 
 def _value(capability: CapabilityType, value: Token) -> PlainValue:
-    word = fold(value.text)
     match capability.kind:
         case "bool":
-            flags = {**_FLAGS, **_CONTACT} if capability.name == "contact" else _FLAGS
-            if word not in flags:
-                raise UsageError(f"{capability.name} is true or false, not {value.text!r}")
-            return flags[word]
+            return _flag(capability, value)
         case "number":
-            number = _NUMBER.fullmatch(value.text)
-            if number is None or number[2] not in {"", capability.unit, capability.unit.removeprefix("°")}:
-                raise UsageError(f"{capability.name} is a number{_in_unit(capability)}, not {value.text!r}")
-            return float(number[1])
+            return _number(capability, value)
         case "text":
-            if capability.options and word not in {fold(one) for one in capability.options}:
-                options = ", ".join(capability.options)
-                raise UsageError(f"{capability.name} is one of {options}, not {value.text!r}")
-            return word
+            return _option(capability, value)
         case "numbers":
             hint = f"ask for `with {capability.name}`"
             raise UsageError(f"{capability.name} is several numbers, which cannot be compared; {hint}")
 
 
-def _in_unit(capability: CapabilityType) -> str:
-    return f" in {capability.unit}" if capability.unit else ""
+def _flag(capability: CapabilityType, value: Token) -> bool:
+    flags = {**_FLAGS, **_CONTACT} if capability.name == "contact" else _FLAGS
+    if (word := fold(value.text)) not in flags:
+        raise UsageError(f"{capability.name} is true or false, not {value.text!r}")
+    return flags[word]
+
+
+def _number(capability: CapabilityType, value: Token) -> float:
+    number = _NUMBER.fullmatch(value.text)
+    if number is None or number[2] not in {"", capability.unit, capability.unit.removeprefix("°")}:
+        unit = f" in {capability.unit}" if capability.unit else ""
+        raise UsageError(f"{capability.name} is a number{unit}, not {value.text!r}")
+    return float(number[1])
+
+
+def _option(capability: CapabilityType, value: Token) -> str:
+    word = fold(value.text)
+    if capability.options and word not in {fold(one) for one in capability.options}:
+        options = ", ".join(capability.options)
+        raise UsageError(f"{capability.name} is one of {options}, not {value.text!r}")
+    return word
 
 
 def _field(field: str, name: Token, value: Token) -> Query:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from homebot.devices.query.near import split_near
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.terms import And, HasText, Not, Or, Query
+from homebot.devices.query.terms import HasText, Query, leaves
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
@@ -19,7 +19,7 @@ def parse_exact_query(text: str) -> Query:
         UsageError: It is no query, or has a word that would be searched for in all texts of devices; names the word.
     """
     query = parse_lasting_query(text)
-    if word := _free_text(query):
+    if word := next((one.text for one in leaves(query) if isinstance(one, HasText)), ""):
         meant = sorted(one for one in {*TYPE_WORDS, *CAPABILITY_WORDS} if is_typo(word, one))
         hint = (
             f"did you mean {' or '.join(meant)}?"
@@ -40,16 +40,3 @@ def parse_lasting_query(text: str) -> Query:
     if split_near(query)[0] is not None:
         raise UsageError("a rule cannot ask for what is near a robot; name a room instead")
     return query
-
-
-def _free_text(query: Query) -> str:
-    """Return a word of *query* that is searched for in all texts of devices; empty if there is none."""
-    match query:
-        case HasText(word):
-            return word
-        case And(terms) | Or(terms):
-            return next(filter(None, map(_free_text, terms)), "")
-        case Not(term):
-            return _free_text(term)
-        case _:
-            return ""

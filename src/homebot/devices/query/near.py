@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from homebot.devices.query.terms import And, IsNear, Not, Or, Query
+from homebot.devices.query.terms import And, IsNear, Query, leaves
 from homebot.errors import UsageError
 
 __all__ = ["split_near"]
@@ -18,7 +18,7 @@ def split_near(query: Query) -> tuple[IsNear | None, Query]:
     """
     terms = tuple(_joined(query))
     rest = tuple(one for one in terms if not isinstance(one, IsNear))
-    if any(map(_asks_for_near, rest)):
+    if any(isinstance(one, IsNear) for term in rest for one in leaves(term)):
         remedy = "write for example '(lamp or plug) near robot'"
         raise UsageError(f"what is near is asked of a whole query, not beside 'or' or after 'not'; {remedy}")
     near = [one for one in terms if isinstance(one, IsNear)]
@@ -29,17 +29,8 @@ def split_near(query: Query) -> tuple[IsNear | None, Query]:
 
 def _joined(query: Query) -> Iterator[Query]:
     """Yield the terms all of which must match."""
-    for term in query.terms if isinstance(query, And) else ():
-        yield from _joined(term)
     if not isinstance(query, And):
         yield query
-
-
-def _asks_for_near(query: Query) -> bool:
-    match query:
-        case And(terms) | Or(terms):
-            return any(map(_asks_for_near, terms))
-        case Not(term):
-            return _asks_for_near(term)
-        case _:
-            return isinstance(query, IsNear)
+        return
+    for term in query.terms:
+        yield from _joined(term)

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import TypeAlias
@@ -127,58 +128,51 @@ class _Parser:
         terms: list[_Span] = []
         is_open = True
         while (token := self._peek()) is not None and token.kind != ")" and not _is(token, "or"):
-            if _is(token, "and") or _is(token, "but") or token.kind == ",":
+            if _joins(token):
                 if is_open:
                     raise _missing(token)
                 self._place += 1
                 is_open = True
                 continue
-            if token.kind == "word" and fold(token.text) in FILLERS and not self._is_compared():
+            is_open = False
+            if self._is_filler(token):
                 self._place += 1
-                is_open = False
                 continue
             first = self._place
             terms.append((self._one(), first, self._place))
-            is_open = False
         if is_open:
             raise _missing(self._peek() or self._tokens[-1])
         return terms
 
     def _one(self) -> Query:
         token = self._tokens[self._place]
-        if token.kind == "word":
-            match fold(token.text):
-                case "not" | "without":
-                    return self._negated(token)
-                case "in" if not self._is_compared():
-                    self._place += 1
-                    return InArea(self._area(token))
-                case "near" if not self._is_compared():
-                    self._place += 1
-                    return self._near(token)
-                case "within":
-                    self._place += 1
-                    within = self._metres(token)
-                    if not (self._takes("of") or self._takes("from")):
-                        raise UsageError(
-                            f"{token.text!r} at character {token.at} is not followed by metres 'of' a robot"
-                        )
-                    return IsNear(self._robot(token), within)
-                case "with":
-                    self._place += 1
-                    return Not(_NOWHERE) if self._takes_area() else self._ability(token)
-            return comparison(*self._compared()) if self._is_compared() else self._phrase()
-        if token.kind == "text":
-            if self._is_compared():
-                return comparison(*self._compared())
+        word = "(" if token.kind == "(" else fold(token.text) if token.kind == "word" else ""
+        parse = _BEGINNINGS.get(word)
+        if parse is not None and not (word in _FIELD_NAMES and self._is_compared()):
             self._place += 1
-            return _all_words(token.text)
-        if token.kind == "(":
-            return self._bracket(token)
-        raise UsageError(f"{token.text!r} at character {token.at} has no name before it")
-
-    def _negated(self, token: Token) -> Query:
+            return parse(self, token)
+        if token.kind not in {"word", "text"}:
+            raise UsageError(f"{token.text!r} at character {token.at} has no name before it")
+        if self._is_compared():
+            return comparison(*self._compared())
+        if token.kind == "word":
+            return self._phrase()
         self._place += 1
+        return _all_words(token.text)
+
+    def in_area(self, token: Token) -> Query:
+        return InArea(self._area(token))
+
+    def within(self, token: Token) -> Query:
+        within = self._metres(token)
+        if not (self._takes("of") or self._takes("from")):
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by metres 'of' a robot")
+        return IsNear(self._robot(token), within)
+
+    def with_ability(self, token: Token) -> Query:
+        return Not(_NOWHERE) if self._takes_area() else self._ability(token)
+
+    def negated(self, token: Token) -> Query:
         following = self._peek()
         if following is None or following.kind == ")":
             raise _missing(token)
@@ -190,8 +184,7 @@ class _Parser:
         self._depth -= 1
         return Not(term)
 
-    def _bracket(self, token: Token) -> Query:
-        self._place += 1
+    def bracket(self, token: Token) -> Query:
         self._enter(token)
         found = self._any()
         self._depth -= 1
@@ -225,6 +218,9 @@ class _Parser:
     def _is_compared(self) -> bool:
         return self._length_of_name() > 0
 
+    def _is_filler(self, token: Token) -> bool:
+        return token.kind == "word" and fold(token.text) in FILLERS and not self._is_compared()
+
     def _length_of_name(self) -> int:
         """Return the number of words before an operator: one, or those of a capability; 0 if there is none."""
         for length in range(1, _LONGEST_PHRASE + 1):
@@ -233,7 +229,7 @@ class _Parser:
                 return length if length == 1 or self._folded(length) in CAPABILITY_WORDS else 0
         return 0
 
-    def _near(self, token: Token) -> IsNear:
+    def near(self, token: Token) -> Query:
         robot = self._robot(token)
         within = self._peek()
         return IsNear(robot, self._metres(within) if within is not None and self._takes("within") else math.inf)
@@ -267,7 +263,7 @@ class _Parser:
                     self._place += 1
                     words.append(word)
                 break
-            if word in KEYWORDS | NOT_UNDERSTOOD or self._is_compared() or (words and _is_known(word)):
+            if self._is_compared() or _ends_area(word, words):
                 break
             self._place += 1
             if word != "the" or words:
@@ -335,6 +331,26 @@ def _meaning(phrase: str) -> Query | None:
     return None if capability is None else CanDo(capability)
 
 
+_BEGINNINGS: Mapping[str, Callable[[_Parser, Token], Query]] = {
+    "not": _Parser.negated,
+    "without": _Parser.negated,
+    "in": _Parser.in_area,
+    "near": _Parser.near,
+    "within": _Parser.within,
+    "with": _Parser.with_ability,
+    "(": _Parser.bracket,
+}
+"""Parsers of terms by their first word, which is read already."""
+
+_FIELD_NAMES = frozenset({"in", "near"})
+"""Those of the words that are names of fields before an operator."""
+
+
+def _ends_area(word: str, words: list[str]) -> bool:
+    """Return whether *word* is not in the name of a room that begins with *words*."""
+    return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and _is_known(word))
+
+
 def _is_known(word: str) -> bool:
     return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
 
@@ -379,6 +395,10 @@ def _all_words(text: str) -> Query:
 
 def _is(token: Token, keyword: str) -> bool:
     return token.kind == "word" and token.text.lower() == keyword
+
+
+def _joins(token: Token) -> bool:
+    return _is(token, "and") or _is(token, "but") or token.kind == ","
 
 
 def _missing(token: Token) -> UsageError:

@@ -7,9 +7,9 @@ A query is a tree and a ROS message is not, so on the graph its terms are a list
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.value import UNKNOWN, PlainValue, Value
@@ -40,6 +40,7 @@ __all__ = [
     "ReachableIs",
     "StateIs",
     "TypeIs",
+    "leaves",
     "query_terms",
     "read_terms",
     "type_is",
@@ -299,38 +300,35 @@ class QueryTerm(Message):
     flag: bool = False
 
 
+def leaves(query: Query) -> Iterator[Query]:
+    """Yield the terms of *query* that join no others."""
+    match query:
+        case And(terms) | Or(terms):
+            for term in terms:
+                yield from leaves(term)
+        case Not(term):
+            yield from leaves(term)
+        case _:
+            yield query
+
+
 def query_terms(query: Query) -> tuple[QueryTerm, ...]:
     """Return *query* as a list of terms."""
     found: list[QueryTerm] = []
     waiting: list[Query] = [query]
     while waiting:
-        term = waiting.pop()
-        match term:
-            case And(operands) | Or(operands):
-                kind: Literal["and", "or"] = "and" if isinstance(term, And) else "or"
-                found.append(QueryTerm(kind=kind, operands=len(operands)))
+        match waiting.pop():
+            case And(operands):
+                found.append(QueryTerm(kind="and", operands=len(operands)))
+                waiting += reversed(operands)
+            case Or(operands):
+                found.append(QueryTerm(kind="or", operands=len(operands)))
                 waiting += reversed(operands)
             case Not(operand):
                 found.append(QueryTerm(kind="not", operands=1))
                 waiting.append(operand)
-            case TypeIs(word, types, tag, by_word):
-                found.append(QueryTerm(kind="type", name=word, types=tuple(sorted(types)), tag=tag, flag=by_word))
-            case StateIs(name, operator, plain, types):
-                value, allowed = Value.of(plain), tuple(sorted(types))
-                found.append(QueryTerm(kind="state", name=name, operator=operator, value=value, types=allowed))
-            case CanDo(name, settable):
-                found.append(QueryTerm(kind="can", name=name, flag=settable))
-            case FactIs(name, text):
-                found.append(QueryTerm(kind="fact", name=name, text=text))
-            case IsNear(robot, within):
-                metres = UNKNOWN if math.isinf(within) else Value.of(within)
-                found.append(QueryTerm(kind="near", text=robot, value=metres))
-            case IsDisputed():
-                found.append(QueryTerm(kind="disputed"))
-            case IsUnapproved():
-                found.append(QueryTerm(kind="unapproved"))
-            case _TextTerm(text):
-                found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
+            case term:
+                found.append(_WRITERS[type(term)](term))
     return tuple(found)
 
 
@@ -347,8 +345,8 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
     read: list[tuple[Query, int, int]] = []  # from the last: each query with its depth and the number of its first term
     for number in range(len(terms), 0, -1):
         term = terms[number - 1]
-        if term.kind not in {"and", "or", "not"}:
-            read.append((_read_term(term, number), 1, number))
+        if term.kind not in _JOINS:
+            read.append((_READERS[term.kind](term, number), 1, number))
             continue
         count = 1 if term.kind == "not" else term.operands
         if count > len(read):
@@ -360,37 +358,76 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
             depth = max(depth, below + 1)
         if depth > MAX_DEPTH:
             raise UsageError(f"the query is nested deeper than {MAX_DEPTH} below term {number}")
-        joined = Not(operands[0]) if term.kind == "not" else (And if term.kind == "and" else Or)(tuple(operands))
-        read.append((joined, depth, number))
+        read.append((_JOINS[term.kind](tuple(operands)), depth, number))
     if len(read) > 1:
         extra = read[-2][2]
         raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
     return read[0][0]
 
 
-def _read_term(term: QueryTerm, number: int) -> Query:
-    """Return the query that *term*, which joins no others, is by itself."""
-    match term.kind:
-        case "type":
-            return TypeIs(term.name, frozenset(term.types), term.tag, term.flag)
-        case "can":
-            return CanDo(term.name, term.flag)
-        case "fact":
-            return FactIs(term.name, term.text)
-        case "near":
-            metres = math.inf if term.value == UNKNOWN else term.value.plain()
-            if not isinstance(metres, float) or not metres >= 0:
-                raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
-            return IsNear(term.text, metres)
-        case "disputed":
-            return IsDisputed()
-        case "unapproved":
-            return IsUnapproved()
-        case "state":
-            operator = _OPERATORS.get(term.operator)
-            if operator is None:
-                known = ", ".join(_OPERATORS)
-                raise UsageError(f"term {number} of the query has the operator {term.operator!r}, not one of {known}")
-            return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
-        case _:
-            return _TEXT_TERMS[term.kind](term.text)
+def _write_type(term: TypeIs) -> QueryTerm:
+    return QueryTerm(kind="type", name=term.word, types=tuple(sorted(term.types)), tag=term.tag, flag=term.by_word)
+
+
+def _write_state(term: StateIs) -> QueryTerm:
+    value, types = Value.of(term.value), tuple(sorted(term.types))
+    return QueryTerm(kind="state", name=term.capability, operator=term.operator, value=value, types=types)
+
+
+def _read_state(term: QueryTerm, number: int) -> StateIs:
+    operator = _OPERATORS.get(term.operator)
+    if operator is None:
+        known = ", ".join(_OPERATORS)
+        raise UsageError(f"term {number} of the query has the operator {term.operator!r}, not one of {known}")
+    return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
+
+
+def _write_near(term: IsNear) -> QueryTerm:
+    metres = UNKNOWN if math.isinf(term.within) else Value.of(term.within)
+    return QueryTerm(kind="near", text=term.robot, value=metres)
+
+
+def _read_near(term: QueryTerm, number: int) -> IsNear:
+    metres = math.inf if term.value == UNKNOWN else term.value.plain()
+    if not isinstance(metres, float) or not metres >= 0:
+        raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
+    return IsNear(term.text, metres)
+
+
+def _write_text(term: _TextQuery) -> QueryTerm:
+    return QueryTerm(kind=_TEXT_KINDS[type(term)], text=term.text)
+
+
+def _read_text(term: QueryTerm, _number: int) -> Query:
+    return _TEXT_TERMS[term.kind](term.text)
+
+
+_JOINS: Mapping[str, Callable[[tuple[Query, ...]], Query]] = {
+    "and": And,
+    "or": Or,
+    "not": lambda operands: Not(operands[0]),
+}
+
+_WRITERS: Mapping[type[Query], Callable[[Any], QueryTerm]] = {
+    TypeIs: _write_type,
+    StateIs: _write_state,
+    CanDo: lambda term: QueryTerm(kind="can", name=term.name, flag=term.settable),
+    FactIs: lambda term: QueryTerm(kind="fact", name=term.name, text=term.value),
+    IsNear: _write_near,
+    IsDisputed: lambda _: QueryTerm(kind="disputed"),
+    IsUnapproved: lambda _: QueryTerm(kind="unapproved"),
+    **dict.fromkeys(_TEXT_KINDS, _write_text),
+}
+"""Makes the message of each kind of term that joins no others."""
+
+_READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
+    "type": lambda term, _: TypeIs(term.name, frozenset(term.types), term.tag, term.flag),
+    "state": _read_state,
+    "can": lambda term, _: CanDo(term.name, term.flag),
+    "fact": lambda term, _: FactIs(term.name, term.text),
+    "near": _read_near,
+    "disputed": lambda _term, _: IsDisputed(),
+    "unapproved": lambda _term, _: IsUnapproved(),
+    **dict.fromkeys(_TEXT_TERMS, _read_text),
+}
+"""The reverse: the term of each kind of message, which is the one with that number."""

@@ -62,7 +62,12 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
         RefusedError: It does not take this text; the message names those that it takes.
     """
     settable = {one.name: one for one in part.capabilities if one.settable}
-    command = _phrase_command(text, settable) or _number_command(text, settable) or _option_command(text, settable)
+    command = (
+        _phrase_command(text, settable)
+        or _kelvin_command(text, settable)
+        or _number_command(text, settable)
+        or _option_command(text, settable)
+    )
     if command is None:
         raise RefusedError(f"the word {text[:40]!r}", f"this part takes {_known(settable)}")
     return command
@@ -125,9 +130,13 @@ def _is_within(value: PlainValue, capability: Capability) -> bool:
     return not isinstance(value, float) or low <= value <= high
 
 
-def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
+def _kelvin_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     if text.endswith(" K") and "color_temperature" in settable and (kelvin := to_number(text[:-2])) is not None:
         return "color_temperature", kelvin
+    return None
+
+
+def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     number = to_number(text)
     name = _number_in(settable)
     if number is None or name is None:
@@ -147,9 +156,10 @@ def _number_in(settable: Mapping[str, Capability]) -> str | None:
 
 def _known(settable: Mapping[str, Capability]) -> str:
     words = [text for text, command in _PHRASES.items() if any(name in settable for name, _ in command)]
-    words += ["off"] if "off" not in words and any(name in settable for name in SPEED_WORDS) else []
+    if not settable.keys().isdisjoint(SPEED_WORDS):
+        words.append("off")
     words += ["2700 K"] if "color_temperature" in settable else []
-    name = _number_in(settable)
-    words += [] if name is None else ["a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number"]
+    if (name := _number_in(settable)) is not None:
+        words.append("a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number")
     words += [option for capability in settable.values() for option in capability.options]
     return ", ".join(dict.fromkeys(words)) or "nothing"

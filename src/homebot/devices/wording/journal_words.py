@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
@@ -46,32 +46,8 @@ def entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
 
 
 def _entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
-    name = name_text(entry.device, names, entry.part)
-    match entry.kind:
-        case "requested":
-            return f"{issuer_text(entry.issuer)} asked {name} for {settings_text(entry.settings)}"
-        case "would":
-            return "not sent: this is a dry run"
-        case "published":
-            return f"{issuer_text(entry.issuer)} published {printable(entry.text)!r} for {name}"
-        case "judged":
-            verdict = entry.verdicts[0]
-            reason = f": {printable(verdict.reason)}" if verdict.reason else ""
-            return f"{printable(verdict.policy)} {'allowed it' if verdict.allowed else 'said no'}{reason}"
-        case "sent":
-            return "handed to the gateway again" if entry.text else "handed to the gateway"
-        case "acknowledged":
-            return "the network accepted it"
-        case "reported":
-            return f"{name} reported {settings_text(entry.settings)}"
-        case "denied":
-            return f"{issuer_text(entry.issuer)} was refused {_request_text(entry)}: {denial_text(entry)}"
-        case "held" | "released" | "ended" | "expired" | "outranked" | "handed_back":
-            return _lease_text(entry, name)
-        case "changed":
-            return f"{name} reported {settings_text(entry.settings)}; no command explains it"
-        case _:
-            return printable(entry.results[0].text)
+    text = _TEXTS.get(entry.kind)
+    return printable(entry.results[0].text) if text is None else text(entry, name_text(entry.device, names, entry.part))
 
 
 def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
@@ -141,22 +117,44 @@ def clock_text(time: Time, now: float) -> str:
     return text if local.date() == today else f"{local:%Y-%m-%d} {text}"
 
 
-def _lease_text(entry: JournalEntry, name: str) -> str:
-    holder = f"{printable(entry.text, 60)} ({issuer_text(entry.issuer)})"
-    held = settings_text(entry.settings)
-    match entry.kind:
-        case "held":
-            return f"{holder} began to hold {name} {held}"
-        case "released":
-            return f"{holder} no longer holds {name}"
-        case "ended":
-            return f"{issuer_text(entry.issuer)} ended the lease by which {printable(entry.text, 60)} held {name}"
-        case "expired":
-            return f"{holder} no longer holds {name}: its time was over"
-        case "outranked":
-            return f"{printable(entry.text, 60)}, which outranks the lease that holds {name} {held}"
-        case _:
-            return f"{name} is held {held} again"
+def _verdict_text(entry: JournalEntry, _name: str) -> str:
+    verdict = entry.verdicts[0]
+    reason = f": {printable(verdict.reason)}" if verdict.reason else ""
+    return f"{printable(verdict.policy)} {'allowed it' if verdict.allowed else 'said no'}{reason}"
+
+
+def _ended_text(entry: JournalEntry, name: str) -> str:
+    return f"{issuer_text(entry.issuer)} ended the lease by which {printable(entry.text, 60)} held {name}"
+
+
+def _holder(entry: JournalEntry) -> str:
+    return f"{printable(entry.text, 60)} ({issuer_text(entry.issuer)})"
+
+
+def _wanted(entry: JournalEntry) -> str:
+    return settings_text(entry.settings)
+
+
+_TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
+    "requested": lambda entry, name: f"{issuer_text(entry.issuer)} asked {name} for {_wanted(entry)}",
+    "would": lambda _entry, _: "not sent: this is a dry run",
+    "published": lambda entry, name: f"{issuer_text(entry.issuer)} published {printable(entry.text)!r} for {name}",
+    "judged": _verdict_text,
+    "sent": lambda entry, _: "handed to the gateway again" if entry.text else "handed to the gateway",
+    "acknowledged": lambda _entry, _: "the network accepted it",
+    "reported": lambda entry, name: f"{name} reported {_wanted(entry)}",
+    "denied": lambda entry, _: f"{issuer_text(entry.issuer)} was refused {_request_text(entry)}: {denial_text(entry)}",
+    "held": lambda entry, name: f"{_holder(entry)} began to hold {name} {_wanted(entry)}",
+    "released": lambda entry, name: f"{_holder(entry)} no longer holds {name}",
+    "ended": _ended_text,
+    "expired": lambda entry, name: f"{_holder(entry)} no longer holds {name}: its time was over",
+    "outranked": lambda entry, name: (
+        f"{printable(entry.text, 60)}, which outranks the lease that holds {name} {_wanted(entry)}"
+    ),
+    "handed_back": lambda entry, name: f"{name} is held {_wanted(entry)} again",
+    "changed": lambda entry, name: f"{name} reported {_wanted(entry)}; no command explains it",
+}
+"""The clause of each kind of entry, with the name of the device; the others have that of their outcome."""
 
 
 def _request_text(entry: JournalEntry) -> str:

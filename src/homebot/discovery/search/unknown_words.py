@@ -5,11 +5,12 @@ A query is understood without knowing the house, so a misspelt room or type is o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable
 
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query import And, AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Not, Or, Query, TypeIs
+from homebot.devices.query import AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Query, TypeIs
+from homebot.devices.query.terms import leaves
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
@@ -39,7 +40,7 @@ def check_words(
             room, a name or a word that no device has, where another is one typo away. It says what was probably meant.
         RefusedError: It has a type that is none, and that no device calls itself as yet.
     """
-    for term in filter(_is_name, _terms(query)):
+    for term in filter(_is_name, leaves(query)):
         if not postings.find(term) and (problem := _problem(term, postings, plan, devices)):
             raise UsageError(problem)
 
@@ -99,14 +100,3 @@ def _unknown_area(area: str, postings: Postings, plan: HousePlan | None) -> str:
 def _typo(problem: str, word: str, known: Iterable[str]) -> str:
     meant = sorted(one for one in known if is_typo(word, one))
     return f"{problem}; did you mean {' or '.join(meant)}?" if meant else ""
-
-
-def _terms(query: Query) -> Iterator[Query]:
-    match query:
-        case And(terms) | Or(terms):
-            for term in terms:
-                yield from _terms(term)
-        case Not(term):
-            yield from _terms(term)
-        case _:
-            yield query
