@@ -95,7 +95,7 @@ class IssuedCommand:
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
         self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
-        self.moves = any([one in _MOTIONS and value != STOPPED for one, value in self.settings.items()])  # noqa: C419
+        self.moves = not _MOTIONS.isdisjoint(self.settings) and _starts_motor(self.settings)
 
     @property
     def target(self) -> str:
@@ -134,6 +134,10 @@ class IssuedCommand:
         if settings.get("level") == 0 or settings.get("fan_speed") == 0:
             return False
         return not settings.keys().isdisjoint(_LIT if self.part.part.service_type == "light" else POWERS)
+
+
+def _starts_motor(settings: Mapping[str, PlainValue]) -> bool:
+    return any(one in _MOTIONS and value != STOPPED for one, value in settings.items())
 
 
 def _is_always_sent(capability: str, value: PlainValue) -> bool:
@@ -177,7 +181,7 @@ def order_of(command: IssuedCommand) -> Order:
         has_ramp=has_ramp,
         echoed=echoed,
         issuer=command.issuer,
-        label=command.label,
+        label=label_of(command.device, command.part.id),
     )
 
 

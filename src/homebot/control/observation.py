@@ -75,7 +75,7 @@ class Measurement(NamedTuple):
 
 def sensed_by(settings: Iterable[str]) -> frozenset[str]:
     """Return the capabilities of sensors that may show a change of *settings*."""
-    return frozenset().union(*[_SENSED_BY.get(one, ()) for one in settings])
+    return frozenset().union(*filter(None, map(_SENSED_BY.get, settings)))
 
 
 def rises(settings: Mapping[str, PlainValue]) -> bool | None:

@@ -146,7 +146,7 @@ class Sending:
                     command.code,
                     plan.time_left(began),
                     command.id,
-                    plan.stored_for,
+                    plan.keeps_for if plan.attempts < plan.tries else 0.0,
                     repeated=is_repeated,
                 )
         except LinkError as exc:

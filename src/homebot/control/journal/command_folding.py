@@ -96,37 +96,28 @@ class CommandFolding:
         return left
 
     def _begin(self, note: JournalNote) -> Sequence[JournalNote]:
-        minute = self._minute_of(note)
-        if note.kind == "outcome":  # of a stored command
-            minute.outcomes.add(_outcome(note))
-            return (note,)
-        is_command = note.kind == "requested"
-        if minute.stored < IN_FULL:
-            minute.stored += 1
-            self._stored[note.issuer] += 1
-            if not is_command:
-                minute.outcomes.add(note.kind)
-            return (note,)
-        if not is_command:
-            return () if minute.fold(note.kind, [note]) else (note,)
-        self._open[note.command] = [note]
-        return self._open.pop(next(iter(self._open))) if len(self._open) > _MOST_OPEN else ()
-
-    def _minute_of(self, note: JournalNote) -> _Minute:
-        """Return the minute in which *note* counts, a new one if there is none."""
         if not 0 <= note.at - self._counted_since < _MINUTE:
             self._counted_since = note.at
             self._stored.clear()
-        key = self._key_of(note)
+        key = note.issuer, note.device, note.part
+        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices need not exist
+            key = note.issuer, "", ""
         minute = self._minutes.get(key)
         if minute is None:
             minute = self._minutes[key] = _Minute(note.at)
             self._first = self._first or minute
-        return minute
-
-    def _key_of(self, note: JournalNote) -> _Key:
-        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER  # the named devices need not exist
-        return (note.issuer, "", "") if is_over else (note.issuer, note.device, note.part)
+        if note.kind == "outcome":  # of a stored command
+            minute.outcomes.add(_outcome(note))
+            return (note,)
+        if minute.stored < IN_FULL:
+            minute.stored += 1
+            self._stored[note.issuer] += 1
+            minute.outcomes.add(note.kind)
+            return (note,)
+        if note.kind != "requested":
+            return () if minute.fold(note.kind, [note]) else (note,)
+        self._open[note.command] = [note]
+        return self._open.pop(next(iter(self._open))) if len(self._open) > _MOST_OPEN else ()
 
     def _continue(self, note: JournalNote) -> Sequence[JournalNote]:
         notes = self._open[note.command]
@@ -134,7 +125,8 @@ class CommandFolding:
         if note.kind != "outcome":
             return ()
         del self._open[note.command]
-        minute = self._minutes.get(self._key_of(note))
+        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER
+        minute = self._minutes.get((note.issuer, "", "") if is_over else (note.issuer, note.device, note.part))
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
+from operator import attrgetter
 from typing import Final
 
 from homebot.conventions.secrets import names_secret
@@ -24,6 +25,7 @@ _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"
 """A field of JSON with a text or a number."""
 
 _ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
+_CAPABILITY: Final = attrgetter("capability")
 _MOST_READ: Final = 5_000
 """Characters of a raw text in the journal, so that a long one costs little."""
 
@@ -33,7 +35,7 @@ def without_codes(settings: tuple[Setting, ...], device: Device | None, part: De
 
     If the part is unknown and one of them may be a code, none is returned.
     """
-    if MAY_BE_CODE.isdisjoint([one.capability for one in settings]):
+    if MAY_BE_CODE.isdisjoint(map(_CAPABILITY, settings)):
         return settings
     if device is None or part is None:
         return ()

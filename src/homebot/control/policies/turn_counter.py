@@ -109,10 +109,10 @@ def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:
     """Return whether the part reported the opposite power after another command, *sent*, switched it."""
     if sent.command == command.id:
         return False
-    states = [one for name, one in command.states.items() if name in POWERS]
-    if not states:
+    states = command.states
+    state = states.get("on_off") or states.get("level") or states.get("fan_speed")
+    if state is None:
         return False
-    state = command.states.get("on_off", states[0])
     is_older = command.issued_at - state.told_at.to_seconds() >= now - sent.at
     return not is_older and is_on(state.value.plain()) is not sent.value
 

@@ -60,26 +60,18 @@ class SendingPlan:
         """Return the seconds until the end."""
         return self.lasts if self.attempts == 1 else self.began + self.lasts - now
 
-    @property
-    def stored_for(self) -> float:
-        """Seconds for which the network may store the present sending; 0 for the last one."""
-        return self.keeps_for if self.attempts < self.tries else 0.0
-
 
 def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return the next step of a command at *now*."""
-    if progress.is_ended:
-        return _DONE
-    if not plan.attempts:
+    if not (plan.attempts or progress.superseded_by or progress.refusal):
         return _SEND
     if progress.is_over:
         return _DONE
     echo_until = weakly_met_at(progress) + plan.echo_patience
-    has_given_up = echo_until <= now
     until = _answer_until(progress, plan, echo_until)
-    if now < until and not has_given_up:
+    if now < min(until, echo_until):
         return Step("wait", until)
-    if not (progress.is_on_its_way or has_given_up) and plan.attempts < plan.tries and not progress.is_overruled:
+    if not (progress.is_on_its_way or echo_until <= now) and plan.attempts < plan.tries and not progress.is_overruled:
         return _repetition(progress, plan, now)
     return _last_wait(progress, plan, now)
 

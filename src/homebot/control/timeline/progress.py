@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import Final, final
 
 from homebot.control import durations
@@ -26,6 +27,8 @@ _TURNED: Final = POWERS | {"fan_mode"}
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
 _NONE: Final[frozenset[str]] = frozenset()
+_MET_AT: Final = attrgetter("met_at")
+_WAS_SO: Final = attrgetter("was_so")
 
 
 @final
@@ -98,7 +101,7 @@ class CommandProgress:
         """True if the device reported all wanted values; at once if it reports none of them."""
         if self.must_answer and not self.wanted:
             return self.is_accepted
-        return None not in [one.met_at for one in self.wanted.values()]
+        return None not in map(_MET_AT, self.wanted.values())
 
     @property
     def met_times(self) -> list[float]:
@@ -106,14 +109,9 @@ class CommandProgress:
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property
-    def is_ended(self) -> bool:
-        """True if a newer command replaced it, or the device refuses it."""
-        return bool(self.superseded_by or self.refusal)
-
-    @property
     def is_over(self) -> bool:
         """True if no report can make the outcome any better."""
-        return self.is_ended or self.is_met
+        return bool(self.superseded_by or self.refusal) or self.is_met
 
     @property
     def is_open(self) -> bool:
@@ -129,7 +127,7 @@ class CommandProgress:
     def was_so(self) -> bool:
         """True if the values were certain to be the wanted ones before."""
         wanted = self.wanted
-        were_so = all(one.was_so for one in wanted.values()) if wanted else self._settings_were_so()
+        were_so = all(map(_WAS_SO, wanted.values())) if wanted else self._settings_were_so()
         return were_so and not self.order.opens_further
 
     @property

@@ -14,6 +14,7 @@ from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Ter
 from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
+from homebot.devices.query.terms import Operator
 from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
 from homebot.support.folding import fold
@@ -245,9 +246,11 @@ class Handle:
             settable: Whether it can be set.
         """
         found = list(terms)
-        found += [StateIs(name, "=", _compared(value)) for name, value in states.items() if value is not None]
-        found += [StateIs(name, ">", float(limit)) for name, limit in above.items() if limit is not None]
-        found += [StateIs(name, "<", float(limit)) for name, limit in below.items() if limit is not None]
+        comparisons: tuple[tuple[Operator, Mapping[str, PlainValue]], ...] = (("=", states), (">", above), ("<", below))
+        for operator, wanted in comparisons:
+            for name, value in wanted.items():
+                if value is not None:
+                    found.append(StateIs(name, operator, fold(value) if isinstance(value, str) else plain_value(value)))
         for name, can in settable.items():
             if can is not None:
                 found.append(CanDo(name, settable=True) if can else Not(CanDo(name, settable=True)))
@@ -255,7 +258,3 @@ class Handle:
 
 
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}
-
-
-def _compared(value: PlainValue) -> PlainValue:
-    return fold(value) if isinstance(value, str) else plain_value(value)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import (
     TYPE_CHECKING,
-    Any,
     Final,
     Generic,
     ParamSpec,
@@ -15,7 +14,6 @@ from typing import (
     TypeAlias,
     TypedDict,
     TypeVar,
-    cast,
     get_args,
 )
 
@@ -40,7 +38,6 @@ from homebot.devices.query import (
     fits,
 )
 from homebot.devices.query.terms import leaves
-from homebot.devices.value import PlainValue, plain_value
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -129,9 +126,15 @@ class HandleQuery(Generic[HandleT]):
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
         types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
-        places, names = _asked(filters, "area", "tag"), _asked(filters, "name")
-        self._device_terms: Final = [*places, *_asked(filters, "fresh")]
-        self._part_terms: Final = (*types, *names, *_asked(filters, "reachable"), *terms)
+        places: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
+        if "tag" in filters:
+            places.append(FactIs("tag", fold(filters["tag"])))
+        names: list[Query] = [NameIs(fold(filters["name"]))] if "name" in filters else []
+        part_terms = [*types, *names]
+        if "reachable" in filters:
+            part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
+        self._device_terms: Final = [*places, *_freshness(filters)] if "fresh" in filters else places
+        self._part_terms: Final = (*part_terms, *terms)
         self._filters: Final = filters
         self._terms: Final = terms
         self.kind: Final = kind
@@ -139,7 +142,7 @@ class HandleQuery(Generic[HandleT]):
         self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
         self.search: Final[Query] = self._search(types, places, terms)
-        self.asks_for_values: Final = any(isinstance(one, StateIs) for term in terms for one in leaves(term))
+        self.asks_for_values: Final = bool(terms) and _have_values(terms)
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
         """Return the query for the devices that may have such a part; an own category gives no type."""
@@ -185,19 +188,13 @@ class HandleQuery(Generic[HandleT]):
         return matching
 
 
-_FRESH = FreshnessIs("fresh")
-_TERMS: Mapping[str, Callable[[Any], Query]] = {
-    "area": lambda area: AreaIs(fold(area)),
-    "tag": lambda tag: FactIs("tag", fold(tag)),
-    "name": lambda name: NameIs(fold(name)),
-    "fresh": lambda is_fresh: _FRESH if is_fresh else Not(_FRESH),
-    "reachable": lambda is_reachable: ReachableIs("yes" if is_reachable else "no"),
-}
+def _freshness(filters: CommonFilters) -> list[Query]:
+    fresh = FreshnessIs("fresh")
+    return [fresh if filters["fresh"] else Not(fresh)]
 
 
-def _asked(filters: Mapping[str, object], *names: str) -> list[Query]:
-    """Return the terms of those filters among *names* that are given."""
-    return [_TERMS[name](filters[name]) for name in names if name in filters]
+def _have_values(terms: tuple[Term, ...]) -> bool:
+    return any(isinstance(one, StateIs) for term in terms for one in leaves(term))
 
 
 def _near(filters: CommonFilters) -> IsNear | None:
@@ -224,8 +221,10 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
     for name, value in filters.items():
         if name not in _FILTER_TYPES:
             raise TypeError(f"{kind.__name__} cannot be filtered by {name!r}: {_hint(kind, name)}")
-        if not isinstance(plain_value(cast("PlainValue", value)), _FILTER_TYPES[name]):
-            raise TypeError(f"{name} is {_called(_FILTER_TYPES[name])}, not {value!r}")
+        expected = _FILTER_TYPES[name]
+        is_number = expected is float and type(value) is int
+        if not (is_number or isinstance(value, expected)):
+            raise TypeError(f"{name} is {_called(expected)}, not {value!r}")
     if (category := filters.get("category", "")) not in _CATEGORIES:
         known = " or ".join(repr(one) for one in _CATEGORIES if one)
         raise ValueError(f"category is {known}, not {category!r}")

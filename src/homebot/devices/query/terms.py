@@ -327,6 +327,8 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
             case Not(operand):
                 found.append(QueryTerm(kind="not", operands=1))
                 waiting.append(operand)
+            case _TextTerm(text) as term:
+                found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
             case term:
                 found.append(_WRITERS[type(term)](term))
     return tuple(found)
@@ -394,10 +396,6 @@ def _read_near(term: QueryTerm, number: int) -> IsNear:
     return IsNear(term.text, metres)
 
 
-def _write_text(term: _TextQuery) -> QueryTerm:
-    return QueryTerm(kind=_TEXT_KINDS[type(term)], text=term.text)
-
-
 def _read_text(term: QueryTerm, _number: int) -> Query:
     return _TEXT_TERMS[term.kind](term.text)
 
@@ -416,9 +414,8 @@ _WRITERS: Mapping[type[Query], Callable[[Any], QueryTerm]] = {
     IsNear: _write_near,
     IsDisputed: lambda _: QueryTerm(kind="disputed"),
     IsUnapproved: lambda _: QueryTerm(kind="unapproved"),
-    **dict.fromkeys(_TEXT_KINDS, _write_text),
 }
-"""Makes the message of each kind of term that joins no others."""
+"""Make the message of each kind of term that joins no others, and has more than one text."""
 
 _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "type": lambda term, _: TypeIs(term.name, frozenset(term.types), term.tag, term.flag),
