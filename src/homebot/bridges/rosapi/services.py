@@ -200,7 +200,7 @@ class RosApi:
     def __init__(self, node: Node) -> None:
         error_log = ClientErrorLog(node)
         for name in _SERVICES:
-            _serve(node, name, error_log)
+            node.offer_service(_ros_type(name), f"/rosapi/{name}", partial(_serve, node, name, error_log))
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         node.offer_service("homebot/srv/FindEndpoints", "/rosapi/endpoints", partial(_serve_endpoints, node))
         node.offer_service("homebot/srv/MeasureLoad", "/rosapi/load", partial(_serve_load, node))
@@ -221,7 +221,7 @@ def _serve_load(node: Node) -> None:
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
     """Offer a service on *node*; log why a parameter was not set, as the libraries of clients do not read it."""
     request_fields, response_fields, answer = _SERVICES[name]
-    ros_type = f"rosapi_msgs/srv/{_OTHER_NAMES.get(name) or name.title().replace('_', '')}"
+    ros_type = _ros_type(name)
     response = _message_type(f"{ros_type}_Response", response_fields)
     service_type = ServiceType(ros_type, _message_type(f"{ros_type}_Request", request_fields), response)
 
@@ -233,6 +233,10 @@ def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
         return response(**fields)
 
     node.create_service(service_type, f"/rosapi/{name}", handle)
+
+
+def _ros_type(name: str) -> str:
+    return f"rosapi_msgs/srv/{_OTHER_NAMES.get(name) or name.title().replace('_', '')}"
 
 
 def _message_type(ros_type: str, fields: str) -> type[Message]:
