@@ -110,6 +110,7 @@ def test_the_picture_fits_the_terminal(picture: HousePicture, width: int, height
         assert re.search(r"hall_lamp +on +zigbee2mqtt", text)
         assert {one for one in DIALECTS if one in text} == DIALECTS
         assert max(map(len, lines)) <= width
+    assert bool(re.search(r"│ kitchen ☺+ +│ living ", text)) is (width >= 100)
 
 
 @pytest.fixture

@@ -5,8 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+from homebot.cli.plan_picture import Line, PlanPicture
 from homebot.devices.wording.values import life, state_text
 from homebot.support.printable import printable
 
@@ -16,17 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = ["HousePicture", "Line", "lines_of"]
 
-_Segment: TypeAlias = tuple[str, str]
-"""Text, and its style of rich's."""
-
-Line: TypeAlias = Sequence[_Segment]
-"""One line, in its parts."""
-
 _WIDE: Final = 70
 """Columns from which on the rooms stand in two columns."""
 
 _LEAST_STORY, _MOST_STORY = 4, 10
 """Lines of the story, as there is room."""
+
+_STORY_BESIDE_PLAN: Final = 6
+"""Lines of the story that a plan of the house leaves."""
 
 _STATE: Final = 9
 _DIALECT: Final = 13
@@ -48,6 +46,7 @@ class HousePicture(NamedTuple):
         devices: The devices.
         beings: The people and robots in each room.
         story: What happened, oldest first.
+        plan: The shape of the house.
     """
 
     title: str
@@ -55,6 +54,7 @@ class HousePicture(NamedTuple):
     devices: Sequence[Device]
     beings: Mapping[str, Sequence[str]]
     story: Sequence[StoryLine]
+    plan: PlanPicture
 
 
 def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
@@ -63,18 +63,28 @@ def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
     column = (width - _GAP) // 2 if is_wide else width
     blocks = [_room(room, devices, picture.beings.get(room, ()), column) for room, devices in _by_room(picture.devices)]
     rooms = _beside(*_halves(blocks), column) if is_wide else [line for block in blocks for line in block]
-    head: list[Line] = [[(picture.title, "bold")], *([[("", "")]] if height >= _TIGHT else [])]
-    left = height - len(head) - 2
+    plan = _plan(picture, width, height - 3 - len(rooms) - _STORY_BESIDE_PLAN) if is_wide else []
+    head: list[Line] = [[(picture.title, "bold")], *([[("", "")]] if height >= _TIGHT and not plan else [])]
+    left = height - len(head) - len(plan) - 2
     story = max(_LEAST_STORY, min(_MOST_STORY, left - len(rooms)))
     told = _story(picture.story, width, story)
     return [
         *head,
+        *plan,
         *rooms[: max(0, left - story)],
         [("─" * width, "dim")],
         *told,
         *([[("", "")]] * (story - len(told))),
         [(picture.hint, "dim")],
     ]
+
+
+def _plan(picture: HousePicture, width: int, height: int) -> list[Line]:
+    """Return the plan of the house; rooms with a lamp that is on are lit."""
+    signs = {room: "".join(one[0] for one in beings) for room, beings in picture.beings.items()}
+    lamps = (one for one in picture.devices if any(part.part.service_type == "light" for part in one.parts))
+    lit = {one.area for one in lamps if state_text(one).startswith("on")}
+    return picture.plan.lines(signs, lit, width, height)
 
 
 def _by_room(devices: Iterable[Device]) -> list[tuple[str, list[Device]]]:
@@ -85,7 +95,7 @@ def _by_room(devices: Iterable[Device]) -> list[tuple[str, list[Device]]]:
 
 
 def _room(room: str, devices: Iterable[Device], beings: Sequence[str], width: int) -> list[Line]:
-    with_beings: list[_Segment] = [(f"  {', '.join(beings)}", "cyan")] if beings else []
+    with_beings: list[tuple[str, str]] = [(f"  {', '.join(beings)}", "cyan")] if beings else []
     return [[(printable(room) or "no room", "bold"), *with_beings], *(_device(one, width) for one in devices)]
 
 

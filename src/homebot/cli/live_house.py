@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.cli.house_picture import HousePicture, Line, lines_of
+from homebot.cli.house_picture import HousePicture, lines_of
+from homebot.cli.plan_picture import Line, PlanPicture
 from homebot.cli.story import Story
 from homebot.devices.house_view import HouseView
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.values import plain_value
 from homebot.graph import Node
-from homebot.house.rooms import DAY, OUTSIDE
+from homebot.house.rooms import DAY, DOOR_WIDTH, OUTSIDE
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class LiveHouse:
         self._began, self._lived = self._clock.now(), world.now
         self._devices: dict[str, Device] = {}
         self._names: dict[str, str] = {}
+        self._plan = _plan_of(world)
         self._view = HouseView.of(node)
         self.story = Story(self._names, self._time)
         node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.story.add_entry, _ENTRIES)
@@ -72,6 +74,7 @@ class LiveHouse:
             devices,
             self._beings(devices),
             self.story.lines.copy(),
+            self._plan,
         )
 
     def on_device(self, change: DeviceChange) -> None:
@@ -131,6 +134,12 @@ async def _redraw(house: LiveHouse, draw: Callable[[Callable[[int, int], Sequenc
     while True:
         await to_thread.run_sync(draw, partial(lines_of, house.picture()))
         await anyio.sleep(_EVERY)
+
+
+def _plan_of(world: World) -> PlanPicture:
+    corners = {name: room.corners for name, room in world.rooms.rooms.items() if room.corners}
+    rooms = {name: (*points[0], *points[2]) for name, points in corners.items()}
+    return PlanPicture(rooms, [middle for _, _, middle in world.rooms.doorways()], DOOR_WIDTH)
 
 
 def _terminal() -> RichTerminal:

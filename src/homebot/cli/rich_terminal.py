@@ -17,7 +17,7 @@ from rich.text import Text
 from homebot.support.output import CleanText
 
 if TYPE_CHECKING:
-    from homebot.cli.house_picture import Line
+    from homebot.cli.plan_picture import Line
 from homebot.support.printable import printable
 
 __all__ = ["RichTerminal"]
