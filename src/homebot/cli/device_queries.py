@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import progress
-from homebot.devices.names import FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
+from homebot.devices.names import EXPLAIN_DEVICE, FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import to_seconds
@@ -20,6 +20,7 @@ from homebot.support.similar import did_you_mean, similar_to
 if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
+    from homebot.devices.journal_messages import ExplainDeviceResponse
     from homebot.devices.services import QueryDevicesResponse
     from homebot.messages import Time
 
@@ -28,6 +29,7 @@ __all__ = [
     "device_or_similar",
     "find_devices",
     "house_time",
+    "ineffective_routes",
     "matching_devices",
     "named_device",
     "reasons_for",
@@ -143,6 +145,15 @@ def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
     answer = _unapproved(door, device)
     reason = next((one.value for one in answer.reasons), "")
     return reason, bool(answer.devices)
+
+
+def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str, str]]:
+    """Return the routes of *device* that are tried last, as their last commands had no effect: part, gateway/key."""
+    has_choice = any(len(one.routes) > 1 for one in device.parts)
+    if not (has_choice and entities(door, kind="service", name=EXPLAIN_DEVICE)):
+        return frozenset()
+    found = cast("ExplainDeviceResponse", JsonMessage(door.call(EXPLAIN_DEVICE, {"device": device.id})))
+    return frozenset((one.key, one.value) for one in found.ineffective)
 
 
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:

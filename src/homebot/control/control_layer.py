@@ -105,6 +105,7 @@ class ControlLayer:
             self.journal.read,
             lookup.device,
             lambda device: self.journal.fights.recent(node.graph.clock.now(), device),
+            self.timelines.ineffective_routes,
         )
 
     def update_policies(self, settings: ControlSettings, *, approves_all: bool) -> None:

@@ -52,6 +52,7 @@ _REPORTS: Final = frozenset({"reported", "changed"})
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
 FindDevice: TypeAlias = Callable[[str], Awaitable[Device | None]]
 FindFights: TypeAlias = Callable[[str], tuple[DeviceFight, ...]]
+FindRoutes: TypeAlias = Callable[[Device], tuple[KeyValue, ...]]
 
 _Entries: TypeAlias = tuple[JournalEntry, ...]
 
@@ -108,12 +109,20 @@ class Explanations:
     Args:
         find_device: Returns a device by its id; None if there is none.
         find_fights: Returns the fights over a device, by its id.
+        find_ineffective: Returns the routes of a device that are tried last, by part.
     """
 
-    def __init__(self, read: ReadEntries, find_device: FindDevice, find_fights: FindFights = lambda _: ()) -> None:
+    def __init__(
+        self,
+        read: ReadEntries,
+        find_device: FindDevice,
+        find_fights: FindFights = lambda _: (),
+        find_ineffective: FindRoutes = lambda _: (),
+    ) -> None:
         self._read = read
         self._find_device = find_device
         self._find_fights = find_fights
+        self._find_ineffective = find_ineffective
 
     async def explain(self, request: ExplainDeviceRequest) -> ExplainDeviceResponse:
         """Return the last change of a device, with the chain of its causes."""
@@ -150,8 +159,9 @@ class Explanations:
             entries = await reader.chain(sent, 1)
         names = tuple(reader.names.values())
         fights = self._find_fights(device.id)
+        ineffective = self._find_ineffective(device)
         return ExplainDeviceResponse(
-            finding=finding, changed_at=changed_at, entries=entries, names=names, fights=fights
+            finding=finding, changed_at=changed_at, entries=entries, names=names, fights=fights, ineffective=ineffective
         )
 
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:

@@ -38,6 +38,7 @@ class _SavedProfile(BaseModel):
     returns: dict[str, _Returns] = Field(default_factory=dict)
     echoes: dict[str, _Echoes] = Field(default_factory=dict)
     answers: dict[str, _Answers] = Field(default_factory=dict)
+    failures: Annotated[dict[str, int], Field(max_length=KEPT)] = Field(default_factory=dict)
     is_told_once: bool = False
 
 
@@ -72,6 +73,7 @@ class Profiles:
             returns={name: tuple((one.is_fast, one.after) for one in known) for name, known in profile.returns.items()},
             echoes={name: tuple(known) for name, known in profile.echoes.items()},
             answers={name: tuple(known.items()) for name, known in profile.answers.items()},
+            failures=dict(profile.failures),
             is_told_once=profile.is_told_once,
         )
         self._save(target, record.model_dump_json(exclude_defaults=True), command)
@@ -92,6 +94,7 @@ class Profiles:
         for capability, answers in saved.answers.items():
             known: OrderedDict[PlainValue, PlainValue] = OrderedDict(answers)
             profile.answers.setdefault(capability, known)
+        profile.failures = {**saved.failures, **profile.failures}
         profile.is_told_once = profile.is_told_once or saved.is_told_once
 
 

@@ -101,7 +101,8 @@ class Sending:
                 if plan.attempts == 1 or self._policies.check(command) is None:
                     problem = await self._send(sent, plan)
                     if problem is None or (progress.wanted and progress.is_met):
-                        self._journal.record("acknowledged", command)
+                        route = progress.routes[-1] if progress.routes and problem is None else ""
+                        self._journal.record("acknowledged", command, route.partition("/")[0])
                     elif plan.attempts == 1:
                         return problem
                 plan.asked_at = clock.monotonic()
@@ -125,6 +126,7 @@ class Sending:
     async def _send(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
         """Send the settings in their order; return the outcome if that fails."""
         command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
+        profile = sent.timeline.profile
         began = clock.monotonic()
         self._journal.record("sent", command, "again" if is_repeated else "")
         sent.progress.send(began)
@@ -137,7 +139,7 @@ class Sending:
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
-                await self._sender.send(
+                route = await self._sender.send(
                     command.device,
                     command.part,
                     capability,
@@ -148,7 +150,10 @@ class Sending:
                     command.id,
                     plan.keeps_for if plan.attempts < plan.tries else 0.0,
                     repeated=is_repeated,
+                    ineffective=profile.ineffective if profile.failures else (),
                 )
+                if len(command.part.routes) > 1:
+                    sent.progress.routes.append(route.name)
         except LinkError as exc:
             return NoAnswer(clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:

@@ -17,7 +17,7 @@ from homebot.control.timeline.facts import Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import related
-from homebot.devices import Device, DevicePart, State
+from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.device import Route
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
@@ -80,6 +80,16 @@ class Timelines:
         """Return the timeline of a part; a new one begins with the known values."""
         return self._entry(device, part).timeline
 
+    def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
+        """Return the routes of a device that are tried last, as their last commands had no effect, by part."""
+        return tuple(
+            KeyValue(key=part.id, value=route.name)
+            for part in device.parts
+            if len(part.routes) > 1
+            for route in part.routes
+            if route.name in self._profiles.of(_target(device, part)).ineffective
+        )
+
     def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
         """Call *on_value* with each live report of a part; return the function that ends it."""
         listeners = self._entry(device, part).listeners
@@ -111,7 +121,7 @@ class Timelines:
         return entry
 
     def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
-        target = f"{device.id}#{part.id}" if part.id else device.id
+        target = _target(device, part)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         timeline.on_report, timeline.on_end = partial(self.on_report, place), self.on_end
@@ -175,6 +185,11 @@ class Timelines:
             for listener in tuple(entry.listeners):
                 listener(capability, entry.timeline.value(capability), attribution)
         self.on_undone(place, progress)
+
+
+def _target(device: Device, part: DevicePart) -> str:
+    """Return the name of the profile of a part."""
+    return f"{device.id}#{part.id}" if part.id else device.id
 
 
 def _ignore(*_: object) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.device import Device, DevicePart, Route
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
-from homebot.devices.names import GatewayNames
+from homebot.devices.names import OWNER, PREFER, GatewayNames
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node
@@ -40,12 +40,14 @@ class CommandSender:
         kept_for: float = 0.0,
         *,
         repeated: bool = False,
-    ) -> None:
-        """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
+        ineffective: Collection[str] = (),
+    ) -> Route:
+        """Set *capability* to *value* within *transition* seconds; return the route that accepted the command.
 
         A gateway that has not carried it out within *expires_after* seconds gives up. For a device that is away the
         network keeps it for *kept_for* seconds; *repeated* is a command that was sent before and had no effect: it
-        begins with the second route, for the first accepted it.
+        begins with the second route, for the first accepted it. Routes named in *ineffective* come after those that
+        work, unless the owner prefers their gateway.
 
         The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
         gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
@@ -55,7 +57,7 @@ class CommandSender:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             LinkError: No gateway of the part is running and connected; it may work later.
         """
-        routes = _routes(device, part, capability, is_repeated=repeated)
+        routes = _routes(device, part, capability, ineffective, is_repeated=repeated)
         problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
         for route in routes:
             command = Command(
@@ -73,7 +75,7 @@ class CommandSender:
             )
             response = await self._send_by(route.gateway, command)
             if response.success:
-                return
+                return route
             if response.problem == "unreachable":
                 is_away, problem = True, response.message or problem
                 if capability in MOMENTARY and not response.unable:
@@ -104,8 +106,10 @@ class CommandSender:
         return client
 
 
-def _routes(device: Device, part: DevicePart, capability: str, *, is_repeated: bool) -> Sequence[Route]:
-    """Return the routes by which *capability* is said to be set; all of them if no route says so.
+def _routes(
+    device: Device, part: DevicePart, capability: str, ineffective: Collection[str], *, is_repeated: bool
+) -> Sequence[Route]:
+    """Return the routes by which *capability* is said to be set, those that work first; all if no route says so.
 
     A repeated command begins with the second. If the owner approved some routes, the others are not used: they were
     announced later, or changed.
@@ -117,4 +121,8 @@ def _routes(device: Device, part: DevicePart, capability: str, *, is_repeated: b
         return part.routes
     approved = [route for route in part.routes if route.approved] or part.routes
     routes = [route for route in approved if route.can(capability)] or approved
+    if ineffective:
+        facts = [one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)]
+        prefer = facts[0] if facts else ()
+        routes = sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)
     return (*routes[1:], routes[0]) if is_repeated else routes

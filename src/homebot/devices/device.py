@@ -83,6 +83,11 @@ class Route(Message):
     takes: tuple[str, ...] = EVERYTHING
     approved: str = ""
 
+    @property
+    def name(self) -> str:
+        """Its gateway and key, such as ``mqtt/shelly:hall``."""
+        return f"{self.gateway}/{self.key}"
+
     def can(self, capability: str) -> bool:
         """Return whether *capability* can be set by it."""
         return self.takes == EVERYTHING or capability in self.takes

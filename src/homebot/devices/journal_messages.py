@@ -109,9 +109,9 @@ class JournalEntry(Message):
         trigger: ``requested`` and ``published``: its cause.
         settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; of a
             lease the held value.
-        text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others; ``denied``: the
-            command, if it is known; ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word;
-            ``outranked``: the observation.
+        text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others;
+            ``acknowledged``: the gateway, of a part that several reach; ``denied``: the command, if it is known;
+            ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word; ``outranked``: the observation.
         verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, its
             ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
             (``count``), or that of ``lease``.
@@ -222,6 +222,8 @@ class ExplainDeviceResponse(Message):
             ``none`` those of the newest command. Entries with the same ``command`` follow each other.
         names: As for `ReadJournal`.
         fights: The fights of apps over the device in the last hour.
+        ineffective: By part, :attr:`homebot.devices.Route.name` of each route that is tried last, as its last commands
+            had no effect.
     """
 
     success: bool = True
@@ -231,6 +233,7 @@ class ExplainDeviceResponse(Message):
     entries: tuple[JournalEntry, ...] = ()
     names: tuple[KeyValue, ...] = ()
     fights: tuple[DeviceFight, ...] = ()
+    ineffective: tuple[KeyValue, ...] = ()
 
 
 class ExplainMissingStateRequest(Message):

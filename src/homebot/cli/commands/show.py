@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import add_broker_option, set_client_command
 from homebot.cli.device_json import device_json, json_text
-from homebot.cli.device_queries import house_time, named_device, reasons_for, unapproved, why_it_asks
+from homebot.cli.device_queries import (
+    house_time,
+    ineffective_routes,
+    named_device,
+    reasons_for,
+    unapproved,
+    why_it_asks,
+)
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
@@ -58,11 +65,18 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
         reasons = reasons_for(door, device)
         asks, waits = why_it_asks(door, device.id)
         rows = [("always asks", printable(asks))] if asks else []
-        _describe(device, reasons, house_time(door), [*rows, *([_WAITS] if waits else [])])
+        now, ineffective = house_time(door), ineffective_routes(door, device)
+        _describe(device, reasons, now, [*rows, *([_WAITS] if waits else [])], ineffective)
     return 0
 
 
-def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence[tuple[str, str]]) -> None:
+def _describe(
+    device: Device,
+    reasons: Sequence[str],
+    now: float,
+    asks: Sequence[tuple[str, str]],
+    ineffective: Collection[tuple[str, str]],
+) -> None:
     """Print the facts of *device*.
 
     Args:
@@ -70,10 +84,11 @@ def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence
         reasons: Why a search for its name finds it.
         now: The house's time.
         asks: Rows on why it always asks, and on the approval that it waits for.
+        ineffective: The routes that are tried last, by part and name.
     """
     print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
     print_rows([*_overview(device, now), *asks])
-    _print_parts(device, now)
+    _print_parts(device, now, ineffective)
     if len(device.endpoints) > 1:
         _section("gateways", [_endpoint(one, now) for one in device.endpoints])
     _section("addresses", _addresses(device))
@@ -84,12 +99,14 @@ def _describe(device: Device, reasons: Sequence[str], now: float, asks: Sequence
     _section("why a search for its name finds it", [(one,) for one in reasons])
 
 
-def _print_parts(device: Device, now: float) -> None:
+def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, str]]) -> None:
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     prefer = next((one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)), [])
     for part in device.parts:
         title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
-        _section(title, _part(part, values, prefer, now))
+        ranks = {gateway: f", number {number} that you prefer" for number, gateway in enumerate(prefer, 1)}
+        late = {route for part_id, route in ineffective if part_id == part.id}
+        _section(title, _part(part, values, ranks, late, now))
 
 
 def _addresses(device: Device) -> list[tuple[str, ...]]:
@@ -132,15 +149,19 @@ def _title(part: DevicePart) -> str:
 
 
 def _part(
-    part: DevicePart, states: dict[tuple[str, str], State], prefer: Sequence[str], now: float
+    part: DevicePart,
+    states: dict[tuple[str, str], State],
+    ranks: Mapping[str, str],
+    late: Collection[str],
+    now: float,
 ) -> Iterator[tuple[str, ...]]:
     for capability in part.part.capabilities:
         yield _capability(capability, states.get((part.id, capability.name)), now)
     yield from (("state topic", topic) for topic in part.part.reads)
     yield from (("command topic", topic) for topic in part.part.writes)
     for number, route in enumerate(part.routes):
-        rank = f", number {prefer.index(route.gateway) + 1} that you prefer" if route.gateway in prefer else ""
-        yield ("route" if number == 0 else "else"), _by(route) + rank
+        note = "; its last commands had no effect" if f"{route.gateway}/{route.key}" in late else ""
+        yield ("route" if number == 0 else "else"), _by(route) + ranks.get(route.gateway, "") + note
 
 
 def _capability(capability: Capability, state: State | None, now: float) -> tuple[str, ...]:

@@ -64,6 +64,8 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
         print_rows([*chain_lines(chains, client.names, now)])
     for fight in found.fights:
         print_line(f"{printable(fight.text)}, the last {ago_text(to_seconds(fight.newest), now)}.", "yellow")
+    for route in dict.fromkeys(one.value for one in found.ineffective):
+        print_line(f"The last commands via {printable(route)} had no effect: another way is tried first.", "yellow")
 
 
 def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
@@ -74,5 +76,6 @@ def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -
         "since": iso(found.changed_at) if found.changed_at.sec else None,
         "explained": found.finding == "command",
         "chain": chain_json(found.entries, client.names) if found.finding != "none" else [],
+        "ineffective_routes": [{"part": one.key, "route": one.value} for one in found.ineffective],
         "fights": [{"apps": list(one.issuers), "text": one.text, "last": iso(one.newest)} for one in found.fights],
     }

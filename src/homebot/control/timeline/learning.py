@@ -17,6 +17,8 @@ def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: floa
     _learn_answers(progress, profile)
     _learn_echoes(progress, profile)
     _set_told_once(profile, is_told_once=False)
+    if progress.routes and progress.wanted:
+        profile.learn_routes(progress.routes, progress.routes[-1])
 
 
 def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
@@ -25,6 +27,8 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
     if not isinstance(outcome, NoAnswer | Contradicted):
         return
     _learn_answers(progress, profile)
+    if not progress.refusal:
+        profile.learn_routes(progress.routes)
     if isinstance(outcome, Contradicted):
         _learn_echoes(progress, profile)
     progress.learns_late = _may_answer_late(progress, outcome)

@@ -22,6 +22,9 @@ KEPT_ANSWERS: Final = 8
 """Answers to different values, for each capability."""
 
 _ENOUGH: Final = 3
+_IN_VAIN: Final = 2
+"""Commands in a row without effect after which a route is tried last: one may have met a person's hand."""
+
 _FIRST_ECHOES: Final = 3
 _LARGEST_ERROR: Final = 25.0
 """Percent by which a dimmer may round; a larger error is no rounding."""
@@ -51,6 +54,7 @@ class DeviceProfile:
         returns: The ends of confirmed values; empty as long as no value was taken back.
         echoes: For each expected echo, whether the device reported by itself after it.
         answers: The reported values by commanded value.
+        failures: By route, how many commands in a row had no effect, at most two; see :attr:`Route.name`.
         is_told_once: Whether it is a dimmer that gave no answer to several sendings: each may have begun its ramp anew.
         is_changed: Whether it has knowledge that is not saved yet.
     """
@@ -59,6 +63,7 @@ class DeviceProfile:
     returns: dict[str, deque[Return]] = field(default_factory=dict)
     echoes: dict[str, deque[bool]] = field(default_factory=dict)
     answers: dict[str, OrderedDict[PlainValue, PlainValue]] = field(default_factory=dict)
+    failures: dict[str, int] = field(default_factory=dict)
     is_told_once: bool = False
     is_changed: bool = False
 
@@ -105,6 +110,22 @@ class DeviceProfile:
         """Record whether the device reported by itself after an echo."""
         self.echoes.setdefault(capability, deque(maxlen=KEPT)).append(is_answered)
         self.is_changed = True
+
+    def learn_routes(self, routes: Iterable[str], worked: str = "") -> None:
+        """Record the routes by which a command was sent, and the one that *worked*; empty for none."""
+        for route in dict.fromkeys(routes):
+            before = self.failures.pop(route, 0)
+            count = 0 if route == worked else min(before + 1, _IN_VAIN)
+            self.is_changed = self.is_changed or count != before
+            if count:
+                self.failures[route] = count
+        while len(self.failures) > KEPT:
+            del self.failures[next(iter(self.failures))]
+
+    @property
+    def ineffective(self) -> frozenset[str]:
+        """The routes whose last commands had no effect."""
+        return frozenset(route for route, count in self.failures.items() if count >= _IN_VAIN)
 
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
         """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""

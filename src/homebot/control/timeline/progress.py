@@ -43,6 +43,7 @@ class CommandProgress:
         wanted: The values that the part is to report, and its reports of them.
         roles: The role of each report, by its number.
         accepted: When the network accepted each setting.
+        routes: The routes that accepted it, in their order, of a part that has several.
         moved_at: When the device was last seen on its way; None if it was not.
         stopped_at: When a motor last reported that it stopped; -inf if it did not.
         told_otherwise_at: When another value was last reported, and no movement; -inf for never.
@@ -78,6 +79,7 @@ class CommandProgress:
         self.roles: dict[int, ReportRole] = {}
         self.accepted: dict[str, float] = {}
         self.sendings = 0
+        self.routes: list[str] = []
         self.moved_at: float | None = None
         self.stopped_at = self.told_otherwise_at = -math.inf
         self.superseded_by = self.refusal = ""

@@ -120,9 +120,9 @@ def _wanted(entry: JournalEntry) -> str:
 
 
 def _informative(entries: Iterable[JournalEntry]) -> Iterator[JournalEntry]:
-    """Yield the informative entries: an acceptance by the network only without a report, and a no once."""
+    """Yield the informative entries: an acceptance only by a route or without a report, and a no once."""
     shown = list(entries)
     has_report = any(one.kind == "reported" for one in shown)
     for before, one in zip([None, *shown], shown, strict=False):
-        if (one.kind != "acknowledged" or not has_report) and not repeats(one, before):
+        if (one.kind != "acknowledged" or one.text or not has_report) and not repeats(one, before):
             yield one

@@ -141,7 +141,7 @@ _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
     "published": lambda entry, name: f"{issuer_text(entry.issuer)} published {printable(entry.text)!r} for {name}",
     "judged": _verdict_text,
     "sent": lambda entry, _: "handed to the gateway again" if entry.text else "handed to the gateway",
-    "acknowledged": lambda _entry, _: "the network accepted it",
+    "acknowledged": lambda entry, _: f"{printable(entry.text) or 'the network'} accepted it",
     "reported": lambda entry, name: f"{name} reported {_wanted(entry)}",
     "denied": lambda entry, _: f"{issuer_text(entry.issuer)} was refused {_request_text(entry)}: {denial_text(entry)}",
     "held": lambda entry, name: f"{_holder(entry)} began to hold {name} {_wanted(entry)}",

@@ -1,0 +1,46 @@
+"""What a profile knows of the routes to a device."""
+
+from __future__ import annotations
+
+from homebot.control.profiles import Profiles
+from homebot.control.timeline.profile import KEPT, DeviceProfile
+
+
+def test_a_route_is_ineffective_after_two_commands_in_a_row_and_until_it_works() -> None:
+    profile = DeviceProfile()
+    profile.learn_routes(["hub", "radio"], "radio")
+    profile.learn_routes(["hub", "hub"])
+    assert profile.ineffective == {"hub"}
+    profile.learn_routes(["radio", "radio", "hub"], "hub")
+    assert profile.ineffective == frozenset()
+    profile.learn_routes(["hub"])
+    profile.learn_routes(["hub"], "hub")
+    profile.learn_routes(["hub"])
+    assert profile.ineffective == frozenset()
+
+
+def test_only_news_of_a_route_is_saved() -> None:
+    profile = DeviceProfile()
+    profile.learn_routes(["hub"], "hub")
+    assert not profile.is_changed
+    profile.learn_routes(["hub"])
+    profile.learn_routes(["hub"])
+    profile.is_changed = False
+    profile.learn_routes(["hub"])
+    assert not profile.is_changed
+
+
+def test_the_oldest_of_many_routes_is_forgotten() -> None:
+    profile = DeviceProfile()
+    profile.learn_routes([str(number) for number in range(KEPT + 1)])
+    assert set(profile.failures) == {str(number) for number in range(1, KEPT + 1)}
+
+
+def test_an_ineffective_route_is_known_after_a_restart() -> None:
+    saved: dict[str, str] = {}
+    before, after = (Profiles(lambda name, record, _: saved.update({name: record})) for _ in range(2))
+    before.of("lamp").failures = {"hub": 2}
+    before.of("lamp").is_changed = True
+    before.save("lamp", before.of("lamp"), "")
+    after.restore("lamp", saved["lamp"])
+    assert after.of("lamp").ineffective == {"hub"}
