@@ -31,6 +31,21 @@ settings.register_profile("nightly", deadline=None, suppress_health_check=[Healt
 settings.register_profile("usual", settings.get_profile("nightly"), max_examples=EXAMPLES, derandomize=True)
 settings.load_profile("nightly" if NIGHTLY else "usual")
 
+_SLOW = {
+    Path(__file__).parent / folder
+    for folder in (
+        *("bridges/home_api", "bridges/rosbridge", "bridges/thing_directory", "cli", "days", "fuzz", "mqtt/broker"),
+        *(f"gateways/{name}" for name in ("ble", "coap", "drivers", "matter", "mdns", "nfc", "thing_directory")),
+        *("packages", "system", "testing"),
+    )
+}
+"""Folders of slow tests: programs, real sockets, whole days and generated cases."""
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    if not _SLOW.isdisjoint(item.path.parents):
+        item.add_marker(pytest.mark.slow)
+
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "virtual_time: runs on an event loop whose time jumps; no sockets, no threads")

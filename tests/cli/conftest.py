@@ -41,10 +41,6 @@ from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 TOKEN = "hunter2"
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 @dataclass
 class Homebot:
     """What runs in the thread; only :meth:`do` may touch the graph."""

@@ -48,10 +48,6 @@ NUMBERS = (0, 1, -1, 2**31, 10**40, -(10**400), 0.5, 1e308, -0.0, math.nan, math
 TOPICS = ("homeassistant/x", "zigbee2mqtt/bridge/devices", "homie/5/d/$state", "shellies/announce", "a/../b", "+/#")
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 class Mutator:
     """Generated and damaged values, by one source of chance.
 

@@ -2,10 +2,4 @@
 
 from __future__ import annotations
 
-import pytest
-
 collect_ignore_glob = ["homebot-*"]
-
-
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)

@@ -9,10 +9,6 @@ from collections.abc import Iterator
 import pytest
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 @pytest.fixture(autouse=True)
 def _inner_runs_keep_their_order(request: pytest.FixtureRequest) -> Iterator[None]:
     """Also where a plug-in that shuffles is installed: the tests read what an inner run says, in its order."""

@@ -34,10 +34,6 @@ SENSOR = GatewayDevice("attic", "Attic", (simple_part("temperature_sensor", read
 OWNER = "fedcba9876543210"
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 class ServedHouse:
     """A house, its directory of things, and a client of that."""
 

@@ -21,10 +21,6 @@ from homebot.house.virtual_radio import VirtualRadio
 KEPT = QoSProfile(depth=20_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 class RadioHouse:
     """A gateway, its radio, and what it published."""
 

@@ -43,10 +43,6 @@ from homebot.support.turn_budget import TurnBudget
 Kind = TypeVar("Kind")
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
-
-
 class WorkClock:
     """A clock that is moved by hand, and goes on while the processor works.
 

@@ -1,9 +1,0 @@
-"""Homebot against real peers and hostile ones, as programs and over sockets: slow."""
-
-from __future__ import annotations
-
-import pytest
-
-
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.slow)
