@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from tests.bridges.frames import parse_frame
 
 from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.protocol import (
     CallService,
     FrameError,
-    Operation,
     PublishOperation,
     ServiceResponse,
     SubscribeOperation,
@@ -152,24 +148,3 @@ def test_frames_out_have_the_fields_that_clients_read() -> None:
         '{"op":"action_result","action":"/a","status":0,"values":"no","result":false,"id":"g"}'
     )
     assert publish_frame('/"', String(data=""), lost=2) == '{"op":"publish","topic":"/\\"","msg":{"data":""},"lost":2}'
-
-
-@given(st.text())
-def test_any_text_is_an_operation_or_a_frame_error(text: str) -> None:
-    with suppress(FrameError):
-        assert isinstance(parse_frame(text), Operation)
-
-
-_JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-    max_leaves=10,
-)
-_FIELDS = ["id", "topic", "type", "msg", "service", "args", "values", "result", "level", "throttle_rate", "action"]
-_OPS = ["advertise", "publish", "subscribe", "call_service", "service_response", "set_level", "send_action_goal"]
-
-
-@given(st.sampled_from(_OPS), st.dictionaries(st.sampled_from(_FIELDS), _JSON))
-def test_any_fields_make_an_operation_or_a_frame_error(op: str, fields: dict[str, object]) -> None:
-    with suppress(FrameError):
-        assert parse_frame(json.dumps({"op": op, **fields})).op == op

@@ -130,23 +130,11 @@ def use(topic: str, payload: bytes, heard: bytes, value: PlainValue, transition:
                     described.codec.write(capability.name, value, transition=transition)
 
 
-@given(st.sampled_from(TOPICS), said)
-def test_any_payload_is_read_or_refused(topic: str, payload: bytes) -> None:
-    use(topic, payload, b"", None, 0.0)
-
-
 @given(st.sampled_from(TOPICS), mutated(), said | states, values, st.floats())
 def test_any_change_to_a_valid_config_is_taken_or_refused(
     topic: str, fields: dict[str, Any], heard: bytes, value: PlainValue, transition: float
 ) -> None:
     use(topic, json.dumps(fields).encode(), heard, value, transition)
-
-
-@given(st.sampled_from(TOPICS), st.sampled_from(VALID), said | states, values)
-def test_any_message_and_any_command_to_a_valid_part_is_taken_or_refused(
-    topic: str, fields: dict[str, Any], heard: bytes, value: PlainValue
-) -> None:
-    use(topic, json.dumps(fields).encode(), heard, value, 0.0)
 
 
 @pytest.mark.parametrize(

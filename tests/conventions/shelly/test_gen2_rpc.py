@@ -6,8 +6,6 @@ import json
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from tests.conventions.shelly.rpc_documents import MODELS, Model
 
 from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcCall, is_setup_change
@@ -210,30 +208,3 @@ def test_components_come_in_pages_and_go_when_they_are_no_longer_listed() -> Non
     third = device.describe()
     assert third is not None
     assert third.parts == ()
-
-
-SCALARS = st.sampled_from([None, True, 0, -1, 1e300, "", "x", "7", [], {}, [1], {"id": 0}])
-FIELDS = st.dictionaries(
-    st.sampled_from(["id", "output", "key", "status", "config", "mac", "value"]), SCALARS, max_size=3
-)
-OBJECTS = st.dictionaries(
-    st.sampled_from(["sys", "switch:0", "light:0", "input:1", "components", "total", "offset", "events", "mac", "id"]),
-    SCALARS | FIELDS | st.lists(FIELDS, max_size=2),
-    max_size=4,
-)
-
-
-@given(info=OBJECTS, config=OBJECTS, status=OBJECTS, page=OBJECTS, news=OBJECTS)
-def test_any_answers_are_described_and_read(
-    info: dict[str, Any], config: dict[str, Any], status: dict[str, Any], page: dict[str, Any], news: dict[str, Any]
-) -> None:
-    device = Gen2RpcDevice("shellyplus1-a8032abe54dc")
-    device.record_answer("info", info, 10)
-    device.record_answer("config", config, 10)
-    device.record_answer("status", status, 10)
-    device.add_page(page)
-    device.describe()
-    list(device.read_status(device.components_status()))
-    list(device.read_notification(frame({"method": "NotifyStatus", "params": news})))
-    is_setup_change(news)
-    assert device.stale_after >= 0

@@ -1,12 +1,9 @@
 from __future__ import annotations
 
 import copy
-import math
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from tests.conventions.wled.wled_documents import (
     BEFORE_0_13,
     RGB_0_15,
@@ -201,39 +198,6 @@ def test_a_transition_is_for_the_one_command(seconds: float, tenths: int) -> Non
 def test_an_impossible_command_of_a_part_is_refused(part: str, capability: str, value: PlainValue) -> None:
     with pytest.raises(RefusedError):
         strip(TWO_SEGMENTS_0_15).write(part, capability, value, 0.0)
-
-
-ODD: st.SearchStrategy[Any] = st.sampled_from(
-    [None, True, -1, 256, 1.5, 1e300, "", "x" * 300, [], {}, [[]], [[1, 2]], [None], {"id": 0}, "\ud800"]
-)
-
-
-@given(
-    where=st.sampled_from(["state", "info", "leds", "seg", "segment"]),
-    name=st.text(max_size=3),
-    odd=ODD,
-    data=st.data(),
-)
-def test_any_document_is_described_and_read(where: str, name: str, odd: Any, data: st.DataObject) -> None:
-    document = copy.deepcopy(TWO_SEGMENTS_0_15)
-    places: dict[str, Any] = {
-        "state": document["state"],
-        "info": document["info"],
-        "leds": document["info"]["leds"],
-        "seg": document["state"]["seg"],
-        "segment": document["state"]["seg"][0],
-    }
-    place = places[where]
-    if isinstance(place, list):
-        place.append(odd)
-    else:
-        place[data.draw(st.sampled_from([name, *place]))] = odd
-    found = strip(document)
-    parts = {one.id: one for one in found.parts()}
-    for part, readings in found.readings():
-        for capability, value in readings.items():
-            assert can_report(parts[part], capability, value)
-            assert not isinstance(value, float) or math.isfinite(value)
 
 
 @pytest.mark.parametrize("document", [{}, {"state": {}}, {"state": [], "info": {}}, {"state": {}, "info": None}])

@@ -73,23 +73,11 @@ def use(payload: bytes, heard: bytes, value: PlainValue, transition: float) -> N
                     described.codec.write(capability.name, value, transition=transition)
 
 
-@given(said, said)
-def test_any_payload_is_read_or_refused(payload: bytes, heard: bytes) -> None:
-    use(payload, heard, None, 0.0)
-
-
 @given(st.sampled_from(ENTRIES), st.data(), said | states, values, st.floats())
 def test_any_change_to_a_real_entry_is_taken_or_refused(
     entry: dict[str, Any], draw: st.DataObject, heard: bytes, value: PlainValue, transition: float
 ) -> None:
     use(json.dumps([changed(entry, draw)]).encode(), heard, value, transition)
-
-
-@given(st.sampled_from(ENTRIES), said | states, values)
-def test_any_message_and_any_command_to_a_real_device_is_taken_or_refused(
-    entry: dict[str, Any], heard: bytes, value: PlainValue
-) -> None:
-    use(json.dumps([entry]).encode(), heard, value, 0.0)
 
 
 @pytest.mark.parametrize(

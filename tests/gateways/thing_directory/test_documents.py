@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from datetime import UTC, datetime
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from homebot.errors import WireError
 from homebot.gateways.thing_directory.documents import (
     etag_of,
-    id_of,
     lifetime_of,
     members_of,
     next_page,
@@ -126,19 +122,3 @@ def test_an_entity_tag_can_be_sent_back(etag: str) -> None:
 @pytest.mark.parametrize("etag", ["", "a", '"a', '"a", "b"', '"a\r\nX: y"', '"ü"', f'"{"a" * 1000}"'])
 def test_an_invalid_entity_tag_is_not_sent_back(etag: str) -> None:
     assert etag_of({"etag": etag}) == ""
-
-
-VALUES = st.none() | st.booleans() | st.floats() | st.text(max_size=20)
-
-
-@given(VALUES | st.lists(VALUES) | st.dictionaries(st.sampled_from(["members", "next"]), VALUES), st.text(max_size=200))
-def test_no_page_and_no_header_breaks_more_than_itself(page: object, header: str) -> None:
-    assert isinstance(next_page(page, {"link": header}), str)
-    with suppress(WireError):
-        assert isinstance(members_of(page), list)
-
-
-@given(st.recursive(VALUES, st.lists, max_leaves=10))
-def test_an_id_is_a_text_or_an_error(value: object) -> None:
-    with suppress(WireError):
-        assert id_of({"id": value}) == value

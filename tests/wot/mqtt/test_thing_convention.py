@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Publication
-from homebot.conventions.payload import parse_json
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
@@ -286,53 +282,3 @@ def test_a_broken_description_is_refused_and_counted(description: Any, problem: 
     with pytest.raises(WireError, match="(?s).*" + problem.replace("$", r"\$")):
         convention.read_message(TOPIC, payload, retained=True)
     assert convention.rejected == 1
-
-
-_types = st.sampled_from(
-    ["OnOffProperty", "BrightnessProperty", "ColorProperty", "LockedProperty", "PushedProperty", ""]
-)
-_kinds = st.sampled_from(["boolean", "integer", "number", "string", "object", "array", "null"])
-_ends = st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**70), 2**70)
-_units = st.sampled_from(["", "mired", "fahrenheit", "percent"])
-_values = st.none() | st.booleans() | st.floats() | st.text(max_size=5) | st.tuples(st.floats(), st.floats())
-
-
-@given(
-    _types,
-    _units,
-    _kinds,
-    st.tuples(_ends, _ends),
-    st.lists(st.text(max_size=3) | st.integers(), max_size=2),
-    st.binary() | _ends.map(str).map(str.encode),
-    _values,
-)
-def test_no_message_or_command_breaks_a_part(
-    types: str,
-    unit: str,
-    kind: str,
-    ends: tuple[Any, Any],
-    enum: list[Any],
-    payload: bytes,
-    value: PlainValue,
-) -> None:
-    """Reading never raises and gives no number without end; writing raises nothing but a refusal, and spells JSON."""
-    more = {"@type": types, "unit": unit} | ({"enum": enum} if enum else {})
-    schema = prop("t", kind, minimum=ends[0], maximum=ends[1], **more)
-    convention = ThingDescriptions(ThingSettings())
-    try:
-        (heard,) = convention.read_message(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
-    except WireError:
-        return
-    assert isinstance(heard, DeviceAnnounced)
-    for part in heard.parts:
-        for said in (payload, json.dumps(value).encode()):
-            read = part.codec.read("t", said, retained=False)
-            assert all(math.isfinite(one) for one in read.values() if isinstance(one, float))
-        for capability in part.part.capabilities:
-            assert all(math.isfinite(end) for end in capability.bounds)
-            try:
-                (written,) = part.codec.write(capability.name, value)
-            except RefusedError:
-                continue
-            assert written.topic == "t/set"
-            parse_json(written.payload)
