@@ -66,12 +66,9 @@ class Liveness:
             self._table.unsaved.add(entry.id)
         source.confirmed = True
         source.seen_at, source.heard_at = stamp, now
-        silence = entry.report_interval.record(now)
+        online_for = _ONLINE_FOR if source.is_online else 0.0
+        silence = max(entry.report_interval.record(now), entry.silence_allowed, online_for)
         entry.invalidate_device()
-        if silence < entry.silence_allowed:
-            silence = entry.silence_allowed
-        if silence < _ONLINE_FOR and source.is_online:
-            silence = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
         if stamp is not self._stamp:  # all that is heard at once has one
             self._stamp, self._seconds = stamp, stamp.to_seconds()

@@ -204,20 +204,18 @@ class Nearness:
         is_in_room = device.area and fold(device.area) not in map(fold, (plan.plan.home, *plan.plan.floors))
         room = device.area if is_in_room else ""
         place = None if position is None else plan.place_of(position, room)
-        error, reason = (
-            (0.0, "") if position is None else (position.error, f"its position may be off ({position.source})")
-        )
         if room and (place is None or place.point is None):
             place = self._in_room(room)
-            centre = plan.centre_of(place.room)
-            error, reason = 0.0 if centre is None else centre.error, "only its room is known"
+            position, reason = plan.centre_of(place.room), "only its room is known"
             self._rooms_alone.add(device_id)
+        else:
+            reason = "" if position is None else f"its position may be off ({position.source})"
         if place is None:
             self._nowhere.add(device_id)
         else:
             self._finder.put(device_id, place)
-        if error:
-            self._errors[device_id] = CostTerm(error, reason)
+        if position is not None and position.error:
+            self._errors[device_id] = CostTerm(position.error, reason)
 
     def _toll(self, name: str) -> float:
         """Return the metres that going through a door costs; computed again where its lock or contact has changed."""

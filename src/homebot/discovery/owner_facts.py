@@ -140,17 +140,23 @@ class OwnerFacts:
         replaced = [self._by_key.pop(key) for key in stated.keys if key in self._by_key]
         replaced += [self._by_name[name] for name in _names(device_id, sources) if name in self._by_name]
         for statement in replaced:
-            for key in [key for key in statement.keys if key in stated.keys or key not in present]:
-                del statement.keys[key]
-                self._by_key.pop(key, None)
-            statement.names.pop(device_id, None)
-            if not statement.keys:  # else a device with one of the same hardware addresses has it too
-                for name in statement.names:
-                    self._by_name.pop(name, None)
+            self._take_back(
+                statement, device_id, [key for key in statement.keys if key in stated.keys or key not in present]
+            )
         self._by_name.pop(device_id, None)
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True
+
+    def _take_back(self, statement: _Statement, device_id: str, keys: Iterable[SourceKey]) -> None:
+        """Remove a device with the announcements *keys* from those that a statement is about."""
+        for key in keys:
+            del statement.keys[key]
+            self._by_key.pop(key, None)
+        statement.names.pop(device_id, None)
+        if not statement.keys:  # else a device with one of the same hardware addresses has it too
+            for name in statement.names:
+                self._by_name.pop(name, None)
 
     def approve(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
         """Approve the announcements of a device as they are; return the differences from the approvals before.

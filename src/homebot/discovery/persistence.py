@@ -196,22 +196,26 @@ class IndexPersistence:
         if self._is_unsaved and self.state == "ok" and await to_thread.run_sync(file.is_lost):
             await self._begin_anew(file)
         while self._is_unsaved:
-            batch = tuple(islice(self._index.unsaved, _BATCH))
-            for device_id in batch:
-                del self._index.unsaved[device_id]
-            unsaved = [name for name, owner in self._owner.items() if owner.is_unsaved]
-            for name in unsaved:
-                self._owner[name].is_unsaved = False
-            is_written = False
-            try:
-                is_written = await self._write(file, batch, unsaved)
-            finally:
-                if not is_written:
-                    self._index.unsaved.update(dict.fromkeys(batch))
-                    for name in unsaved:
-                        self._owner[name].is_unsaved = True
-            if not is_written:
+            if not await self._save_batch(file):
                 return
+
+    async def _save_batch(self, file: IndexFile) -> bool:
+        """Write some unsaved devices, and the unsaved records of the owner; return whether they are saved now."""
+        batch = tuple(islice(self._index.unsaved, _BATCH))
+        for device_id in batch:
+            del self._index.unsaved[device_id]
+        unsaved = [name for name, owner in self._owner.items() if owner.is_unsaved]
+        for name in unsaved:
+            self._owner[name].is_unsaved = False
+        is_written = False
+        try:
+            is_written = await self._write(file, batch, unsaved)
+        finally:
+            if not is_written:
+                self._index.unsaved.update(dict.fromkeys(batch))
+                for name in unsaved:
+                    self._owner[name].is_unsaved = True
+        return is_written
 
     @property
     def _is_unsaved(self) -> bool:

@@ -177,12 +177,15 @@ class PlacesEditor:
     def _taught(self, entry: Entry, gateway: str, tag: str, room: str, now: float) -> list[OwnerFact]:
         """Return the position and the room that a tag at a device says; at least one of them."""
         source = f"{gateway}/{tag or 'code'}"
+        facts: list[OwnerFact] = []
+        area = ""
         at = self._table.owners.get((gateway, tag))
-        place = None if at is None or at is entry else at.to_device(self._table.topics)
-        facts, area = [], "" if place is None else place.area
-        if place is not None and (position := position_of(place.facts)) is not None:
-            position = position._replace(error=max(position.error, TAG_ERROR))
-            facts.append(OwnerFact("taught_position", position.text, source, now))
+        if at is not None and at is not entry:
+            place = at.to_device(self._table.topics)
+            area, position = place.area, position_of(place.facts)
+            if position is not None:
+                position = position._replace(error=max(position.error, TAG_ERROR))
+                facts.append(OwnerFact("taught_position", position.text, source, now))
         if not facts or room or area:
             name, _ = self._table.owner.plan.locate(check_name(area or room))
             self._check_typo(name)

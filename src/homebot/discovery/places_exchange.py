@@ -87,8 +87,7 @@ class PlacesExchange:
         before = owner.plan
         if places.rooms or places.doors:
             owner.import_rooms(places.rooms, SOURCE, places.doors)
-        added = [f"door {door.name}" for door in places.doors if door not in before.doors]
-        added += [f"room {room.name}" for room in places.rooms if before.room(room.name) != owner.plan.room(room.name)]
+        added = _added_to_plan(places, before, owner.plan)
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
@@ -197,6 +196,11 @@ class PlacesExchange:
         owners = self._table.owners
         keys = (key for name in names for key in by_identifier.get(name, ()) if key in owners)
         return tuple(dict.fromkeys(owners[key] for key in keys))
+
+
+def _added_to_plan(places: Places, before: HousePlan, now: HousePlan) -> list[str]:
+    doors = [f"door {door.name}" for door in places.doors if door not in before.doors]
+    return doors + [f"room {room.name}" for room in places.rooms if before.room(room.name) != now.room(room.name)]
 
 
 def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = ()) -> Places:

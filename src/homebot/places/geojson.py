@@ -7,7 +7,7 @@ the frame ``map`` begins, and its y axis points to. A drawing without it is in m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TypeAlias, cast
 
 from homebot.errors import ConfigError
@@ -73,12 +73,15 @@ class _File:
             room = found.setdefault(name, {"floor": _floor(given), "polygon": []})
             cast("list[object]", room["polygon"]).extend(areas)
             corners += [corner for area in areas for ring in area for corner in ring]
-        if corners and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES:
-            hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
-            raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
+        self._check_extent(corners)
         rooms = read_places({"rooms": found}, self._source, self._source, "").rooms
         self._plan = HousePlan(self._source, (*self._known, *rooms), self._source)
         return found
+
+    def _check_extent(self, corners: Collection[Point]) -> None:
+        if corners and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES:
+            hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
+            raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
 
     def doors(self) -> Iterator[_Table]:
         """Yield the tables of doors, whose rooms are the nearest if none are stated; call :meth:`rooms` before."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final, TypeAlias
 
 from homebot.errors import UsageError
 from homebot.places.polygon import Point, Polygon, foot, signed_area
@@ -17,7 +17,10 @@ MOST_CORNERS: Final = 30
 """Corners above which distances through a room take over a millisecond."""
 
 
-def traced(rows: Mapping[int, Sequence[int]]) -> list[tuple[int, int]]:
+_Corner: TypeAlias = tuple[int, int]
+
+
+def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
     """Return the corners of the largest ring around pixels; two that touch at a corner alone are joined by a third.
 
     Between the corners in a row, or in a column, every other way is an edge.
@@ -25,7 +28,7 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[tuple[int, int]]:
     Args:
         rows: In each row the columns at which pixels begin and end, by turns, in order.
     """
-    across: dict[tuple[int, int], tuple[int, int]] = {}
+    across: dict[_Corner, _Corner] = {}
     columns: dict[int, list[int]] = {}
     above: set[int] = set()
     for row in range(min(rows, default=0), max(rows, default=-1) + 2):
@@ -44,7 +47,11 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[tuple[int, int]]:
     for x, ys in columns.items():
         for upper, lower in zip(ys[::2], ys[1::2], strict=True):
             down[x, upper], down[x, lower] = (x, lower), (x, upper)
-    rings = []
+    return max(_rings(across, down), key=lambda ring: abs(signed_area(ring)), default=[])
+
+
+def _rings(across: dict[_Corner, _Corner], down: Mapping[_Corner, _Corner]) -> Iterator[list[_Corner]]:
+    """Yield the rings of edges that lead by turns *across* and *down*, from each of their ends to the other."""
     while across:
         ring, at = [], next(iter(across))
         while at in across:
@@ -52,8 +59,7 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[tuple[int, int]]:
             del across[other]
             ring += [at, other]
             at = down[other]
-        rings.append(ring)
-    return max(rings, key=lambda ring: abs(signed_area(ring)), default=[])
+        yield ring
 
 
 def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:

@@ -6,7 +6,7 @@ ignoring case and accents, so no area can contain itself.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import ConfigError
@@ -193,16 +193,10 @@ class HousePlan:
 
     def _join(self, stated: Collection[HouseDoor]) -> tuple[HouseDoor, ...]:
         """Set the doors of all rooms; return the *stated* doors, and one for further rooms that are joined."""
-        ways = [
-            (HouseDoor("", (room.name, to)), f"{_ROOMS}.{room.name}.doors")
-            for room in self._rooms.values()
-            for to in room.doors
-        ]
-        ways += [(door, f"{_DOORS}.{door.name}.rooms") for door in stated]
         joined: dict[str, dict[str, str]] = {key: {} for key in self._rooms}
         plain: dict[frozenset[str], HouseDoor] = {}
         more = []
-        for way, key in ways:
+        for way, key in self._ways(stated):
             rooms = self._spelled(way.rooms, key), self._spelled(way.rooms[::-1], key)
             door = way._replace(name=way.name or door_name(rooms), rooms=rooms)
             for one, other in (rooms, rooms[::-1]):
@@ -216,6 +210,14 @@ class HousePlan:
         for key, room in self._rooms.items():
             self._rooms[key] = room._replace(doors=tuple(joined[key].values()))
         return (*more, *plain.values())
+
+    def _ways(self, stated: Iterable[HouseDoor]) -> Iterator[tuple[HouseDoor, str]]:
+        """Yield the doors of all rooms, then the *stated* ones, each with its key."""
+        for room in self._rooms.values():
+            for to in room.doors:
+                yield HouseDoor("", (room.name, to)), f"{_ROOMS}.{room.name}.doors"
+        for door in stated:
+            yield door, f"{_DOORS}.{door.name}.rooms"
 
     def _spelled(self, rooms: tuple[str, str], key: str) -> str:
         """Return the first of two *rooms* that a door joins as the plan spells it."""

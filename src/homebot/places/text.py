@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Iterator
+from itertools import chain
 from typing import get_args
 
 from homebot.places.facts import FactName, OwnerFact
@@ -24,21 +25,24 @@ def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, .
         devices: Id, facts and hardware addresses of each device.
     """
     listed = tuple(devices)
-    known = {fold(room.name): room for room in plan.rooms}
-    for _, facts, _ in listed:
-        for fact in facts:
-            if fact.name == "area" and fold(fact.value) != OUTSIDE:
-                known.setdefault(fold(fact.value), HouseRoom(fact.value))
     lines = [f"# Rooms and devices of {_text(plan.home)[1:-1]}, for `homebot places import` or a homebot.toml."]
     doors = [door for door in plan.doors if not door.is_plain]
     written = {frozenset(map(fold, door.rooms)) for door in doors}
-    for room in known.values():
+    for room in _rooms(plan, chain.from_iterable(facts for _, facts, _ in listed)):
         lines += _room(room, written)
     for door in doors:
         lines += _door(door)
     for device_id, facts, identifiers in listed:
         lines += _device(device_id, facts, identifiers)
     return "\n".join(lines) + "\n"
+
+
+def _rooms(plan: HousePlan, facts: Iterable[OwnerFact]) -> Iterable[HouseRoom]:
+    known = {fold(room.name): room for room in plan.rooms}
+    for fact in facts:
+        if fact.name == "area" and fold(fact.value) != OUTSIDE:
+            known.setdefault(fold(fact.value), HouseRoom(fact.value))
+    return known.values()
 
 
 def _room(room: HouseRoom, written: set[frozenset[str]]) -> Iterator[str]:

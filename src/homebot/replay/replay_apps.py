@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterable, Sequence
 from typing import Final
 
 from homebot.apps import App
 from homebot.config import Table
 from homebot.errors import UsageError
+from homebot.names import snake_case
 from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
 
@@ -34,18 +34,24 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
         UsageError: An app cannot be found, or the recording is damaged.
     """
     known = tuple(recorded)
-    tables: dict[str, Table] = {}
-    if not wanted:
+    if wanted:
+        tables = _tables_of(wanted, known)
+    else:
         _check_installed(known)
         tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
+    return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
+
+
+def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str, Table]:
     classes: list[type[object]] = [
         load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text) for text in wanted
     ]
     kinds = {_kind_of(one) for one in classes}
+    tables: dict[str, Table] = {}
     for one in classes:
         same = [app for app in known if app.kind == _kind_of(one)]
         tables |= _in_place(one, same or [app for app in known if app.kind not in kinds])
-    return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
+    return tables
 
 
 def _check_installed(recorded: Iterable[RecordedApp]) -> None:
@@ -79,7 +85,7 @@ def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, T
         raise UsageError(f"{_kind_of(app)} may take the place of {named}: name its file as the one that it replaces")
     if same:
         return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}
-    return {re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", app.__name__).lower(): {"class": _kind_of(app)}}
+    return {snake_case(app.__name__): {"class": _kind_of(app)}}
 
 
 def _settings(app: RecordedApp) -> Table:

@@ -67,9 +67,7 @@ def is_typo(word: str, other: str, shortest: int = WORD_TYPO) -> bool:
     shorter = min(len(word), len(other))
     while start < shorter and word[start] == other[start]:
         start += 1
-    rest, other_rest = word[start:], other[start:]
-    if len(rest) > len(other_rest):
-        return rest[1:] == other_rest
+    rest, other_rest = sorted((word[start:], other[start:]), key=len)
     if len(rest) < len(other_rest):
         return rest == other_rest[1:]
     return rest[1:] == other_rest[1:] or (rest[1::-1] == other_rest[:2] and rest[2:] == other_rest[2:])

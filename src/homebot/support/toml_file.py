@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeAlias
 
@@ -65,16 +66,19 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
 
 
 def _check(value: object, source: str, key: str, *, any_text: bool) -> None:
-    if isinstance(value, dict):
-        for name, item in value.items():
-            inner = f"{key}.{name}" if key else name
-            if "\0" in name:
-                raise ConfigError(source, inner.replace("\0", "\\u0000"), "has the character U+0000 in its name")
-            _check(item, source, inner, any_text=any_text)
-    elif isinstance(value, list):
-        for number, item in enumerate(value):
-            _check(item, source, f"{key}.{number}", any_text=any_text)
-    elif isinstance(value, str) and "\0" in value and not any_text:
+    for name, item in _items(value):
+        inner = f"{key}.{name}" if key else name
+        if "\0" in name:
+            raise ConfigError(source, inner.replace("\0", "\\u0000"), "has the character U+0000 in its name")
+        _check(item, source, inner, any_text=any_text)
+    if isinstance(value, str) and "\0" in value and not any_text:
         raise ConfigError(source, key, "contains the character U+0000, which is not allowed")
-    elif isinstance(value, int) and not -_MOST <= value < _MOST:
+    if isinstance(value, int) and not -_MOST <= value < _MOST:
         raise ConfigError(source, key, "is a number of more than 64 bits")
+
+
+def _items(value: object) -> Iterable[tuple[str, object]]:
+    """Return the items of a table by their names, or of an array by their numbers; none of another value."""
+    if isinstance(value, list):
+        return ((str(number), item) for number, item in enumerate(value))
+    return value.items() if isinstance(value, dict) else ()

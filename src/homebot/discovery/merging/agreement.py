@@ -77,10 +77,7 @@ class Agreement:
         if known is not None and (endpoint in known.by_claimed if is_claimed else known.by_trusted):
             self._close(self._lately.pop(change))  # it changed back and forth meanwhile
             known = None
-        if known is None:
-            known = self._lately[change] = _Reported(now, waiting)
-            if len(self._lately) > _MOST:
-                self._close(self._lately.popitem(last=False)[1])
+        known = known or self._begin(change, now, waiting)
         if is_claimed:
             known.by_claimed.add(endpoint)
             agreeing = frozenset({endpoint} if known.by_trusted else ())
@@ -92,6 +89,12 @@ class Agreement:
             if now - last >= WINDOW:
                 self._counts[one] = count + 1, now
         return frozenset([one for one in agreeing if self._counts[one][0] >= CHANGES_NEEDED])
+
+    def _begin(self, change: Change, now: float, waiting: frozenset[EndpointKey]) -> _Reported:
+        reported = self._lately[change] = _Reported(now, waiting)
+        if len(self._lately) > _MOST:
+            self._close(self._lately.popitem(last=False)[1])
+        return reported
 
     def _close(self, reported: _Reported) -> None:
         for one in reported.missed:

@@ -19,7 +19,7 @@ The order of arrival matters as little as possible: the same announcements in an
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, combinations
 from operator import attrgetter
@@ -133,7 +133,7 @@ class IdentityGraph:
             if len(holders) > 1:
                 changed.add(identifier)
         if changed:
-            return affected | self._affected(identity, changed)
+            return affected | self._affected({identity}, {one: self._links.pop(one, True) for one in changed})
         return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
@@ -151,17 +151,13 @@ class IdentityGraph:
         if sources:
             return frozenset(sources)
         del self._sources[identity], self._known[identity.key_of]
-        linked = [one for one in identity.identifiers if self._links.pop(one, True)]
+        were_links = {one: self._links.pop(one, True) for one in identity.identifiers}
         for identifier in identity.identifiers:
             holders = self._holders[identifier]
             del holders[identity]
             if not holders:
                 del self._holders[identifier]
-        reached: set[Identity] = set()
-        for identifier in identity.identifiers:
-            if identifier in self._holders and (identifier in linked or self._is_link(identifier)):
-                reached |= self._connected(self._holders[identifier])
-        return frozenset(source for one in reached for source in self._sources[one])
+        return self._affected(set(), were_links)
 
     def bind(self, keys: Iterable[SourceKey]) -> bool:
         """Connect announcements of one part, by an identifier of their own; return whether that is new for any.
@@ -230,11 +226,10 @@ class IdentityGraph:
             identity = self._known[identity_key] = Identity(*identity_key)
         return identity
 
-    def _affected(self, identity: Identity, changed: set[str]) -> frozenset[SourceKey]:
-        reached: set[Identity] = {identity}
-        for identifier in changed:
-            linked = self._links.pop(identifier, True)
-            if linked or self._is_link(identifier):
+    def _affected(self, reached: set[Identity], were_links: Mapping[str, bool]) -> frozenset[SourceKey]:
+        """Return the announcements of *reached*, and of all that these identifiers connect now, or did before."""
+        for identifier, was_link in were_links.items():
+            if identifier in self._holders and (was_link or self._is_link(identifier)):
                 reached |= self._connected(self._holders[identifier])
         return frozenset(source for one in reached for source in self._sources[one])
 

@@ -216,9 +216,7 @@ def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
         return False
     if _is_load(one) or _is_load(other):
         return True
-    return one.abilities.keys() == other.abilities.keys() and (
-        one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
-    )
+    return one.abilities.keys() == other.abilities.keys() and _may_have_one_name(one, other)
 
 
 def _are_told_apart(one: Part, other: Part) -> bool:
@@ -240,6 +238,10 @@ def _is_load(one: Candidate) -> bool:
     return bool(one.part.writes) or any(capability.settable for capability in one.part.capabilities)
 
 
+def _may_have_one_name(one: Candidate, other: Candidate) -> bool:
+    return one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
+
+
 def _is_plain(one: Candidate) -> bool:
     return one.name in set(map(fold, one.abilities))
 
@@ -250,11 +252,16 @@ def _can_be_one(one: Candidate, other: Candidate) -> bool:
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
         return False
+    return _can_be_one_by_type(one, other)
+
+
+def _can_be_one_by_type(one: Candidate, other: Candidate) -> bool:
+    mine, theirs = one.abilities, other.abilities
     part, its_part = one.part, other.part
     is_settable = _is_load(one) or _is_load(other)
     if part.service_type != its_part.service_type:
         is_setting = SETTING in (part.service_type, its_part.service_type)
-        return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_settable)
+        return bool(mine) and mine.keys() == theirs.keys() and (is_setting or not is_settable)
     if part.service_type.startswith("x_") or not is_settable:
         return mine.keys() <= theirs.keys() or theirs.keys() <= mine.keys()
     return (not part.category) == (not its_part.category)

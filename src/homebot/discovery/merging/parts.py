@@ -359,14 +359,17 @@ def _settable(part: Part) -> dict[str, None]:
     return {one.name: None for one in part.capabilities if one.settable}
 
 
+def _all_options(best: Capability, other: Capability) -> tuple[str, ...]:
+    both_have_some = best.options and other.options
+    return tuple(dict.fromkeys(best.options + other.options)) if both_have_some else best.options
+
+
 def _joined(best: Capability, other: Capability) -> Capability:
     """Join two capabilities; where only one is settable it decides: its range and options are those of commands."""
     if best == other:
         return best
     shown = other if other.settable and not best.settable else best
-    options = shown.options
-    if best.settable == other.settable and best.options and other.options:
-        options = tuple(dict.fromkeys(best.options + other.options))
+    options = _all_options(best, other) if best.settable == other.settable else shown.options
     readable, settable = best.readable or other.readable, best.settable or other.settable
     echoed = all(one.echoed for one in (best, other) if one.readable)  # one that is none is there as well
     return shown.model_copy(

@@ -53,12 +53,9 @@ def regroup(
         if keeps is not None:
             kept.add(keeps.id)
         found.append((keys, keeps, entries))
-    return tuple(
-        Regrouped(
-            keys,
-            keeps,
-            gone=tuple(one for one in entries if one.id not in kept and keeps is not None),
-            parents=tuple(one for one in entries if one.id in kept and one is not keeps),
-        )
-        for keys, keeps, entries in found
-    )
+    return tuple(_regrouped(*one, kept) for one in found)
+
+
+def _regrouped(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
+    gone = () if keeps is None else tuple(one for one in entries if one.id not in kept)
+    return Regrouped(keys, keeps, gone, tuple(one for one in entries if one.id in kept and one is not keeps))

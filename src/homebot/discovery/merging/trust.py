@@ -19,7 +19,7 @@ else one key of a gateway: with the same key it is the same endpoint, at any add
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 from homebot.devices import Sighting
@@ -81,14 +81,21 @@ def judge(sources: Iterable[SourceRecord], known: frozenset[EndpointKey]) -> fro
     proved = {endpoint_of(source) for source in ordered if source.sighting.authenticated}
     first = frozenset(endpoints[:1]) if not known and len(endpoints) > 1 else NOBODY_TRUSTED
     trusted = known | first | proved.intersection(endpoints)
-    claimed = [one for one in endpoints if trusted and one not in trusted]
-    if claimed and len(claimed) == len(endpoints):
-        oldest = claimed[0]
-        if not can_hurt(source.sighting for source in ordered if endpoint_of(source) == oldest):
-            del claimed[0]
+    claimed = _claimed(ordered, endpoints, trusted) if trusted else ()
     for source in ordered:
         source.is_claimed = bool(claimed) and endpoint_of(source) in claimed and takes_commands(source.sighting)
     return trusted if len(trusted) <= MAX_TRUSTED else known
+
+
+def _claimed(
+    ordered: Iterable[SourceRecord], endpoints: Sequence[EndpointKey], trusted: frozenset[EndpointKey]
+) -> Sequence[EndpointKey]:
+    """Return the endpoints that are not trusted; if none is there that is, the oldest counts, unless it can hurt."""
+    claimed = [one for one in endpoints if one not in trusted]
+    if not claimed or len(claimed) < len(endpoints):
+        return claimed
+    oldest = [source.sighting for source in ordered if endpoint_of(source) == claimed[0]]
+    return claimed if can_hurt(oldest) else claimed[1:]
 
 
 def can_hurt(sightings: Iterable[Sighting]) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import insort
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from functools import partial
 from typing import NamedTuple, TypeAlias, final
@@ -112,12 +112,16 @@ def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str
     """
     route = device.route
     states = [(name, doors(name)) for name in route.doors]
-    ways = [f"{name} ({state.note})" if state.note else name for name, state in states]
-    path = f"{route.path:.1f} path" + (f" by {', '.join(ways)}" if ways else "")
+    path = f"{route.path:.1f} path{_by_doors(states)}"
     name_of = {name: "that door" if len(states) == 1 else name for name, _ in states}
     terms = [CostTerm(term.metres, f"{name_of[name]} {term.reason}") for name, state in states for term in state.terms]
     shown = [path, *(f"{term.metres:.1f} {term.reason}" for term in (*terms, *device.terms) if term.metres >= _SHOWN)]
     return f"{'' if is_exact else 'about '}{device.cost:.1f} m = {' + '.join(shown)}"
+
+
+def _by_doors(states: Iterable[tuple[str, DoorState]]) -> str:
+    ways = [f"{name} ({state.note})" if state.note else name for name, state in states]
+    return f" by {', '.join(ways)}" if ways else ""
 
 
 _SHOWN = 0.05

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_left, insort
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import repeat
-from typing import TypeAlias, final
+from operator import and_
+from typing import Any, ClassVar, TypeAlias, final
 
 from homebot.devices.query import (
     And,
@@ -41,10 +43,6 @@ PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
 """Part, type of the part, capability, and the stored value, which is updated by later ones."""
 
 _Key: TypeAlias = tuple[object, ...]
-_Simple: TypeAlias = (
-    CanDo | AreaIs | InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed | IsUnapproved
-)
-
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
 _UNAPPROVED = ("unapproved", True)
@@ -135,7 +133,7 @@ class Postings:
     @property
     def unapproved(self) -> Found:
         """The devices that wait for the owner's approval; not to be changed."""
-        return self._simple(IsUnapproved())
+        return self.find(IsUnapproved())
 
     def facets(self, device_id: str) -> Facets:
         """Return the search facets of the device; its values may be older ones."""
@@ -155,42 +153,44 @@ class Postings:
 
     def find(self, query: Query) -> Found:
         """Return the devices that fit *query*; not to be changed."""
-        match query:
-            case And(terms):
-                return self._all(terms)
-            case Or(terms):
-                return _NONE.union(*(self.find(term) for term in terms))
-            case Not(term):
-                return self._posted.keys() - self.find(term)
-            case StateIs():
-                return self._by_value(query)
-            case HasText(word):
-                return self._union(("word", one) for one in self._words.like(word))
-            case TypeIs():
-                return self._union(self._type_keys(query))
-            case IsNear():
-                return frozenset(self._posted)
-            case _:
-                return self._simple(query)
+        return self._FINDERS[type(query)](self, query)
 
-    def _simple(self, query: _Simple) -> Found:
-        match query:
-            case IsUnapproved():
-                return self._devices(_UNAPPROVED) if self.needs_approval else _NONE
-            case AreaIs(""):
-                return {device_id for device_id, posted in self._posted.items() if not posted.facets.areas}
-            case NameIs(name):
-                with_words = [self._devices(("word", word)) for word in words_of(name)]
-                likely = min(with_words, key=len, default=self._posted.keys())  # an id is among the words of its device
-                return self._devices(("fact name", name)) | {one for one in likely if fold(one) == name}
-            case InArea(area):
-                return self._begins("area", area)
-            case FactIs(name, value):
-                return self._by_fact(name, value)
-            case _:
-                return self._devices(_key_of(query))
+    def _any(self, query: Or) -> Found:
+        return _NONE.union(*map(self.find, query.terms))
 
-    def _by_fact(self, name: str, value: str) -> Found:
+    def _not(self, query: Not) -> Found:
+        return self._posted.keys() - self.find(query.term)
+
+    def _with_text(self, query: HasText) -> Found:
+        return self._union(("word", one) for one in self._words.like(query.text))
+
+    def _of_type(self, query: TypeIs) -> Found:
+        return self._union(self._type_keys(query))
+
+    def _everywhere(self, _: IsNear) -> Found:
+        return frozenset(self._posted)
+
+    def _unapproved(self, _: IsUnapproved) -> Found:
+        return self._devices(_UNAPPROVED) if self.needs_approval else _NONE
+
+    def _of_area(self, query: AreaIs) -> Found:
+        if query.text:
+            return self._devices(("area", query.text))
+        return {device_id for device_id, posted in self._posted.items() if not posted.facets.areas}
+
+    def _named(self, query: NameIs) -> Found:
+        with_words = [self._devices(("word", word)) for word in words_of(query.text)]
+        likely = min(with_words, key=len, default=self._posted.keys())  # an id is among the words of its device
+        return self._devices(("fact name", query.text)) | {one for one in likely if fold(one) == query.text}
+
+    def _in_area(self, query: InArea) -> Found:
+        return self._begins("area", query.text)
+
+    def _by_key(self, query: CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> Found:
+        return self._devices(_key_of(query))
+
+    def _by_fact(self, query: FactIs) -> Found:
+        name, value = query.name, query.value
         if name == "id":
             found = {device_id for device_id in self._mixed_ids if device_id.casefold() == value}
             return found | {value} if value in self._posted else found
@@ -198,12 +198,11 @@ class Postings:
             return self._devices((name, value))
         return self._begins(f"fact {name}", value)
 
-    def _all(self, terms: tuple[Query, ...]) -> Found:
+    def _all(self, query: And) -> Found:
         """Find the matches of all terms: cheap ones first, those that look at values last, when few devices remain."""
-        found: Found | None = None
+        terms = query.terms
         cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
-        for one in sorted(cheap, key=len):
-            found = one if found is None else found & one
+        found = reduce(and_, sorted(cheap, key=len)) if cheap else None
         for term in terms:
             if isinstance(term, StateIs):
                 found = self._by_value(term) if found is None else self._of_value(found, term)
@@ -282,6 +281,23 @@ class Postings:
         for (_, capability), (service_type, stored) in posted.values.items():
             self._columns[service_type, capability].discard(device_id, stored)
 
+    _FINDERS: ClassVar[Mapping[type[Query], Callable[[Postings, Any], Found]]] = {
+        And: _all,
+        Or: _any,
+        Not: _not,
+        StateIs: _by_value,
+        HasText: _with_text,
+        TypeIs: _of_type,
+        IsNear: _everywhere,
+        IsUnapproved: _unapproved,
+        AreaIs: _of_area,
+        InArea: _in_area,
+        NameIs: _named,
+        FactIs: _by_fact,
+        **dict.fromkeys((CanDo, FreshnessIs, GatewayIs, IsDisputed, ReachableIs), _by_key),
+    }
+    """Find the devices for each kind of term."""
+
 
 def _keys(facets: Facets) -> list[_Key]:
     keys: list[_Key] = [("freshness", facets.freshness), ("reachable", facets.reachable)]
@@ -350,14 +366,12 @@ def _shortened(word: str) -> set[str]:
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}
 
 
-def _key_of(query: AreaIs | CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> _Key:
+def _key_of(query: CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> _Key:
     match query:
         case IsDisputed():
             return _DISPUTED
         case CanDo(name, settable):
             return ("set" if settable else "can", name)
-        case AreaIs(area):
-            return ("area", area)
         case FreshnessIs(freshness):
             return ("freshness", freshness)
         case ReachableIs(state):

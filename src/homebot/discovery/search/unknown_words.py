@@ -58,11 +58,7 @@ def _problem(term: Query, postings: Postings, plan: HousePlan | None, devices: C
         case InArea(area) | AreaIs(area) if area:
             return _unknown_area(area, postings, plan)
         case NameIs(name) | FactIs("name", name):
-            parts = (part.part.name for device in devices() for part in device.parts)
-            known = {*postings.values_of("fact name"), *map(fold, parts)}
-            meant = sorted(one for one in known if is_room_typo(name, one))
-            is_known = any(f"{one} ".startswith(f"{name} ") for one in known)
-            return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
+            return _unknown_name(name, postings, devices)
         case FactIs("tag", tag):
             return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
         case GatewayIs(gateway):
@@ -83,9 +79,17 @@ def _unknown_type(word: str, known: Collection[str]) -> str:
     raise RefusedError("the query", f"{problem}; {did_you_mean(word, known, some)}")
 
 
+def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[Device]]) -> str:
+    parts = (part.part.name for device in devices() for part in device.parts)
+    known = {*postings.values_of("fact name"), *map(fold, parts)}
+    meant = sorted(one for one in known if is_room_typo(name, one))
+    is_known = any(f"{one} ".startswith(f"{name} ") for one in known)
+    return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
+
+
 def _unknown_area(area: str, postings: Postings, plan: HousePlan | None) -> str:
-    rooms = [] if plan is None else [room.name for room in plan.rooms]
-    stated = {fold(one): one for one in (*rooms, *(() if plan is None else (*plan.floors, plan.home)))}
+    rooms, others = ([], ()) if plan is None else ([room.name for room in plan.rooms], (*plan.floors, plan.home))
+    stated = {fold(one): one for one in (*rooms, *others)}
     known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
     if any(f"{one} ".startswith(f"{area} ") for one in known):
         return ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import TypeAlias
 
 from homebot.discovery.source_record import SourceKey
@@ -22,6 +23,7 @@ __all__ = [
 ]
 
 _COMMON = 3
+_IS_NATIVE = attrgetter("is_native")
 
 Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
 """Uses of a topic by announcements; most topics have one, which takes no dict."""
@@ -141,14 +143,19 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
-        stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
-        if stronger:
-            found[use.key] = stronger
+        stronger = [one for one, held in holders if held > rank]
+        if owner := _other_device(use, stronger):
+            found[use.key] = owner
         elif rank == top and use.key not in winners:
-            found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
+            found[use.key] = _other_device(use, best) or use.device
         elif rank < top and not _goes_with_own(use, best):
             found[use.key] = best[0].device
     return found
+
+
+def _other_device(use: TopicUse, others: Iterable[TopicUse]) -> str:
+    """Return the device of the first of *others* that is not of the same device; empty if there is none."""
+    return next((one.device for one in others if one.device != use.device), "")
 
 
 def _goes_with_own(use: TopicUse, best: list[TopicUse]) -> bool:
@@ -194,8 +201,8 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     devices = {one.device for one in best}
     is_one_sender = bool(frozenset.intersection(*(one.names() for one in best)))
     if len(devices) == 1:
-        is_one_use = all(map(best[0].repeats, best))
-        return best if is_one_sender or is_one_use else [one for one in best if one.is_native]
+        is_one_use = is_one_sender or all(map(best[0].repeats, best))
+        return best if is_one_use else list(filter(_IS_NATIVE, best))
     return best if (is_one_sender or len(devices) >= _COMMON) and _is_shared(best) else []
 
 

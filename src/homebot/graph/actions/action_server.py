@@ -157,18 +157,23 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     def _cancel(self, request: CancelGoalRequest) -> CancelGoalResponse:
         goal_id, at = request.goal_info.goal_id.uuid, _time_of(request.goal_info)
-        named, code = self._goals.get(goal_id), CancelGoalResponse.ERROR_NONE
-        if goal_id != _NO_ID and at == _NO_TIME:
-            selected = [] if named is None else [named]
-            code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
-        else:
-            all_goals = self._goals.values()
-            selected = [one for one in all_goals if at == _NO_TIME or _time_of(one.info) <= at or one is named]
-        found = [one for one in selected if one.state.can_become(GoalState.CANCELING)]
+        named = self._goals.get(goal_id)
+        is_one = goal_id != _NO_ID and at == _NO_TIME
+        selected = [named] if is_one else self._until(at, named)
+        found = [one for one in selected if one is not None and one.state.can_become(GoalState.CANCELING)]
         canceling = tuple(one.info for one in found if self._cancel_goal(one))
-        if found:
-            code = CancelGoalResponse.ERROR_NONE if canceling else CancelGoalResponse.ERROR_REJECTED
+        code = CancelGoalResponse.ERROR_NONE
+        if found and not canceling:
+            code = CancelGoalResponse.ERROR_REJECTED
+        elif is_one and not found:
+            code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
         return CancelGoalResponse(return_code=code, goals_canceling=canceling)
+
+    def _until(
+        self, at: tuple[int, int], named: ServerGoal[GoalT, ResultT, FeedbackT] | None
+    ) -> list[ServerGoal[GoalT, ResultT, FeedbackT]]:
+        """Return the goals accepted until then, all if that is no time, and the *named* one."""
+        return [one for one in self._goals.values() if at == _NO_TIME or _time_of(one.info) <= at or one is named]
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""
