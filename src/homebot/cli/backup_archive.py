@@ -138,10 +138,14 @@ def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
         where = ".".join(map(str, exc.errors()[0]["loc"]))
         raise UsageError(f"{source}: {_MANIFEST}: {where}: {exc.errors()[0]['msg']}") from None
     for name in manifest.files:
-        is_hidden = any(part.startswith(".") for part in PurePosixPath(name).parts)
-        if is_hidden or "\\" in name or "//" in name or "\0" in name:
+        if _is_outside(name):
             raise UsageError(f"{source}: {name[:200]!r} is outside of the backup; nothing was restored")
     return manifest
+
+
+def _is_outside(name: str) -> bool:
+    is_hidden = any(part.startswith(".") for part in PurePosixPath(name).parts)
+    return is_hidden or "\\" in name or "//" in name or "\0" in name
 
 
 def _extract(source: Path, tar: tarfile.TarFile, member: tarfile.TarInfo, into: Path, expected: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -37,32 +37,33 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
         tables = load_tables(path)
         errors = config_errors(tables, path)
     except ConfigError as exc:
-        yield _of_errors(FindingKind.CONFIGURATION, (exc,))
+        yield from _finding(FindingKind.CONFIGURATION, _of_errors((exc,)))
         return
     missing = tuple(one for one in errors if INSTALL_EXTRA in one.reason)
-    if wrong := tuple(one for one in errors if one not in missing):
-        yield _of_errors(FindingKind.CONFIGURATION, wrong)
-    if missing:
-        yield _of_errors(FindingKind.EXTRA, missing)
-    if secrets := tuple(_readable_secrets(tables, path.parent)):
-        yield Finding(FindingKind.SECRET, "", secrets)
+    yield from _finding(FindingKind.CONFIGURATION, _of_errors(one for one in errors if one not in missing))
+    yield from _finding(FindingKind.EXTRA, _of_errors(missing))
+    yield from _finding(FindingKind.SECRET, _readable_secrets(tables, path.parent))
     if errors:
         return
     settings = with_environment(load_config(path))
     plan = make_plan(settings)
-    checks = [(FindingKind.PORT, _taken_ports(plan))]
+    yield from _finding(FindingKind.PORT, _taken_ports(plan))
     if plan.discovery.persist:
         folder = index_place(settings).parent
-        checks += [(FindingKind.FOLDER, _folder_problem(folder)), (FindingKind.FILE, _unreadable_files(folder))]
+        yield from _finding(FindingKind.FOLDER, _folder_problem(folder))
+        yield from _finding(FindingKind.FILE, _unreadable_files(folder))
     if reaches:
-        checks.append((FindingKind.NETWORK, _unreachable(plan)))
-    for kind, found in checks:
-        if rows := tuple(found):
-            yield Finding(kind, "", rows)
+        yield from _finding(FindingKind.NETWORK, _unreachable(plan))
 
 
-def _of_errors(kind: FindingKind, errors: tuple[ConfigError, ...]) -> Finding:
-    return Finding(kind, "", tuple(FindingRow("", str(one)) for one in errors))
+def _finding(kind: FindingKind, rows: Iterable[FindingRow]) -> Iterator[Finding]:
+    """Yield the finding with *rows*, if there are any."""
+    if found := tuple(rows):
+        yield Finding(kind, "", found)
+
+
+def _of_errors(errors: Iterable[ConfigError]) -> Iterator[FindingRow]:
+    return (FindingRow("", str(one)) for one in errors)
 
 
 def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[FindingRow]:

@@ -107,13 +107,10 @@ class RobotMap(NamedTuple):
         Raises:
             UsageError: A point is not free, two are in one area, or an area is no room.
         """
-        cells, names = self.cells.copy(), list(points)
+        names = list(points)
         if len(names) > _MOST_ROOMS:
             raise UsageError(f"{len(names):,} rooms are too many; {_MOST_ROOMS} is the limit")
-        for first, last in doors:
-            share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
-            ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
-            ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
+        cells = self._closed_cells(doors)
         for number, (name, point) in enumerate(points.items(), _OCCUPIED + 1):
             column, row = self._pixel(point)
             is_inside = 0 <= column < cells.width and 0 <= row < cells.height
@@ -129,6 +126,15 @@ class RobotMap(NamedTuple):
             if not ring:
                 raise UsageError(f"the free area around {point[0]:g},{point[1]:g} is too small for {name}")
             yield HouseRoom(name, polygons=((ring,),))
+
+    def _closed_cells(self, doors: Iterable[Sequence[Point]]) -> Image.Image:
+        """Return the cells with all doors closed."""
+        cells = self.cells.copy()
+        for first, last in doors:
+            share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
+            ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
+            ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
+        return cells
 
     def _outline(self, cells: Image.Image, value: int) -> list[Point]:
         """Return the corners around the cells of a *value*, in metres of the house."""

@@ -104,19 +104,29 @@ class Story:
 
     def add_values(self, change: StateChange, device: Device) -> None:
         """Add a line for a robot that sets out or arrives, and for a room that gets dark or light."""
-        at, name = to_seconds(change.told_at), device.name or device.id
+        at = to_seconds(change.told_at)
         for one in change.readings:
             value = plain_value(one.value)
             if one.capability == "illuminance" and isinstance(value, float):
-                is_dark = value < DARK
-                if self._is_dark.setdefault(device.id, is_dark) != is_dark:
-                    self._is_dark[device.id] = is_dark
-                    words = f"measures {value:.0f} lx: {device.area} gets {'dark' if is_dark else 'light'}"
-                    self._append("☾" if is_dark else "☀", name, words, "blue" if is_dark else "yellow", at)
-            elif device.service_type == "robots" and isinstance(value, str) and self._robots.get(device.id) != value:
-                self._robots[device.id] = value
-                words = "drives" if value == "moving" else f"is in the {printable(value, 40)}"
-                self._append(_MOVED, name, words, "cyan", at)
+                self._add_light(device, value, at)
+            elif device.service_type == "robots" and isinstance(value, str):
+                self._add_move(device, value, at)
+
+    def _add_light(self, device: Device, lux: float, at: float) -> None:
+        is_dark = lux < DARK
+        if self._is_dark.setdefault(device.id, is_dark) == is_dark:
+            return
+        self._is_dark[device.id] = is_dark
+        sign, word, style = ("☾", "dark", "blue") if is_dark else ("☀", "light", "yellow")
+        words = f"measures {lux:.0f} lx: {device.area} gets {word}"
+        self._append(sign, device.name or device.id, words, style, at)
+
+    def _add_move(self, robot: Device, where: str, at: float) -> None:
+        if self._robots.get(robot.id) == where:
+            return
+        self._robots[robot.id] = where
+        words = "drives" if where == "moving" else f"is in the {printable(where, 40)}"
+        self._append(_MOVED, robot.name or robot.id, words, "cyan", at)
 
     def _add_outcome(self, entry: JournalEntry) -> None:
         result, asked = entry.results[0], self._commands.pop(entry.command, None)

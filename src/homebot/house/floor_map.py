@@ -23,10 +23,10 @@ _FREE, _OCCUPIED, _UNKNOWN = 0, 100, 255
 
 def occupancy_grid(rooms: Rooms, stamp: Time) -> OccupancyGrid:
     """Return the map: rooms are free, their walls occupied but for the doors, and all else is unknown."""
-    corners = [corner for room in rooms.rooms.values() for corner in room.corners]
-    left, bottom = min(x for x, _ in corners), min(y for _, y in corners)
-    width = math.ceil((max(x for x, _ in corners) - left) / _CELL) + 1
-    height = math.ceil((max(y for _, y in corners) - bottom) / _CELL) + 1
+    xs, ys = zip(*(corner for room in rooms.rooms.values() for corner in room.corners), strict=True)
+    left, bottom = min(xs), min(ys)
+    width = math.ceil((max(xs) - left) / _CELL) + 1
+    height = math.ceil((max(ys) - bottom) / _CELL) + 1
     cells = bytearray([_UNKNOWN]) * (width * height)
 
     def fill(x1: float, y1: float, x2: float, y2: float, value: int) -> None:

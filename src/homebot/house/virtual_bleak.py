@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 from uuid import UUID
 
@@ -37,14 +37,20 @@ _PROPERTIES = (
     (Characteristic.Properties.NOTIFY, "notify"),
     (Characteristic.Properties.INDICATE, "indicate"),
 )
-_SHORT_SERVICES = (
-    AdvertisingData.Type.INCOMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS,
-    AdvertisingData.Type.COMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS,
-)
-_LONG_SERVICES = (
-    AdvertisingData.Type.INCOMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS,
-    AdvertisingData.Type.COMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS,
-)
+_SERVICES: Mapping[int, int] = {
+    AdvertisingData.Type.INCOMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS: 2,
+    AdvertisingData.Type.COMPLETE_LIST_OF_16_BIT_SERVICE_CLASS_UUIDS: 2,
+    AdvertisingData.Type.INCOMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS: 16,
+    AdvertisingData.Type.COMPLETE_LIST_OF_128_BIT_SERVICE_CLASS_UUIDS: 16,
+}
+"""Fields that list services: the bytes of each."""
+
+_SERVICE_DATA: Mapping[int, int] = {
+    AdvertisingData.Type.SERVICE_DATA_16_BIT_UUID: 2,
+    AdvertisingData.Type.SERVICE_DATA_128_BIT_UUID: 16,
+}
+"""Fields with the data of a service: the bytes of the service."""
+
 _NAMES = (AdvertisingData.Type.SHORTENED_LOCAL_NAME, AdvertisingData.Type.COMPLETE_LOCAL_NAME)
 
 
@@ -278,14 +284,10 @@ def _advertisement_data(fields: Sequence[tuple[int, bytes]], rssi: int) -> Adver
     for kind, value in fields:
         if kind == AdvertisingData.Type.MANUFACTURER_SPECIFIC_DATA:
             manufacturer[int.from_bytes(value[:2], "little")] = value[2:]
-        elif kind == AdvertisingData.Type.SERVICE_DATA_16_BIT_UUID:
-            service_data[_uuid_of(value[:2])] = value[2:]
-        elif kind == AdvertisingData.Type.SERVICE_DATA_128_BIT_UUID:
-            service_data[_uuid_of(value[:16])] = value[16:]
-        elif kind in _SHORT_SERVICES:
-            services += [_uuid_of(value[at : at + 2]) for at in range(0, len(value), 2)]
-        elif kind in _LONG_SERVICES:
-            services += [_uuid_of(value[at : at + 16]) for at in range(0, len(value), 16)]
+        elif size := _SERVICE_DATA.get(kind):
+            service_data[_uuid_of(value[:size])] = value[size:]
+        elif size := _SERVICES.get(kind):
+            services += [_uuid_of(value[at : at + size]) for at in range(0, len(value), size)]
         elif kind in _NAMES:
             name = value.decode(errors="replace")
         elif kind == AdvertisingData.Type.TX_POWER_LEVEL:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import types
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -178,6 +177,12 @@ def _unwrapped(annotation: object) -> tuple[object, tuple[object, ...]]:
     return annotation, ()
 
 
+def _is_text(annotation: object) -> bool:
+    if get_origin(annotation) is Literal:
+        return all(isinstance(value, str) for value in get_args(annotation))
+    return isinstance(annotation, type) and issubclass(annotation, str)
+
+
 def _element(
     owner: type[Message], name: str, annotation: object, metadata: tuple[object, ...]
 ) -> tuple[str, type[Message] | None]:
@@ -186,13 +191,10 @@ def _element(
             return mark.name, None
     if annotation in _PRIMITIVES:
         return _PRIMITIVES[annotation], None
-    if get_origin(annotation) is Literal and all(isinstance(value, str) for value in get_args(annotation)):
+    if _is_text(annotation):
         return "string", None
-    if isinstance(annotation, type) and not isinstance(annotation, types.GenericAlias):
-        if issubclass(annotation, Message):
-            return annotation.ros_type, annotation
-        if issubclass(annotation, str):
-            return "string", None
+    if isinstance(annotation, type) and issubclass(annotation, Message):
+        return annotation.ros_type, annotation
     raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.message")
 
 

@@ -98,9 +98,9 @@ def _bound_integers(schema: Any) -> None:
     if not isinstance(schema, dict):
         return
     if schema.get("type") == "int":
-        if "ge" not in schema and "gt" not in schema:
+        if schema.keys().isdisjoint({"ge", "gt"}):
             schema["ge"] = -(2**63)
-        if "le" not in schema and "lt" not in schema:
+        if schema.keys().isdisjoint({"le", "lt"}):
             schema["lt"] = 2**63
     for part in ("schema", "items_schema"):
         _bound_integers(schema.get(part))

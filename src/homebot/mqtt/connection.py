@@ -365,12 +365,10 @@ class MqttConnection:
         if self._failures == 0:
             self._failing_since = now
         was_up = up_since is not None
-        if was_up and self._failures == 0 and not refused:
-            delay = 0.0
-        else:
-            backoff = self._refused_backoff if refused else self._link_backoff
-            delay = backoff.delay(self._failures + 1, now - self._failing_since, self._random)
+        backoff = self._refused_backoff if refused else self._link_backoff
+        is_first_loss = was_up and self._failures == 0 and not refused
         self._failures += 1
+        delay = 0.0 if is_first_loss else backoff.delay(self._failures, now - self._failing_since, self._random)
         self._enter(LinkPhase.REFUSED if refused else LinkPhase.WAITING, str(reason), delay)
         self._report("mqtt.refused" if refused else "mqtt.link_lost" if was_up else "mqtt.unreachable", reason, delay)
         return delay

@@ -9,6 +9,7 @@ import anyio
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
+from homebot.mqtt.filter_tree import has_wildcard
 
 __all__ = ["SubscriptionSet", "batches"]
 
@@ -141,19 +142,14 @@ def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> lis
     Where it is paced, a filter with a wildcard stands alone, because a broker sends all the messages that it keeps for
     it at once, and so does one of QoS 1 or 2. The others have at most one kept message each.
     """
-    found: list[tuple[MqttSubscription, ...]] = []
-    batch: list[MqttSubscription] = []
-    size = 0
+    found: list[list[MqttSubscription]] = []
+    room = characters = 0
     for one in subscriptions:
-        is_single = is_paced and (one.qos > 0 or "+" in one.filter or "#" in one.filter)
-        size += len(one.filter)
-        if batch and (is_single or len(batch) >= MOST or size > MOST_CHARACTERS):
-            found.append(tuple(batch))
-            batch, size = [], len(one.filter)
-        if is_single:
-            found.append((one,))
-        else:
-            batch.append(one)
-    if batch:
-        found.append(tuple(batch))
-    return found
+        is_single = is_paced and (one.qos > 0 or has_wildcard(one.filter))
+        if not room or is_single or len(one.filter) > characters:
+            found.append([])
+            room, characters = MOST, MOST_CHARACTERS
+        found[-1].append(one)
+        room = 0 if is_single else room - 1
+        characters -= len(one.filter)
+    return [tuple(batch) for batch in found]

@@ -113,12 +113,14 @@ class Expectation:
         device = self._device()
         view = None if device is None else self._view.get(device.id)
         found: dict[str, object] = {}
-        for part in () if view is None else view.device.parts:
+        if view is None:
+            return found
+        for part in view.device.parts:
             for kind in _KINDS:
-                if view is not None and part.part.service_type in kind.service_types:
+                if part.part.service_type in kind.service_types:
                     handle = kind(view, part.id, self._view)
                     found |= {word: getattr(handle, word) for word in _words(kind) if found.get(word) is None}
-        for state in () if view is None else view.current().states:  # a thermostat's temperature may be another part's
+        for state in view.current().states:  # a thermostat's temperature may be another part's
             if found.get(state.capability) is None:
                 found[state.capability] = state.value.plain()
         return found

@@ -287,11 +287,12 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
     if first.service_type:
         service_type, guessed = first.service_type, declared.get("guessed") == "true"
         name, advertised = declared.get("name", ""), declared.get("advertised", "")
+    elif part_id:
+        service_type, guessed, name = _lone(first), first.guessed, first.affordance.title
+        advertised = _advertised_type(thing, first)
     else:
-        is_main = not part_id and bool(main)
-        service_type, guessed = (main, main_is_guess) if is_main else (_lone(first), first.guessed)
-        name = first.affordance.title if part_id else ""
-        advertised = _advertised_type(thing, first if part_id else None)
+        service_type, guessed = (main, main_is_guess) if main else (_lone(first), first.guessed)
+        name, advertised = "", _advertised_type(thing, None)
     part = Part(
         id=part_id,
         name=name,
@@ -301,11 +302,16 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         category=_CATEGORIES.get(declared.get("category", ""), ""),
         guessed=guessed,
         capabilities=tuple(one.capability for one in found),
-        reads=tuple(dict.fromkeys(form.filter for one in members for form in one.observed if form.filter)),
-        writes=tuple(dict.fromkeys(form.topic for one in members for form in one.written if form.topic)),
+        reads=_distinct(form.filter for one in members for form in one.observed),
+        writes=_distinct(form.topic for one in members for form in one.written),
         payloads=_payloads(found),
     )
     return ClassifiedPart(part, found)
+
+
+def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
+    """Return the *texts* that are not empty, each once."""
+    return tuple(dict.fromkeys(filter(None, texts)))
 
 
 def _advertised_type(thing: Thing, first: _Candidate | None) -> str:

@@ -237,11 +237,8 @@ def _qos(form: Fields) -> int:
 
 
 def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
-    kind = fields.text("type")
-    found = next((one for one in _TYPES if one == kind), None)
-    if found is None:
-        raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(one for one in _TYPES if one)}")
-    if not kind and (chosen := _alternative(fields)) is not None:
+    found = _type(fields)
+    if not found and (chosen := _alternative(fields)) is not None:
         return chosen
     members = fields.inner("properties") if found == "object" and not is_member else None
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
@@ -268,6 +265,14 @@ def _range(fields: Fields) -> tuple[float | None, float | None]:
     return minimum, maximum
 
 
+def _type(fields: Fields) -> DataType:
+    kind = fields.text("type")
+    for known in _TYPES:
+        if known == kind:
+            return known
+    raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(filter(None, _TYPES))}")
+
+
 def _alternative(fields: Fields) -> DataSchema | None:
     """Return the number among the alternatives of a schema, or the only one that is not null; else None."""
     name = "oneOf" if "oneOf" in fields else "anyOf"
@@ -276,9 +281,10 @@ def _alternative(fields: Fields) -> DataSchema | None:
     numbers = [one for one in schemas if one.type in ("integer", "number")] or schemas
     if len(numbers) != 1:
         return None
-    (number,) = numbers
-    words = (text for one in schemas if one is not number for text in one.enum if isinstance(text, str))
-    return replace(number, unit=number.unit or fields.text("unit"), words=tuple(words))
+    number = numbers[0]
+    others = [text for one in schemas if one is not number for text in one.enum]
+    words = tuple(text for text in others if isinstance(text, str))
+    return replace(number, unit=number.unit or fields.text("unit"), words=words)
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:

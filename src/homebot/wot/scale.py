@@ -37,7 +37,7 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
     if (ends := _ends(capability, affordance)) is not None:
         low, high = ends
         return min(max((number - low) / (high - low) * _PERCENT, 0.0), _PERCENT)
-    if capability == "color_temperature" and unit_of(affordance.schema) == "mired":
+    if _is_mired(capability, affordance):
         return float(round(MIRED / number)) if number >= 1 else None
     if _is_fahrenheit(capability, affordance):
         return to_celsius(number)
@@ -67,7 +67,7 @@ def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
     if low is None or high is None:
         return ()
     is_own = "capability" in affordance.extension
-    if not is_own and capability == "color_temperature" and unit_of(affordance.schema) == "mired" and low >= 1:
+    if not is_own and _is_mired(capability, affordance) and low >= 1:
         return nearest_mired_bounds(low, high)
     ends = [found for end in (low, high) if (found := canonical(capability, affordance, end)) is not None]
     if len(ends) < 2:  # one of them means nothing
@@ -81,17 +81,7 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
     """Return *number*, in the vocabulary's unit, as the thing spells it; not finite where that is impossible."""
     if "capability" in affordance.extension:
         return number
-    found = number
-    if (ends := _ends(capability, affordance)) is not None:
-        low, high = ends
-        found = low + number / _PERCENT * (high - low)
-    elif capability == "color_temperature" and unit_of(affordance.schema) == "mired":
-        found = MIRED / number if number >= 1 else math.nan
-    elif _is_fahrenheit(capability, affordance):
-        found = to_fahrenheit(number, _EXACT)
-    else:
-        conversion = _conversion(capability, affordance)
-        found = number * conversion.over / conversion.times + conversion.shift
+    found = _in_own_unit(capability, affordance, number)
     if not math.isfinite(found):
         return found
     least, most = affordance.schema.minimum, affordance.schema.maximum
@@ -99,6 +89,19 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
         return _within(round(found, 6), least, most)
     least, most = None if least is None else math.ceil(least), None if most is None else math.floor(most)
     return _within(float(round(found)), least, most)
+
+
+def _in_own_unit(capability: str, affordance: Affordance, number: float) -> float:
+    """Return *number* in the unit of the thing."""
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        return low + number / _PERCENT * (high - low)
+    if _is_mired(capability, affordance):
+        return MIRED / number if number >= 1 else math.nan
+    if _is_fahrenheit(capability, affordance):
+        return to_fahrenheit(number, _EXACT)
+    conversion = _conversion(capability, affordance)
+    return number * conversion.over / conversion.times + conversion.shift
 
 
 def _within(number: float, low: float | None, high: float | None) -> float:
@@ -113,6 +116,10 @@ def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None
         return None
     is_fraction = capability in _FRACTIONS or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
     return (low, high) if is_fraction else None
+
+
+def _is_mired(capability: str, affordance: Affordance) -> bool:
+    return capability == "color_temperature" and unit_of(affordance.schema) == "mired"
 
 
 def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:

@@ -71,21 +71,28 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     found = [one for one in found if one.id == ident] or found
     if len(found) == 1:
         return MeantDevice(found[0], f"{found[0].id}{hash_sign if found[0].id == ident else ''}{part}")
-    ids = [one.id for one in found]
-    if not found:
-        answer = await listed(home, query=text, limit=_MOST_NAMED)
-        if not answer.success:
-            raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-        ids = [one.id for one in answer.devices]
-        if answer.total == 1:
-            return MeantDevice((await _found(home, {"ids": ids}))[0], text)
-        if not ids:
-            names = [name for one in await all_listed(home) for name in (one.id, one.name)]
-            hint = did_you_mean(text, names, "a list of all devices shows what there is")
-            raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
+    ids = [one.id for one in found] or await _fitting(home, text)
+    if not found and len(ids) == 1:
+        return MeantDevice((await _found(home, {"ids": ids}))[0], text)
     more = ", …" if len(ids) >= _MOST_NAMED else ""
     problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_NAMED])}{more}"
     raise ProblemError(HTTPStatus.CONFLICT, problem)
+
+
+async def _fitting(home: HomeCalls, text: str) -> list[str]:
+    """Return the ids of the first devices that fit the query *text*.
+
+    Raises:
+        ProblemError: There is none, with similar ones named.
+    """
+    answer = await listed(home, query=text, limit=_MOST_NAMED)
+    if not answer.success:
+        raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+    if not answer.devices:
+        names = [name for one in await all_listed(home) for name in (one.id, one.name)]
+        hint = did_you_mean(text, names, "a list of all devices shows what there is")
+        raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
+    return [one.id for one in answer.devices]
 
 
 async def listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 from typing import Final, NamedTuple
-from urllib.parse import parse_qsl, unquote, urlsplit
+from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
 
 from pydantic import BaseModel, ValidationError
 
@@ -77,20 +77,25 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     route = fitting[0]
     if request.method != route.method:
         raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}", route.method)
+    is_post = route.method == "POST"
+    if is_post and request.content_type.partition(";")[0].strip().lower() != _JSON:
+        raise ProblemError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send the header Content-Type: {_JSON}")
     try:
-        if route.method == "POST":
-            if request.content_type.partition(";")[0].strip().lower() != _JSON:
-                raise ProblemError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send the header Content-Type: {_JSON}")
+        if is_post:
             return route, route.question.model_validate_json(request.body)
-        fields = dict(parse_qsl(url.query, keep_blank_values=True))
-        if route.path.endswith("{id}"):
-            fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
-        return route, route.question.model_validate(fields)
+        return route, route.question.model_validate(_query_fields(route, url))
     except ValidationError as exc:
         first = exc.errors()[0]
         where = ".".join(map(str, first["loc"])) or "body"
         known = ", ".join(route.question.model_fields) or "none"
         raise ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}") from None
+
+
+def _query_fields(route: ApiRoute, url: SplitResult) -> dict[str, str]:
+    fields = dict(parse_qsl(url.query, keep_blank_values=True))
+    if route.path.endswith("{id}"):
+        fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
+    return fields
 
 
 def _fits(pattern: str, path: str) -> bool:

@@ -135,6 +135,9 @@ _PARAMETER_SERVICES: Final = {
 }
 """Services that a node offers for its parameters, by the ends of their names."""
 
+_GATEWAY_RIGHTS: Final = {**dict.fromkeys(GATEWAY_READING, Right.READ), "send_command": Right.RAW}
+"""Services of gateways, by the ends of their names; the others manage them."""
+
 
 class MissingRightError(PeerError):
     """A client lacks the right for a request.
@@ -293,11 +296,8 @@ def right_to_call(name: str) -> Right:
         return Right.ACT
     if path[-1:] == ["_action"] and last == "send_goal":
         return Right.RAW  # such a goal would keep the issuer that the client gave it, and outlive its connection
-    if path and path[0] == "gateway":
-        if last == "send_command":
-            return Right.RAW
-        if last in GATEWAY_READING:
-            return Right.READ
+    if path[:1] == ["gateway"]:
+        return _GATEWAY_RIGHTS.get(last, Right.MANAGE)
     is_reading = name in _READING or (path == ["rosapi"] and name not in _SETTING_PARAMETERS)
     return Right.READ if is_reading else Right.MANAGE
 

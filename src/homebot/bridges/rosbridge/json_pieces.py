@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from typing import Any, Final
 
 from homebot.support.strict_json import parse_strict
@@ -54,16 +54,20 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
         _check_nesting(value)
     if "\\ud" in rest or "\\uD" in rest:
         _check_unicode(value)
-    for found, (begin, end) in zip(lists, arrays, strict=True):
-        start = begin
-        while start < end:
-            cut = end if end - start <= _SHORT else text.rfind(",", start, start + _SHORT)
-            found.extend(_numbers(text[start : max(cut, start)]))
-            start = cut + 1
-            yield
-        if text[end - 1] == ",":
-            raise ValueError("a list ends in a comma")
+    for found, span in zip(lists, arrays, strict=True):
+        yield from _read_numbers(found, text, *span)
     return value
+
+
+def _read_numbers(found: list[object], text: str, start: int, end: int) -> Iterator[None]:
+    """Add the numbers between *start* and *end* of *text* to *found*, piece by piece."""
+    while start < end:
+        cut = end if end - start <= _SHORT else text.rfind(",", start, start + _SHORT)
+        found.extend(_numbers(text[start : max(cut, start)]))
+        start = cut + 1
+        yield
+    if text[end - 1] == ",":
+        raise ValueError("a list ends in a comma")
 
 
 def _put_aside(found: re.Match[str], arrays: list[tuple[int, int]]) -> str:

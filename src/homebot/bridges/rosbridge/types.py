@@ -207,16 +207,20 @@ def partial_message_from_client(
     return message_from_json(message_type, whole), tuple(missing)
 
 
+def _with_ros2_names(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
+    if message_type not in {Time, Duration}:
+        return dict(value)
+    return {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
+
+
 def _in_ros2(
     message_type: type[Message], value: Mapping[str, object], missing: dict[str, None] | None, path: str = ""
 ) -> dict[str, object]:
     """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names."""
     fields = fields_by_name(message_type)
-    if message_type in {Time, Duration}:
-        value = {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
-    elif message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
-        value = {name: item for name, item in value.items() if name != _ROS1_COUNTER}
-    whole = dict(value)
+    whole = _with_ros2_names(message_type, value)
+    if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
+        whole.pop(_ROS1_COUNTER, None)
     for name, field in fields.items():
         if name in whole:
             whole[name] = _element(field, whole[name], missing, f"{path}{name}.")

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
+from typing import TypeGuard
 
 from homebot.bridges.thing_directory.documents import (
     LD_TYPE,
@@ -196,12 +197,15 @@ def _plain_value(one: ListedProperty, body: bytes) -> PlainValue:
     match kind, value:
         case ("bool", bool() as found) | ("text", str() as found):
             return found
-        case "number", int() | float() if not isinstance(value, bool):
+        case "number", _ if _is_number(value):
             return _number(value)
-        case "numbers", list() if len(value) <= _MOST_NUMBERS:
-            if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in value):
-                return tuple(_number(each) for each in value)
+        case "numbers", list() if len(value) <= _MOST_NUMBERS and all(map(_is_number, value)):
+            return tuple(map(_number, value))
     raise RequestError(HTTPStatus.BAD_REQUEST, expected)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _number(value: float) -> float:

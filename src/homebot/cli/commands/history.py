@@ -80,13 +80,17 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
     request |= {"capability": options.capability, "points": min(options.points or _points(options), _MOST)}
     found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
+    _print_history(found, options, since, until)
+    return 0 if found.series else 1
+
+
+def _print_history(found: ReadHistoryResponse, options: argparse.Namespace, since: float, until: float) -> None:
     if options.json:
         print(json.dumps([fields_of(one) for one in found.series]))
     elif options.csv:
         _print_csv(("time", "device", "part", "capability", "value", "low", "high", "until"), _csv_rows(found.series))
     else:
         _print_series(found, since, until, is_plot=options.plot)
-    return 0 if found.series else 1
 
 
 def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, float]:

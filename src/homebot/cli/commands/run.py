@@ -19,7 +19,7 @@ from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
 from homebot.errors import UsageError
-from homebot.log import configure_logging
+from homebot.log import LogFormat, configure_logging
 from homebot.names import snake_case
 from homebot.plugins import check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
@@ -175,15 +175,28 @@ def run(options: argparse.Namespace) -> int:
             raise
         print(f"homebot: {exc}", file=sys.stderr)
         return _WRONG_CONFIGURATION
-    with queued_output() as lost_lines, _recording(options.record) as record_into:
-        if house is None or house.time.is_real or not is_watched:
-            if options.log_format is not None:
-                configure_logging(options.log_format)
-            return _run_apart(options, config, house, lost_lines, record_into)
+    shown_house = house if is_watched and house is not None and not house.time.is_real else None
+    view = None if shown_house is None else partial(_watched, shown_house)
+    with (
+        queued_output() as lost_lines,
+        _recording(options.record) as record_into,
+        _log(options.log_format, is_quiet=view is not None),
+    ):
+        return _run_apart(options, config, house, lost_lines, record_into, view)
+
+
+@contextmanager
+def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
+    """Configure the log; a quiet one shows its lines after the view of the house is closed."""
+    if is_quiet:
         from homebot.cli.demo import quiet_log  # noqa: PLC0415 - for a terminal alone
 
         with quiet_log():
-            return _run_apart(options, config, house, lost_lines, record_into, partial(_watched, house))
+            yield
+        return
+    if log_format is not None:
+        configure_logging(log_format)
+    yield
 
 
 @contextmanager

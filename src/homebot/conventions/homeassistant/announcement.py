@@ -156,28 +156,21 @@ def _based(base: str, topic: object) -> object:
 
 def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
     """Return the components of a whole device and of its child devices."""
-    families = [fields.get("components")]
     children = fields.get("child_devices")
-    if isinstance(children, list):
-        families += [
-            _full_keys(child, ABBREVIATIONS).get("components") for child in children if isinstance(child, dict)
-        ]
-    if all(family is None for family in families):
+    known = [child for child in children if isinstance(child, dict)] if isinstance(children, list) else []
+    devices = (fields, *(_full_keys(child, ABBREVIATIONS) for child in known))
+    families = [device["components"] for device in devices if device.get("components") is not None]
+    if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
     found: list[AnnouncedComponent] = []
     for family in families:
-        if family is None:
-            continue
         if not isinstance(family, dict):
             raise WireError(f"components is {shown(family)}, not an object")
         if len(found) + len(family) > MAX_COMPONENTS:
             raise WireError(f"a device has more than {MAX_COMPONENTS} components")
-        found += [
-            component
-            for name, entry in family.items()
-            if (component := _component(topic, name, entry, common)) is not None
-        ]
+        components = (_component(topic, name, entry, common) for name, entry in family.items())
+        found += [component for component in components if component is not None]
     return found
 
 

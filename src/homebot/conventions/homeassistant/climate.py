@@ -6,6 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_h
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -266,19 +267,23 @@ def _add_both(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], t
     for name, end in _ENDS.items():
         ways = [_SINGLE] if name in targets.by_single else []
         ways += [end] if end in keys else []
-        if not ways:
-            continue
-        is_settable = any(way in commands for way in ways)
-        targets.names.append(name)
-        entity.add_capability(
-            name,
-            readable=any(readable[way] for way in ways),
-            writer=partial(targets.write, name) if is_settable else None,
-            unit="°C",
-            bounds=targets.temperatures.bounds if is_settable else (),
-        )
+        if ways:
+            _add_target(entity, name, targets, ways, is_readable=any(readable[way] for way in ways))
     entity.add_commands(*commands.values())
     entity.remembers()
+
+
+def _add_target(entity: Entity, name: str, targets: _Targets, ways: Iterable[str], *, is_readable: bool) -> None:
+    """Add the setpoint *name*, which is set in one of several *ways*: as the single target, or as one of a pair."""
+    is_settable = not targets.commands.keys().isdisjoint(ways)
+    targets.names.append(name)
+    entity.add_capability(
+        name,
+        readable=is_readable,
+        writer=partial(targets.write, name) if is_settable else None,
+        unit="°C",
+        bounds=targets.temperatures.bounds if is_settable else (),
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -172,21 +172,21 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
     payloads = _payloads(config, stop="")
     if not config.has("payload_stop"):
         payloads.pop("stopped", None)
-    if has_position:
-        for key in _NO_POSITION:
-            if key in config.values:
-                raise WireError(f"valve: {key} is not allowed for a valve that reports its position")
+    forbidden = next((key for key in _NO_POSITION if key in config.values), "")
+    if has_position and forbidden:
+        raise WireError(f"valve: {forbidden} is not allowed for a valve that reports its position")
     decoder = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES[:-1]}, scale)
-    commands = (
-        None if command is None else _ValveCommands(command, payloads, scale if has_position else None, variables)
-    )
+    move = set_position = None
+    if command is not None:
+        commands = _ValveCommands(command, payloads, scale if has_position else None, variables)
+        move, set_position = commands.move, commands.set_position
     entity = Entity(config, "water_valve")
     readable = entity.read_text_from(
         config.source("state_topic", variables=variables), decoder.read_position if has_position else decoder.read_state
     )
-    entity.add_capability("valve", readable=readable, writer=commands.move if commands else None)
+    entity.add_capability("valve", readable=readable, writer=move)
     if has_position:
-        entity.add_capability("position", readable=readable, writer=commands.set_position if commands else None)
+        entity.add_capability("position", readable=readable, writer=set_position)
     entity.add_commands(command)
     return entity.build()
 

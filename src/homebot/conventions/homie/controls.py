@@ -7,9 +7,11 @@ Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level, color, sh
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 from homebot.conventions.command_values import bool_writer, option_writer, require_option
 from homebot.conventions.description import Publications
@@ -32,6 +34,7 @@ __all__ = ["LIGHT_ROLES", "add_cover", "add_fan", "add_light", "add_lock", "buil
 
 
 Props = Mapping[str, HomieProperty]
+_NodeProperty: TypeAlias = tuple[HomieNode, HomieProperty]
 
 LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
 """Roles that a lamp may have, each once."""
@@ -98,8 +101,10 @@ def add_lock(part: BytesPart, props: Props) -> None:
 def add_light(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a lamp. Setting brightness or colour also switches it on: Homie leaves that to us."""
     switch, level, color = (props.get(role) for role in ("on_off", "level", "color"))
-    is_switched = switch is not None and switch.is_settable
-    on, off = ((publication(switch, text),) if switch and is_switched else () for text in ("true", "false"))
+    on: Publications = ()
+    off: Publications = ()
+    if switch is not None and switch.is_settable:
+        on, off = (publication(switch, "true"),), (publication(switch, "false"),)
     add_properties(part, props, "on_off")
     if level is not None:
         add_property(part, "level", level, on=on, off=off)
@@ -173,14 +178,12 @@ def find_vacuum(nodes: tuple[NodeRoles, ...]) -> _Vacuum | None:
 
     Before its state is announced, exactly these four commands identify it.
     """
-    props = [(node.node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
-    states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
-    commands = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
-    if not commands or not (states or set(commands[0][1].options) == set(_COMMANDS.values())):
+    state = next((prop for _, prop in _enums(nodes, {"docked", "cleaning"}, settable=False)), None)
+    node, command = next(_enums(nodes, {"START", "HOME"}, settable=True), (None, None))
+    if node is None or command is None or (state is None and set(command.options) != set(_COMMANDS.values())):
         return None
-    node, command = commands[0]
-    power = next((prop for owner, prop in props if prop.is_settable and "fan" in _words(owner)), None)
-    return _Vacuum(node, command, states[0] if states else None, power)
+    power = next((prop for owner, prop in _enums(nodes, set(), settable=True) if "fan" in _words(owner)), None)
+    return _Vacuum(node, command, state, power)
 
 
 def build_vacuum(vacuum: _Vacuum) -> BytesPart:
@@ -196,6 +199,14 @@ def build_vacuum(vacuum: _Vacuum) -> BytesPart:
     if vacuum.power is not None:
         add_property(part, "fan_mode", vacuum.power)
     return part
+
+
+def _enums(nodes: Iterable[NodeRoles], options: AbstractSet[str], *, settable: bool) -> Iterator[_NodeProperty]:
+    """Yield the enums with these *options*, and perhaps others, with their nodes."""
+    for node in nodes:
+        for prop in (role.prop for role in node.roles):
+            if prop.datatype == "enum" and prop.is_settable == settable and options <= set(prop.options):
+                yield node.node, prop
 
 
 _COMMANDS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}

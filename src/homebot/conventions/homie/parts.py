@@ -46,11 +46,13 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     for node in nodes:
         if node not in lamp:
             controls.extend(_controls(device, node))
-        others.extend(_meters(node))
-        others.extend(_singles(node))
-    settable = [one for node in device.nodes for one in node.properties if one.is_settable]
-    formats = [(one.topic, one.datatype, one.unit, one.range, one.options) for one in settable]
+        others.extend((*_meters(node), *_singles(node)))
+    formats = [_format(prop) for node in device.nodes for prop in node.properties if prop.is_settable]
     return tuple(part.build(formats or None) for part in (*controls, *others))
+
+
+def _format(prop: HomieProperty) -> tuple[object, ...]:
+    return prop.topic, prop.datatype, prop.unit, prop.range, prop.options
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
@@ -76,7 +78,7 @@ _SINGLE = (
 
 def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
     """Return the nodes of the only lamp; none for no lamp or several."""
-    lamp = tuple(node for node in nodes if _light_roles(node) and _may_be_of_a_lamp(node))
+    lamp = tuple(filter(_may_be_of_a_lamp, nodes))
     roles = [role for node in lamp for role in _light_roles(node)]
     if len(set(roles)) != len(roles):
         return ()
@@ -90,7 +92,9 @@ def _light_roles(node: NodeRoles) -> frozenset[str]:
 
 
 def _may_be_of_a_lamp(node: NodeRoles) -> bool:
-    """Return whether its kind is that of a lamp or unknown: the switch of a pump is no part of a lamp."""
+    """Return whether it has a role of a lamp, and no kind of another: the switch of a pump is no part of a lamp."""
+    if not _light_roles(node):
+        return False
     if node.kind:
         return node.kind == "switch" or node.kind in _lights()
     return tokens_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
@@ -160,7 +164,7 @@ _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float"
 
 def _meters(node: NodeRoles) -> Iterator[BytesPart]:
     """Describe the electrical measurements of a node as one meter."""
-    roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
+    roles = _metered(node)
     if not roles:
         return
     part = node_part(
@@ -171,14 +175,19 @@ def _meters(node: NodeRoles) -> Iterator[BytesPart]:
     yield part
 
 
+def _metered(node: NodeRoles) -> dict[str, Role]:
+    """Return the first role of each electrical quantity, the last ones first."""
+    return {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
+
+
 def _singles(node: NodeRoles) -> Iterator[BytesPart]:
     """Describe the other properties of a node: sensors and settings, each a part."""
     has_thermostat = any(role.name in THERMOSTAT_ROLES for role in node.roles)
-    metered: set[str] = set()
+    metered = _metered(node).values()
     for role in node.roles:
-        if role.name in _ELECTRICAL and role.name not in metered:
-            metered.add(role.name)
-        elif role.name == "local_temperature":
+        if role in metered:
+            continue
+        if role.name == "local_temperature":
             if not has_thermostat:
                 yield _sensor(node.node, Role("temperature", role.prop, role.is_guess))
         elif role.name and role.name not in CONTROLS:

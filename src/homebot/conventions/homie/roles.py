@@ -226,10 +226,10 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
         return NodeRoles(node, declared, is_guess=False, roles=roles)
     kinds = guessed_kinds(node, around)
     for kind in kinds:
-        roles = _singled(node, (_guessed_role(node, prop, kind) for prop in node.properties))
+        roles = _guessed_roles(node, kind)
         if _is_proven(kind, {role.name: role.prop for role in roles}):
             return NodeRoles(node, kind, is_guess=True, roles=roles)
-    roles = _singled(node, (_guessed_role(node, prop, "") for prop in node.properties))
+    roles = _guessed_roles(node, "")
     if kinds:
         roles = tuple(_read_only_role(node, role.prop, "") if role.name in _SHARES else role for role in roles)
     return NodeRoles(node, "", is_guess=True, roles=roles)
@@ -304,6 +304,10 @@ def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     if KINDS[kind].condition and next(flags, None) is prop:
         return Role(KINDS[kind].condition, prop, is_guess=False)
     return _read_only_role(node, prop, kind)
+
+
+def _guessed_roles(node: HomieNode, kind: str) -> tuple[Role, ...]:
+    return _singled(node, (_guessed_role(node, prop, kind) for prop in node.properties))
 
 
 def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:

@@ -37,11 +37,9 @@ def press_of(endpoint: MatterEndpoint, event: int, data: object) -> str | None:
     """
     features, fields = endpoint.features(SWITCH), as_fields(data)
     if event == _COUNTED and features & _COUNTS:
-        count = _number_of(field_of(fields, 1, "totalNumberOfPressesCounted"), 1, _MOST_POSITIONS)
-        return None if count is None else _count_name(count)
+        return _counted_press(whole_number(field_of(fields, 1, "totalNumberOfPressesCounted")))
     if event == _LATCHED and features & _LATCHES:
-        position = _number_of(field_of(fields, 0, "newPosition"), 0, _MOST_POSITIONS - 1)
-        return None if position is None else f"position {position}"
+        return _position_name(whole_number(field_of(fields, 0, "newPosition")))
     if event in _LONG_NAMES and features & _REPORTS_LONG:
         return _LONG_NAMES[event]
     if features & (_COUNTS | _LATCHES):
@@ -49,13 +47,16 @@ def press_of(endpoint: MatterEndpoint, event: int, data: object) -> str | None:
     return "single" if event == (_SHORT_RELEASE if features & _REPORTS_RELEASE else _PRESSED) else None
 
 
-def _number_of(raw: object, least: int, most: int) -> int | None:
-    number = whole_number(raw)
-    return number if number is not None and least <= number <= most else None
+def _counted_press(count: int | None) -> str | None:
+    return _count_name(count) if count is not None and 1 <= count <= _MOST_POSITIONS else None
 
 
 def _count_name(count: int) -> str:
     return _COUNT_NAMES.get(count, f"{count} times")
+
+
+def _position_name(position: int | None) -> str | None:
+    return f"position {position}" if position is not None and 0 <= position < _MOST_POSITIONS else None
 
 
 def _presses(endpoint: MatterEndpoint) -> tuple[str, ...]:

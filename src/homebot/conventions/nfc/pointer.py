@@ -84,17 +84,14 @@ class Pointer:
             return replace(other, problems=(*self.problems, *other.problems))
         return Pointer(
             kind=self.kind if self.text else other.kind,
-            text=self.text or other.text,
-            id=self.id or other.id,
             words=(*self.words, *other.words),
-            address=self.address or other.address,
             urls=(*self.urls, *other.urls),
-            thing=self.thing or other.thing,
-            matter=self.matter or other.matter,
-            homekit=self.homekit or other.homekit,
-            area=self.area or other.area,
             problems=(*self.problems, *other.problems),
+            **{name: getattr(self, name) or getattr(other, name) for name in _SINGLE},
         )
+
+
+_SINGLE: Final = ("text", "id", "address", "thing", "matter", "homekit", "area")
 
 
 def pointer_of_device(device: str) -> Pointer:

@@ -224,7 +224,7 @@ class _Gen1Lamp:
         if self.has_white and kelvin is not None:
             found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
-            found["color"] = read_rgb([message.get(name) for name in _CHANNELS]) if is_color else None
+            found["color"] = read_rgb(list(map(message.get, _CHANNELS))) if is_color else None
         return found
 
     def publish(self, command: LightCommand) -> Publications:

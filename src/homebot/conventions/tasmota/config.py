@@ -94,10 +94,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         WireError: It is not a JSON object, of another version or device, or its topics cannot be topics.
     """
     fields = parse_object(payload)
-    if fields.get("ver") != 1:
-        raise WireError(f"config: ver is {shown(fields.get('ver'))}, not 1")
-    if fields.get("mac") != mac:
-        raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
+    _check_identity(fields, mac)
     prefixes = _texts(fields, "tp", _MOST_PREFIXES)
     if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
@@ -126,6 +123,13 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         tilts=_tilts(fields.get("sht")),
         facts=_facts(fields),
     )
+
+
+def _check_identity(fields: Mapping[str, object], mac: str) -> None:
+    if fields.get("ver") != 1:
+        raise WireError(f"config: ver is {shown(fields.get('ver'))}, not 1")
+    if fields.get("mac") != mac:
+        raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
 
 
 _STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")

@@ -75,12 +75,14 @@ class _Movement:
         if state is None:
             return {"movement": None}
         at = _STATES.get(state) if isinstance(state, str) else None
-        direction = self._direction(message)
-        if direction is None and at is not None and message.get(_RUNNING) is True:
-            return self._read_running(at, finite_number(message.get(self.position)))
-        if direction is None or (self.position and message.get(self.position) == _ENDS.get(at or "")):
-            return NO_READINGS if at is None else {"movement": at}
-        return {"movement": direction}
+        direction, position = self._direction(message), message.get(self.position)
+        if direction is not None and not (self.position and position == _ENDS.get(at or "")):
+            return {"movement": direction}
+        if at is None:
+            return NO_READINGS
+        if direction is None and message.get(_RUNNING) is True:
+            return self._read_running(at, finite_number(position))
+        return {"movement": at}
 
     def _direction(self, message: JsonMessage) -> str | None:
         word = message.get(self.motor.key) if self.motor is not None else None

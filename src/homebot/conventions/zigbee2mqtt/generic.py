@@ -168,13 +168,12 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
 
 
 def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
-    is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
-    category: Category = "" if is_switch else expose.category or "config"
-    part = _part(topics, expose, "switch" if is_switch else "x_setting", category)
+    if expose.type == "binary" and expose.name == "state" and not expose.category:
+        return _switch(topics, expose)
+    part = _part(topics, expose, "x_setting", expose.category or "config")
     match expose.type:
         case "binary":
             part.add_flag(expose, "on_off")
-            part.request(*([expose] if is_switch else []))
         case "numeric":
             part.add_number(expose, "number", unit=expose.unit)
         case "enum":
@@ -183,6 +182,13 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
             part.add_feature(expose, "text", _json_text, partial(_write_text, topics, expose))
         case _:
             return _sensor(topics, expose) if expose.is_published else None
+    return part
+
+
+def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
+    part = _part(topics, expose, "switch", "")
+    part.add_flag(expose, "on_off")
+    part.request(expose)
     return part
 
 

@@ -27,8 +27,6 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
     """Describe a lamp; *effect* is the enum of its effects."""
     features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
     lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
-    state = features.get("state")
-    readable = {"color_temperature", "color"} | ({"on_off", "level"} if state and state.is_published else set())
     part.read_from(part.topics.state, lamp.read)
     part.add_command_topics(part.topics.command)
     modes = {name for name in ("brightness", "color_temp") if name in features} | ({lamp.mode} if lamp.mode else set())
@@ -38,9 +36,16 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
         white=WhiteRange(_NO_WHITE, _kelvins(white) if white else ()),
         effects=tuple(effect.options) if effect else (),
         is_dimmable="brightness" in features,
-    ).add_to(part, readable | ({"effect"} if effect and effect.is_published else set()), lamp.publish)
+    ).add_to(part, _readable(features.get("state"), effect), lamp.publish)
     part.request(*features.values())
     return part.build()
+
+
+def _readable(state: Expose | None, effect: Expose | None) -> frozenset[str]:
+    """Return the capabilities that the lamp reports; whites and colours always."""
+    switched = ("on_off", "level") if state and state.is_published else ()
+    effects = ("effect",) if effect and effect.is_published else ()
+    return frozenset({"color_temperature", "color", *switched, *effects})
 
 
 @dataclass(frozen=True, slots=True)

@@ -154,11 +154,14 @@ class _PartsBuilder:
                 part = build_generic(topics, expose)
             return (part,) if part else ()
         found = [self._specific(topics, expose)]
-        has_thermometer = any(one.name in _THERMOMETERS and one.is_published for one in self._exposes)
-        if expose.type == "climate" and not has_thermometer:
+        if expose.type == "climate" and not self._has_thermometer():
             found.append(build_thermometer(topics, expose))
         others = [feature for feature in expose.features if feature.name not in _FEATURES[expose.type]]
-        return [part for part in (*found, *(build_generic(topics, other) for other in others)) if part]
+        found += [build_generic(topics, other) for other in others]
+        return filter(None, found)
+
+    def _has_thermometer(self) -> bool:
+        return any(one.name in _THERMOMETERS and one.is_published for one in self._exposes)
 
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
         """Describe a generic expose that is a whole siren, valve or opener; None for any other."""

@@ -20,12 +20,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
     Raises:
         RefusedError: It cannot; the message names the accepted values.
     """
-    for found in part.capabilities:
-        if found.name == capability and found.settable:
-            break
-    else:
-        known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable)) or "nothing"
-        raise RefusedError(f"{capability[:40]} for the part {part.id[:40]!r}", f"this part takes {known}")
+    found = _settable(part, capability)
     kind = _kind(found)
     if kind == "bool":
         require_bool(capability, value)
@@ -41,20 +36,25 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
 
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
     """Return whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
-    for found in part.capabilities:
-        if found.name == capability and found.readable:
-            break
-    else:
-        return False
-    if value is None:
-        return True
-    kind = _kind(found)
+    found = next((one for one in part.capabilities if one.name == capability and one.readable), None)
+    return found is not None and (value is None or _is_of_kind(_kind(found), value))
+
+
+def _settable(part: Part, capability: str) -> Capability:
+    found = {one.name: one for one in part.capabilities if one.settable}
+    if capability not in found:
+        known = ", ".join(found) or "nothing"
+        raise RefusedError(f"{capability[:40]} for the part {part.id[:40]!r}", f"this part takes {known}")
+    return found[capability]
+
+
+def _is_of_kind(kind: str, value: PlainValue) -> bool:
     if kind == "bool":
         return isinstance(value, bool)
     if kind == "number":
         return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     if kind == "numbers":
-        return isinstance(value, tuple) and all(math.isfinite(one) for one in value)
+        return isinstance(value, tuple) and all(map(math.isfinite, value))
     return isinstance(value, str)
 
 

@@ -183,14 +183,8 @@ class MatterGateway(Gateway):
                     await self._add_node(event.data, "the Matter server reported it")
                 case "node_removed":
                     self._remove_node(node_id_of(event.data), "it was removed from the Matter server")
-                case "attribute_updated":
-                    if self.devices.admits(source):
-                        await self._on_attribute(event.data, payload)
-                    elif source in self._node_of:
-                        self._missed.add(self._node_of[source])
-                case "node_event":
-                    if self.devices.admits(source):
-                        await self._on_node_event(event.data, payload)
+                case "attribute_updated" | "node_event":
+                    await self._on_report(event, source, payload)
                 case "endpoint_removed":
                     self._remove_endpoint(event.data)
                 case "server_shutdown":
@@ -246,6 +240,14 @@ class MatterGateway(Gateway):
         node, number = self._nodes.get(node_id_of(fields.get("node_id"))), fields.get("endpoint_id")
         if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
             self._describe(node, "an endpoint was removed")
+
+    async def _on_report(self, event: MatterEvent, source: str, payload: bytes) -> None:
+        """Handle a report unless its source has no budget left; a missed attribute is read later."""
+        is_attribute = event.event == "attribute_updated"
+        if self.devices.admits(source):
+            await (self._on_attribute if is_attribute else self._on_node_event)(event.data, payload)
+        elif is_attribute and source in self._node_of:
+            self._missed.add(self._node_of[source])
 
     async def _on_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:

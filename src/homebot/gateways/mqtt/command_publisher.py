@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from hashlib import blake2b
 from secrets import token_bytes
@@ -97,19 +98,24 @@ class CommandPublisher:
         await self._connection.require_peer(announced_part.stored.heard_at, reports)
         if command.code:
             publications = tuple(self._secrets.record(one) for one in publications)
+        is_heard = await self._publish(command, publications)
+        if publications and not is_heard and not reports():
+            raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
+
+    async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
+        """Publish the messages of *command*; return whether a client may have received one, or will."""
         properties = _expiring(command)
         if self._responses is not None:
             properties = self._responses.request(command, properties)
         is_unkept = command.repeated and not self._connection.expires_messages
-        is_unheard = bool(publications)
+        is_heard = False
         for one in publications:
             qos = 0 if is_unkept else max(one.qos, _LEAST_QOS)
             published = await self._connection.publish(
                 one.topic, one.payload, qos=qos, retain=one.retain, properties=properties
             )
-            is_unheard = is_unheard and published.reason == ReasonCode.NO_MATCHING_SUBSCRIBERS and not one.retain
-        if is_unheard and not reports():
-            raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
+            is_heard = is_heard or published.reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
+        return is_heard
 
     def _written(self, announced_part: AnnouncedPart, command: Command) -> tuple[Publication, ...]:
         name, value, codec = command.capability, command.value.plain(), announced_part.described.codec

@@ -33,6 +33,8 @@ _FEW_PARTS = 100
 _BOUNDS = RegistryLimits()
 
 _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
+_PartAvailability: TypeAlias = tuple[str, Availability, Hashable, list[str]]
+"""The id of a part, its availability, the key under which that is shared, and its topics."""
 """Filters, each with its reader."""
 
 
@@ -112,15 +114,24 @@ class AnnouncementRegistry(DeviceRegistry):
             if count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
                 replayed.append((topic_filter, part))
         if availabilities:
-            stored.reachability = {
-                part_id: self._shared_reachability(availability, key, topics, refused, replayed)
-                for part_id, availability, key, topics in availabilities
-            }
-            for part_id, shared in stored.reachability.items():
-                shared.members.append((stored, part_id))
+            self._enter_reachability(stored, availabilities, refused, replayed)
         if stored.described.text is not None:
             self._register_text(stored)
         return tuple(refused), tuple(replayed)
+
+    def _enter_reachability(
+        self,
+        stored: StoredAnnouncement,
+        availabilities: Iterable[_PartAvailability],
+        refused: list[WireError],
+        replayed: _Readings,
+    ) -> None:
+        stored.reachability = {
+            part_id: self._shared_reachability(availability, key, topics, refused, replayed)
+            for part_id, availability, key, topics in availabilities
+        }
+        for part_id, shared in stored.reachability.items():
+            shared.members.append((stored, part_id))
 
     def _shared_reachability(
         self,
@@ -253,9 +264,9 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
     return device, availability
 
 
-def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
+def _availabilities(stored: StoredAnnouncement) -> list[_PartAvailability]:
     """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
-    found: list[tuple[str, Availability, Hashable, list[str]]] = []
+    found: list[_PartAvailability] = []
     described = stored.described
     own = {"": described.availability}
     for one in described.parts:

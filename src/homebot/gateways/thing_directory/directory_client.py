@@ -67,9 +67,7 @@ class DirectoryReader:
             if where in seen or len(seen) >= MAX_PAGES:
                 raise WireError(f"the list of the directory does not end after {len(seen)} pages")
             seen.add(where)
-            before = self._read.get(where)
-            if before is not None and not has_all(before.keys):
-                before = None
+            before = self._read_before(where, has_all)
             answer = await self._get_page(where, before, is_first=len(seen) == 1)
             if answer is None:
                 where = f"{self._url}/things"
@@ -87,6 +85,10 @@ class DirectoryReader:
             where = following
         for gone in self._read.keys() - seen:
             del self._read[gone]
+
+    def _read_before(self, where: str, has_all: Callable[[frozenset[str]], bool]) -> ReadPage | None:
+        before = self._read.get(where)
+        return before if before is not None and has_all(before.keys) else None
 
     async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
         """Return the answer with a page; None if the directory turns out not to count."""

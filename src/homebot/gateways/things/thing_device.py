@@ -161,9 +161,14 @@ class ThingDevice:
         self._asked = self._combined(_grouped(asked))
         sources = _grouped(observed)
         for source in sources:
-            forms = [(binding.read_forms(one.affordance), part, one) for part, one in source.affordances]
-            source.instead = _grouped([(read[0], part, one) for read, part, one in forms if read])
+            source.instead = self._read_sources(source)
         return sources
+
+    def _read_sources(self, source: _ThingSource) -> tuple[_ThingSource, ...]:
+        """Return the sources that are read in place of an observed one."""
+        read_forms = self._port.binding.read_forms
+        forms = [(read_forms(one.affordance), part, one) for part, one in source.affordances]
+        return _grouped([(read[0], part, one) for read, part, one in forms if read])
 
     def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
         """Return one source of all properties in place of several, if the thing has one."""

@@ -101,9 +101,7 @@ def _add_line(message: ParsedMessage, line: str) -> None:
     if parts["longest"] and base != "string":
         raise ValueError("only a string has a bound before its brackets")
     if parts["constant"]:
-        if parts["array"] or base not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(name):
-            raise ValueError("a constant is of one primitive, in capitals")
-        message.constants[name] = _parse_value(base, value)
+        message.constants[name] = _constant(parts)
         return
     if not _FIELD_NAME.fullmatch(name):
         raise ValueError("a field has small letters, digits and single underscores")
@@ -130,6 +128,12 @@ def _nested_key(package: str, base: str) -> str:
     return key
 
 
+def _constant(parts: re.Match[str]) -> object:
+    if parts["array"] or parts["base"] not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(parts["name"]):
+        raise ValueError("a constant is of one primitive, in capitals")
+    return _parse_value(parts["base"], parts["value"])
+
+
 def _parse_default(of: FieldDefinition, text: str) -> object:
     if of.ros_type not in _PRIMITIVES:
         raise ValueError("only a primitive has a default")
@@ -138,7 +142,8 @@ def _parse_default(of: FieldDefinition, text: str) -> object:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError("the default of an array is [VALUE, …]")
     values = tuple(_parse_value(of.ros_type, item) for item in _ITEM.findall(text[1:-1]))
-    if len(values) > (of.size or of.bound or len(values)) or len(values) < (of.size or 0):
+    least, most = of.size or 0, of.size or of.bound
+    if len(values) < least or (most and len(values) > most):
         raise ValueError(f"there are {len(values)} values")
     return bytes(values) if of.is_bytes else values
 

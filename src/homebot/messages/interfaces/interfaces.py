@@ -169,16 +169,20 @@ class Interfaces:
             raise UsageError(
                 f"{key}: this client has defined {self._defined[client]} types, of {_MOST_DEFINED} at most"
             )
+        self._add(new, parsed)
+        self._defined[client] += len(new)
+        return self._resolve(key)
+
+    def _add(self, texts: Mapping[str, str], names: Iterable[str]) -> None:
+        """Build the types *names* with the definitions *texts*; after an error these are unknown as before."""
         before = dict(self._built), dict(self._texts)
-        self._texts |= new
+        self._texts |= texts
         try:
-            for name in parsed:
+            for name in names:
                 _check_size(name, messages_in(self._resolve(name)))
         except UsageError:
             self._built, self._texts = before
             raise
-        self._defined[client] += len(new)
-        return self._resolve(key)
 
     def _find(self, ros_type: str, kind: str) -> Any:
         shown = ros_type[:_LONGEST_NAME]

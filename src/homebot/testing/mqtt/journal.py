@@ -163,18 +163,14 @@ class Journal:
 
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
         """Return the text of a missing message, with the received ones."""
-        here: list[_Entry] = []
-        elsewhere: dict[str, RecordedMessage] = {}
-        for entry in self._entries.copy():
-            if topic_matches(filter, entry.message.topic):
-                here.append(entry)
-            else:
-                elsewhere[entry.message.topic] = entry.message
+        entries = self._entries.copy()
+        here = [each for each in entries if topic_matches(filter, each.message.topic)]
+        there = [each.message for each in entries if not topic_matches(filter, each.message.topic)]
         other = [each.message for each in here if not each.taken]
         taken = [each.message for each in here if each.taken and payload_matches(wanted, each.message)]
+        elsewhere = {message.topic: message for message in there}
         similar = get_close_matches(filter, elsewhere, n=_MAX_SHOWN, cutoff=0.5)
-        what = "a message" if wanted is None else getattr(wanted, "__name__", None) or repr(wanted)
-        lines = [f"no client published {what} on {filter} within {timeout:g} s"]
+        lines = [f"no client published {_wanted_text(wanted)} on {filter} within {timeout:g} s"]
         lines += _section("received with another payload", other)
         lines += _section("an earlier expect() has taken already", taken)
         lines += _section("received on similar topics", [elsewhere[topic] for topic in similar])
@@ -191,6 +187,10 @@ class Journal:
                 entry.taken = True
                 return message
         return None
+
+
+def _wanted_text(wanted: Wanted) -> str:
+    return "a message" if wanted is None else getattr(wanted, "__name__", None) or repr(wanted)
 
 
 def _section(title: str, messages: list[RecordedMessage]) -> list[str]:

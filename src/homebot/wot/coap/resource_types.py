@@ -142,19 +142,27 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     given = tuple(links)
     implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
-    lit = {_folder(one) for one in given if any(word.startswith(_OCF_LIGHT) for word in one.words("rt"))}
+    lit = {_folder(one) for one in given if _is_ocf_light(one)}
     # a switch beside a brightness comes first: of several switches, that one is the lamp's
     listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
-    types = dict.fromkeys(_THING_TYPES[word] for one in listed for word in one.words("rt") if word in _THING_TYPES)
     lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
     found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
     return Thing(
         id="",
         title=name,
-        types=tuple(types) or (("Light",) if lamps or lit else ()),
+        types=_thing_types(listed) or (("Light",) if lamps or lit else ()),
         description="",
         affordances=tuple(found[:MAX_RESOURCES]),
     )
+
+
+def _thing_types(links: Iterable[WebLink]) -> tuple[str, ...]:
+    words = (word for link in links for word in link.words("rt"))
+    return tuple(dict.fromkeys(_THING_TYPES[word] for word in words if word in _THING_TYPES))
+
+
+def _is_ocf_light(link: WebLink) -> bool:
+    return any(word.startswith(_OCF_LIGHT) for word in link.words("rt"))
 
 
 def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tuple[WebLink, str]]:
@@ -221,9 +229,8 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
 def _kind(link: WebLink) -> tuple[_Known, str] | None:
     """Return the kind of a resource, and the content type that it has by default; None for another one."""
     interfaces = frozenset(link.words("if"))
-    if (known := next((_OCF[word] for word in link.words("rt") if word in _OCF), None)) is not None:
-        is_target = known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS)
-        return _TARGET_TEMPERATURE if is_target else known, "application/vnd.ocf+cbor"
+    if (known := _ocf_kind(link, interfaces)) is not None:
+        return known, "application/vnd.ocf+cbor"
     match = _IPSO_PATH.fullmatch(link.target)
     if match is not None and (known := _IPSO.get((int(match[1]), int(match[2])))) is not None:
         return known, "text/plain"
@@ -231,6 +238,12 @@ def _kind(link: WebLink) -> tuple[_Known, str] | None:
         return None
     last = unquote(link.target.rstrip("/").rpartition("/")[2])
     return _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
+
+
+def _ocf_kind(link: WebLink, interfaces: frozenset[str]) -> _Known | None:
+    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
+    is_target = known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS)
+    return _TARGET_TEMPERATURE if is_target else known
 
 
 def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:
