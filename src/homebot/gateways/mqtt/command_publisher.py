@@ -108,12 +108,10 @@ class CommandPublisher:
         if self._responses is not None:
             properties = self._responses.request(command, properties)
         is_unkept = command.repeated and not self._connection.expires_messages
-        is_heard = False
+        publish, is_heard = self._connection.publish, False
         for one in publications:
             qos = 0 if is_unkept else max(one.qos, _LEAST_QOS)
-            published = await self._connection.publish(
-                one.topic, one.payload, qos=qos, retain=one.retain, properties=properties
-            )
+            published = await publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
             is_heard = is_heard or published.reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
         return is_heard
 

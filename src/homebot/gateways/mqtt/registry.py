@@ -33,8 +33,6 @@ _FEW_PARTS = 100
 _BOUNDS = RegistryLimits()
 
 _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
-_PartAvailability: TypeAlias = tuple[str, Availability, Hashable, list[str]]
-"""The id of a part, its availability, the key under which that is shared, and its topics."""
 """Filters, each with its reader."""
 
 
@@ -113,25 +111,13 @@ class AnnouncementRegistry(DeviceRegistry):
             stored.subscriptions.append((topic_filter, part))
             if count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
                 replayed.append((topic_filter, part))
-        if availabilities:
-            self._enter_reachability(stored, availabilities, refused, replayed)
-        if stored.described.text is not None:
-            self._register_text(stored)
-        return tuple(refused), tuple(replayed)
-
-    def _enter_reachability(
-        self,
-        stored: StoredAnnouncement,
-        availabilities: Iterable[_PartAvailability],
-        refused: list[WireError],
-        replayed: _Readings,
-    ) -> None:
-        stored.reachability = {
-            part_id: self._shared_reachability(availability, key, topics, refused, replayed)
-            for part_id, availability, key, topics in availabilities
-        }
-        for part_id, shared in stored.reachability.items():
+        reachability: dict[str, SharedReachability] = {}
+        for part_id, availability, key, topics in availabilities:
+            shared = reachability[part_id] = self._shared_reachability(availability, key, topics, refused, replayed)
             shared.members.append((stored, part_id))
+        stored.reachability = reachability or stored.reachability
+        self._register_text(stored)
+        return tuple(refused), tuple(replayed)
 
     def _shared_reachability(
         self,
@@ -149,11 +135,10 @@ class AnnouncementRegistry(DeviceRegistry):
         for index, topic_filter in enumerate(topics):
             is_known = topic_filter in self._topics.users and not has_wildcard(topic_filter)
             reader = AvailabilityReader(shared, index)
-            if not self._add_reader(topic_filter, reader, refused):
-                continue
-            shared.subscriptions.append((topic_filter, reader))
-            if is_known:
-                replayed.append((topic_filter, reader))
+            if self._add_reader(topic_filter, reader, refused):
+                shared.subscriptions.append((topic_filter, reader))
+                if is_known:
+                    replayed.append((topic_filter, reader))
         return shared
 
     def _leave_reachability(self, stored: StoredAnnouncement) -> None:
@@ -264,9 +249,9 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
     return device, availability
 
 
-def _availabilities(stored: StoredAnnouncement) -> list[_PartAvailability]:
+def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
     """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
-    found: list[_PartAvailability] = []
+    found: list[tuple[str, Availability, Hashable, list[str]]] = []
     described = stored.described
     own = {"": described.availability}
     for one in described.parts:
