@@ -17,7 +17,7 @@ from homebot.cli.arguments import door_address
 from homebot.errors import ConfigError
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
-from homebot.support.toml_file import read_toml
+from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = ["NamedHome", "homes_file", "named_home"]
 
@@ -56,18 +56,22 @@ def named_home(name: str) -> NamedHome:
     homes = read_toml(path)
     if problem := why_not_trusted(path):
         raise ConfigError(source, "", f"says where homes are, so others must not be able to change it: {problem}")
-    table = homes.get(name)
-    if table is None:
+    if name not in homes:
         raise ConfigError(source, name, f"there is no such home; {did_you_mean(name, homes, example)}")
+    table = homes[name]
     if not isinstance(table, dict) or not isinstance(table.get("door"), str):
         raise ConfigError(source, name, f"names no address; {example}")
+    return _home_in(table, name, path)
+
+
+def _home_in(table: TomlTable, name: str, path: Path) -> NamedHome:
+    source, file = str(path), table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
     try:
         host, port = door_address(str(table["door"]))
     except argparse.ArgumentTypeError as exc:
         raise ConfigError(source, f"{name}.door", str(exc)) from exc
-    file = table.get("token_file")
     if file is not None and not isinstance(file, str):
         raise ConfigError(source, f"{name}.token_file", f"must be a text in quotes, got {file!r}")
     return NamedHome(host, port, path.parent / file if file else None)

@@ -369,8 +369,11 @@ class MqttConnection:
         is_first_loss = was_up and self._failures == 0 and not refused
         self._failures += 1
         delay = 0.0 if is_first_loss else backoff.delay(self._failures, now - self._failing_since, self._random)
-        self._enter(LinkPhase.REFUSED if refused else LinkPhase.WAITING, str(reason), delay)
-        self._report("mqtt.refused" if refused else "mqtt.link_lost" if was_up else "mqtt.unreachable", reason, delay)
+        phase, event = LinkPhase.WAITING, "mqtt.link_lost" if was_up else "mqtt.unreachable"
+        if refused:
+            phase, event = LinkPhase.REFUSED, "mqtt.refused"
+        self._enter(phase, str(reason), delay)
+        self._report(event, reason, delay)
         return delay
 
     def _report(self, event: str, reason: HomebotError, delay: float) -> None:

@@ -65,18 +65,25 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     Raises:
         ProblemError: There is none, with similar ones named, or there are several, all named.
     """
-    ident, hash_sign, part = text.strip().partition("#")
-    named = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text.strip())))))
-    found = await _found(home, {"query": [message_to_json(one) for one in named]})
-    found = [one for one in found if one.id == ident] or found
+    found = await _named(home, text.strip())
     if len(found) == 1:
-        return MeantDevice(found[0], f"{found[0].id}{hash_sign if found[0].id == ident else ''}{part}")
+        ident, hash_sign, part = text.strip().partition("#")
+        is_by_id = found[0].id.casefold() == ident.casefold()
+        return MeantDevice(found[0], f"{found[0].id}{hash_sign}{part}" if is_by_id else found[0].id)
     ids = [one.id for one in found] or await _fitting(home, text)
     if not found and len(ids) == 1:
         return MeantDevice((await _found(home, {"ids": ids}))[0], text)
     more = ", …" if len(ids) >= _MOST_NAMED else ""
     problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_NAMED])}{more}"
     raise ProblemError(HTTPStatus.CONFLICT, problem)
+
+
+async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
+    """Return the devices with the id, with or without a part, or the name *text*; one with the id alone."""
+    ident = text.partition("#")[0]
+    terms = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text)))))
+    found = await _found(home, {"query": [message_to_json(one) for one in terms]})
+    return [one for one in found if one.id == ident] or found
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:

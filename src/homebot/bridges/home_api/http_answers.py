@@ -85,10 +85,14 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
             return route, route.question.model_validate_json(request.body)
         return route, route.question.model_validate(_query_fields(route, url))
     except ValidationError as exc:
-        first = exc.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "body"
-        known = ", ".join(route.question.model_fields) or "none"
-        raise ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}") from None
+        raise _wrong_field(route, exc) from None
+
+
+def _wrong_field(route: ApiRoute, exc: ValidationError) -> ProblemError:
+    first = exc.errors()[0]
+    where = ".".join(map(str, first["loc"])) or "body"
+    known = ", ".join(route.question.model_fields) or "none"
+    return ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}")
 
 
 def _query_fields(route: ApiRoute, url: SplitResult) -> dict[str, str]:

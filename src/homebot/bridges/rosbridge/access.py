@@ -294,7 +294,7 @@ def right_to_call(name: str) -> Right:
         return _PARAMETER_SERVICES[last]
     if name in _ACTING or not _is_own(name):
         return Right.ACT
-    if path[-1:] == ["_action"] and last == "send_goal":
+    if name.endswith("/_action/send_goal"):
         return Right.RAW  # such a goal would keep the issuer that the client gave it, and outlive its connection
     if path[:1] == ["gateway"]:
         return _GATEWAY_RIGHTS.get(last, Right.MANAGE)

@@ -164,7 +164,7 @@ def run(options: argparse.Namespace) -> int:
     gc.set_threshold(*COLLECT_AFTER)
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
-    is_watched = not options.plain and options.log_format == "console" and _has_screen()
+    is_watched = _is_watched(options)
     if is_watched and _is_simulated(options) and house_name(options) != THESIS:
         print("homebot · a simulated house is starting …", flush=True)  # before all that takes time
     try:
@@ -175,8 +175,9 @@ def run(options: argparse.Namespace) -> int:
             raise
         print(f"homebot: {exc}", file=sys.stderr)
         return _WRONG_CONFIGURATION
-    shown_house = house if is_watched and house is not None and not house.time.is_real else None
-    view = None if shown_house is None else partial(_watched, shown_house)
+    view = None
+    if is_watched and house is not None and not house.time.is_real:
+        view = partial(_watched, house)
     with (
         queued_output() as lost_lines,
         _recording(options.record) as record_into,
@@ -292,10 +293,18 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
         raise UsageError(f"{path} does not exist, and a service runs no simulated house; give --config FILE")
     if house_name(options) == FAMILY:
         return load_config(_FAMILY_FOLDER / "home.toml"), _house(FAMILY)
+    return _thesis_config(options), None if options.house else _house(THESIS)
+
+
+def _thesis_config(options: argparse.Namespace) -> Config:
     root = options.root or THESIS_ROOT
     apps: dict[str, object] = {} if options.app else {name: {} for name in APPS_OF_THE_SIMULATED_HOUSE}
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
-    return parse_config(tables, COMMAND_LINE), None if options.house else _house(THESIS)
+    return parse_config(tables, COMMAND_LINE)
+
+
+def _is_watched(options: argparse.Namespace) -> bool:
+    return not options.plain and options.log_format == "console" and _has_screen()
 
 
 def _has_screen() -> bool:

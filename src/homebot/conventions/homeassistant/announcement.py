@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
@@ -154,12 +154,16 @@ def _based(base: str, topic: object) -> object:
     return topic
 
 
+def _child_devices(fields: Fields) -> Iterator[Fields]:
+    children = fields.get("child_devices")
+    for child in children if isinstance(children, list) else ():
+        if isinstance(child, dict):
+            yield _full_keys(child, ABBREVIATIONS)
+
+
 def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
     """Return the components of a whole device and of its child devices."""
-    children = fields.get("child_devices")
-    known = [child for child in children if isinstance(child, dict)] if isinstance(children, list) else []
-    devices = (fields, *(_full_keys(child, ABBREVIATIONS) for child in known))
-    families = [device["components"] for device in devices if device.get("components") is not None]
+    families = [one["components"] for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}

@@ -47,12 +47,13 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
         if node not in lamp:
             controls.extend(_controls(device, node))
         others.extend((*_meters(node), *_singles(node)))
-    formats = [_format(prop) for node in device.nodes for prop in node.properties if prop.is_settable]
-    return tuple(part.build(formats or None) for part in (*controls, *others))
+    formats = _command_formats(device) or None
+    return tuple(part.build(formats) for part in (*controls, *others))
 
 
-def _format(prop: HomieProperty) -> tuple[object, ...]:
-    return prop.topic, prop.datatype, prop.unit, prop.range, prop.options
+def _command_formats(device: HomieDevice) -> list[tuple[object, ...]]:
+    settable = [prop for node in device.nodes for prop in node.properties if prop.is_settable]
+    return [(prop.topic, prop.datatype, prop.unit, prop.range, prop.options) for prop in settable]
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})

@@ -150,9 +150,7 @@ class Version4(Registry[_Homie4Device]):
         """
         if not _is_known(attribute):
             return ()
-        text = to_text(payload) if len(payload) <= _LONGEST else None
-        if not _ID.fullmatch(device_id) or text is None:
-            raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
+        text = _legal_text(device_id, attribute, payload)
         name = f"{domain}/{device_id}"
         device = self.devices.get(name)
         if not text and attribute in {"$state", "$homie"}:
@@ -222,6 +220,13 @@ def _is_known(attribute: str) -> bool:
         return True
     owner, _, name = attribute.rpartition("/")
     return bool(owner) and name in (NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES, ())[min(owner.count("/"), 2)]
+
+
+def _legal_text(device_id: str, attribute: str, payload: bytes) -> str:
+    text = to_text(payload) if len(payload) <= _LONGEST else None
+    if not _ID.fullmatch(device_id) or text is None:
+        raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
+    return text
 
 
 def _check(attribute: str, text: str) -> None:

@@ -38,7 +38,7 @@ class _Gen1Device:
 
     Attributes:
         topics: Its topics.
-        model: Its model by name or announcement; None if unknown.
+        model: Its model by name or announcement.
         suffixes: Its published topics, below its own.
         mode: Its mode, if the model has several.
         topic: The topic of its first description.
@@ -46,7 +46,7 @@ class _Gen1Device:
     """
 
     topics: Gen1Topics
-    model: Gen1Model | None
+    model: Gen1Model
     suffixes: set[str] = field(default_factory=set)
     mac: str = ""
     model_name: str = ""
@@ -73,8 +73,6 @@ class _Gen1Device:
     def known(self) -> frozenset[str]:
         """Return its published topics: those of its model and mode, and those seen."""
         model = self.model
-        if model is None:
-            return frozenset(self.suffixes)
         mode = model.modes.get(self.mode)
         if mode is None:
             return model.topics | self.suffixes
@@ -85,7 +83,6 @@ class _Gen1Device:
     def describe(self, topic: str) -> DeviceAnnounced:
         """Return its description, perhaps without parts; *topic* is that of its last message."""
         topics = self.topics
-        sleeps = self.model is not None and self.model.sleeps
         declared = (in_pairs(self.mac), topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
         return DeviceAnnounced(
             key=topics.topic,
@@ -98,7 +95,7 @@ class _Gen1Device:
             topic=self.topic or topic,
             facts=self._facts(),
             availability=None
-            if sleeps
+            if self.model.sleeps
             else Availability((LastWillAvailability(topics.at("online"), b"true", b"false"),)),
             owns=(topics.topic,),
             implies_alive=True,
@@ -110,7 +107,7 @@ class _Gen1Device:
     def _facts(self) -> dict[str, str]:
         facts = {
             "manufacturer": "Shelly",
-            "model": self.model_name or (self.model.name if self.model is not None else ""),
+            "model": self.model_name or self.model.name,
             "sw_version": self.version,
             "ip_address": self.address,
             "mode": clean_text(self.mode, 20),

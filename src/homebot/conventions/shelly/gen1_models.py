@@ -146,10 +146,11 @@ MODELS: tuple[Gen1Model, ...] = (
 """All models. Of a model with modes, the announced mode selects the topics, or else the topics seen."""
 
 
-def find_model(name: str, device_id: str) -> Gen1Model | None:
-    """Return the model by its number, or else by the beginning of *device_id*; None if both are unknown."""
-    return _BY_NAME.get(name) or _BY_PREFIX.get(device_id.casefold().rpartition("-")[0])
+def find_model(name: str, device_id: str) -> Gen1Model:
+    """Return the model by its number, or else by the beginning of *device_id*; if both are unknown, one without."""
+    return _BY_NAME.get(name) or _BY_PREFIX.get(device_id.casefold().rpartition("-")[0], _UNKNOWN)
 
 
+_UNKNOWN = _model("", "")
 _BY_NAME = {model.name: model for model in MODELS}
 _BY_PREFIX = {model.prefix: model for model in reversed(MODELS)}

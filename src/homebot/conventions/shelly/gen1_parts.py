@@ -68,13 +68,13 @@ def is_known_topic(suffix: str) -> bool:
 
 
 def build_parts(
-    topics: Gen1Topics, model: Gen1Model | None, suffixes: frozenset[str], presses: defaultdict[int, Presses]
+    topics: Gen1Topics, model: Gen1Model, suffixes: frozenset[str], presses: defaultdict[int, Presses]
 ) -> tuple[DescribedPart, ...]:
     """Return the parts of the device that publishes *suffixes*, the main one first.
 
     Args:
         topics: The topics of the device.
-        model: Its model; None if it is unknown.
+        model: Its model.
         suffixes: The known topics below its own.
         presses: Reports of each of its inputs, which outlive the description.
     """
@@ -85,17 +85,11 @@ def build_parts(
         parts.append(build_meter(topics, "meter", {"power": "relay/power", "energy": "relay/energy"}))
     parts.extend(build_sensor(topics, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
     if "status" in suffixes:
-        name = _name_of(model)
-        parts.extend(
-            build_valve(topics) if name == "SHTRV-01" else build_motion(topics, has_thermometer=name != "SHMOS-01")
-        )
+        is_valve, has_thermometer = model.name == "SHTRV-01", model.name != "SHMOS-01"
+        parts.extend(build_valve(topics) if is_valve else build_motion(topics, has_thermometer=has_thermometer))
     for part in parts[:1]:
         part.add_state_request(Publication(f"{topics.topic}/command", b"update"))
     return tuple(part.build() for part in parts)
-
-
-def _name_of(model: Gen1Model | None) -> str:
-    return "" if model is None else model.name
 
 
 def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
@@ -111,19 +105,19 @@ def _build_channel(
     topics: Gen1Topics,
     channel: _Channel,
     suffixes: frozenset[str],
-    model: Gen1Model | None,
+    model: Gen1Model,
     presses: defaultdict[int, Presses],
 ) -> Iterator[BytesPart]:
     kind, index = channel
     match kind:
         case "relay":
-            yield build_relay(topics, index, is_plug=model is not None and model.is_plug)
+            yield build_relay(topics, index, is_plug=model.is_plug)
         case "roller":
             yield build_roller(topics, index)
         case "valve":
             yield build_gas_valve(topics, index)
         case "light" | "color" | "white":
-            yield build_light(topics, kind, index, _name_of(model))
+            yield build_light(topics, kind, index, model.name)
         case "input":
             yield build_input(
                 topics,
@@ -131,7 +125,7 @@ def _build_channel(
                 presses[index],
                 has_state=channel.topic in suffixes,
                 has_events=f"input_event/{index}" in suffixes,
-                counts_first=model is not None and model.sleeps,
+                counts_first=model.sleeps,
             )
         case "emeter":
             yield build_meter(topics, f"emeter:{index}", _published(channel, _EMETER, suffixes))

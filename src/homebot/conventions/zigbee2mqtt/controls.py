@@ -76,7 +76,8 @@ class _Movement:
             return {"movement": None}
         at = _STATES.get(state) if isinstance(state, str) else None
         direction, position = self._direction(message), message.get(self.position)
-        if direction is not None and not (self.position and position == _ENDS.get(at or "")):
+        is_at_end = self.position != "" and position == _ENDS.get(at or "")
+        if direction is not None and not is_at_end:
             return {"movement": direction}
         if at is None:
             return NO_READINGS

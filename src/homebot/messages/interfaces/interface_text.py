@@ -128,6 +128,10 @@ def _nested_key(package: str, base: str) -> str:
     return key
 
 
+def _can_hold(array: FieldDefinition, count: int) -> bool:
+    return count == array.size if array.size else count <= (array.bound or count)
+
+
 def _constant(parts: re.Match[str]) -> object:
     if parts["array"] or parts["base"] not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(parts["name"]):
         raise ValueError("a constant is of one primitive, in capitals")
@@ -142,8 +146,7 @@ def _parse_default(of: FieldDefinition, text: str) -> object:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError("the default of an array is [VALUE, …]")
     values = tuple(_parse_value(of.ros_type, item) for item in _ITEM.findall(text[1:-1]))
-    least, most = of.size or 0, of.size or of.bound
-    if len(values) < least or (most and len(values) > most):
+    if not _can_hold(of, len(values)):
         raise ValueError(f"there are {len(values)} values")
     return bytes(values) if of.is_bytes else values
 
