@@ -119,7 +119,7 @@ def test_a_source_that_is_deep_or_without_end_is_a_problem(source: str) -> None:
 
 
 def test_the_work_of_one_rendering_is_bounded_and_counted_anew() -> None:
-    run = Run({}, None)
+    run = Run({})
     run.spend(MAX_STEPS)
     with pytest.raises(TemplateError, match=TOO_MUCH):
         run.spend(1)

@@ -1,36 +1,25 @@
-"""Templates that ask for the time get that of the caller."""
+"""Templates with times: there is no clock, and no time zone."""
 
 from __future__ import annotations
 
-from datetime import UTC, datetime, timedelta, timezone
+from datetime import UTC, datetime
 
 import pytest
 
 from homebot.conventions.jinja import TemplateError, compile_template
 
-NOW = datetime(2026, 3, 4, 5, 6, 7, tzinfo=timezone(timedelta(hours=2)))
-
 
 @pytest.mark.parametrize(
-    ("source", "text"),
+    "source",
     [
-        ("{{ now().hour }}", "5"),
-        ("{{ now() }}", "2026-03-04 05:06:07+02:00"),
-        ("{{ utcnow().isoformat() }}", "2026-03-04T03:06:07+00:00"),
-        ("{{ now().strftime('%H:%M') }}", "05:06"),
-        ("{{ as_timestamp(now()) | int }}", "1772593567"),
-        ("{{ 0 | timestamp_local }}", "1970-01-01T02:00:00+02:00"),
-        ("{{ 0 | timestamp_custom('%Y-%m-%d %H:%M') }}", "1970-01-01 02:00"),
-        ("{{ (now() - timedelta(seconds=value | int)).isoformat() }}", "2026-03-04T05:05:07+02:00"),
-        ("{{ (as_datetime('2026-03-04T05:06:07') | as_local) == now() }}", "True"),
-        ("{{ as_timestamp('1970-01-01T02:00:00') }}", "0.0"),
+        "{{ now() }}",
+        "{{ utcnow() }}",
+        "{{ 0 | timestamp_local }}",
+        "{{ 0 | timestamp_custom('%Y') }}",
+        "{{ as_datetime('2026-03-04T05:06:07') | as_local }}",
+        "{{ as_timestamp('1970-01-01T02:00:00') }}",
     ],
 )
-def test_the_time_and_its_zone_are_those_of_the_caller(source: str, text: str) -> None:
-    assert compile_template(source).render_value("60", now=NOW) == text
-
-
-@pytest.mark.parametrize("source", ["{{ now() }}", "{{ utcnow() }}", "{{ 0 | timestamp_local }}"])
 def test_without_a_clock_local_time_fails(source: str) -> None:
     with pytest.raises(TemplateError, match="not available here"):
         compile_template(source).render_value("")
@@ -50,14 +39,15 @@ def test_a_format_of_times_has_plain_fields_only(form: str) -> None:
     ("source", "text"),
     [
         ("{{ strptime(value, '%d.%m.%Y %H:%M').isoformat() }}", "2026-03-04T05:06:00"),
-        ("{{ as_timestamp(strptime(value, '%d.%m.%Y %H:%M') | as_local) | int }}", "1772593560"),
+        ("{{ as_timestamp(strptime(value ~ '+0200', '%d.%m.%Y %H:%M%z')) | int }}", "1772593560"),
+        ("{{ (strptime(value, '%d.%m.%Y %H:%M') - timedelta(minutes=6)).hour }}", "5"),
         ("{{ strptime(value, '%Y', none) }}", "None"),
         ("{{ strptime(value, '%d%d', 'no time') }}", "no time"),
         ("{{ strptime(5, '%d', 'no time') }}", "no time"),
     ],
 )
 def test_a_time_is_read_by_its_format(source: str, text: str) -> None:
-    assert compile_template(source).render_value("04.03.2026 05:06", now=NOW) == text
+    assert compile_template(source).render_value("04.03.2026 05:06") == text
 
 
 @pytest.mark.parametrize("value", ["soon", "1" * 300])

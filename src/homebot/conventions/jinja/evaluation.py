@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from datetime import datetime
 from typing import TypeAlias, final
 
 from homebot.conventions.jinja.values import (
@@ -26,13 +25,11 @@ class Run:
 
     Args:
         names: The values of the template's names at its start.
-        now: The time, with its time zone, if it is known.
     """
 
-    __slots__ = ("_length", "_names", "_parts", "_steps", "now")
+    __slots__ = ("_length", "_names", "_parts", "_steps")
 
-    def __init__(self, names: Mapping[str, object], now: datetime | None) -> None:
-        self.now = now
+    def __init__(self, names: Mapping[str, object]) -> None:
         self._names = dict(names)
         self._parts: list[str] = []
         self._steps = MAX_STEPS
@@ -132,9 +129,9 @@ class Program:
         self._weight = weight
         self.names = names
 
-    def render(self, variables: Mapping[str, object], now: datetime | None) -> str:
+    def render(self, variables: Mapping[str, object]) -> str:
         """Return its output; see :meth:`Template.render`."""
-        run = Run(variables, now)
+        run = Run(variables)
         try:
             run.spend(self._weight)
             self._body(run)

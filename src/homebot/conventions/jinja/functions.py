@@ -1,6 +1,6 @@
 """All filters and functions by name, those of time, and the names of Home Assistant alone. Pure.
 
-Clock and time zone are given by the caller; functions that need them fail without them.
+There is no clock and no time zone; functions that need them fail.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime, timedelta
-from typing import Final
+from typing import Final, NoReturn
 
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.lists import CHECKS, LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
@@ -20,19 +20,8 @@ from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined
 __all__ = ["FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
 
-def _now(run: Run) -> datetime:
-    if run.now is None:
-        raise TemplateError("the template uses the current time, which is not available here")
-    return run.now
-
-
-def _utc_now(run: Run) -> datetime:
-    return _now(run).astimezone(UTC)
-
-
-def _local(run: Run, value: datetime) -> datetime:
-    zone = _now(run).tzinfo
-    return value.replace(tzinfo=zone) if value.tzinfo is None else value.astimezone(zone)
+def _no_clock(*_: object) -> NoReturn:
+    raise TemplateError("the template uses the current time, which is not available here")
 
 
 def _from_timestamp(value: object) -> datetime:
@@ -52,17 +41,17 @@ def _or_default(default: object, name: str, convert: Callable[[], object]) -> ob
 
 
 def _timestamp_custom(
-    run: Run, value: object, date_format: object = "%Y-%m-%d %H:%M:%S", local: object = True, default: object = MISSING
+    _: Run, value: object, date_format: object = "%Y-%m-%d %H:%M:%S", local: object = True, default: object = MISSING
 ) -> object:
     moment = _or_default(default, "timestamp_custom", lambda: _from_timestamp(value))
     if not isinstance(moment, datetime):
         return moment
-    return (_local(run, moment) if local else moment).strftime(strftime_format(text(date_format)))
+    return _no_clock() if local else moment.strftime(strftime_format(text(date_format)))
 
 
-def _timestamp_local(run: Run, value: object, default: object = MISSING) -> object:
+def _timestamp_local(_: Run, value: object, default: object = MISSING) -> object:
     moment = _or_default(default, "timestamp_local", lambda: _from_timestamp(value))
-    return _local(run, moment).isoformat() if isinstance(moment, datetime) else moment
+    return _no_clock() if isinstance(moment, datetime) else moment
 
 
 def _timestamp_utc(_: Run, value: object, default: object = MISSING) -> object:
@@ -94,22 +83,16 @@ def _short(value: object) -> str:
 _LONGEST_MOMENT = 255
 
 
-def _as_timestamp(run: Run, value: object, default: object = MISSING) -> object:
+def _as_timestamp(_: Run, value: object, default: object = MISSING) -> object:
     if isinstance(value, Undefined):
         value.fail()
     if isinstance(value, datetime):
-        return _aware(run, value).timestamp()
-    return _or_default(default, "as_timestamp", lambda: _aware(run, datetime.fromisoformat(text(value))).timestamp())
+        return _timestamp(value)
+    return _or_default(default, "as_timestamp", lambda: _timestamp(datetime.fromisoformat(text(value))))
 
 
-def _aware(run: Run, moment: datetime) -> datetime:
-    return _local(run, moment) if moment.tzinfo is None else moment
-
-
-def _as_local(run: Run, value: object) -> datetime:
-    if not isinstance(value, datetime):
-        raise TypeError(f"a {type(value).__name__} is no time")
-    return _local(run, value)
+def _timestamp(moment: datetime) -> float:
+    return _no_clock() if moment.tzinfo is None else moment.timestamp()
 
 
 def _timedelta(_: Run, **parts: float) -> timedelta:
@@ -118,12 +101,10 @@ def _timedelta(_: Run, **parts: float) -> timedelta:
 
 _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_datetime": _as_datetime,
-    "as_local": _as_local,
     "as_timestamp": _as_timestamp,
-    "now": _now,
     "strptime": _strptime,
     "timedelta": _timedelta,
-    "utcnow": _utc_now,
+    **dict.fromkeys(("as_local", "now", "utcnow"), _no_clock),
 }
 """By name; each takes the run first."""
 

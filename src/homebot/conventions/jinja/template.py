@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from datetime import datetime
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
@@ -67,34 +66,26 @@ class Template:
         except TemplateError as error:
             self.problem = error.problem
 
-    def render(self, variables: Mapping[str, object], *, now: datetime | None = None) -> str:
+    def render(self, variables: Mapping[str, object]) -> str:
         """Return the text of the template, without white space around it.
 
         Args:
             variables: The values of its names: plain values as JSON has them, never changed. A missing name is
                 undefined, which is an empty text.
-            now: The time, with its time zone, for ``now()`` and local times; without it these fail.
 
         Raises:
             NotDefinedError: A value is missing that ``is_defined`` requires.
             TemplateError: The template is unsupported, these values do not fit it, or it would do too much work or
                 make too long a text.
         """
-        return _checked_text(self._checked().render(variables, now))
+        return _checked_text(self._checked().render(variables))
 
-    def render_value(
-        self,
-        payload: str | PayloadContext,
-        variables: Mapping[str, object] | None = None,
-        *,
-        now: datetime | None = None,
-    ) -> str:
+    def render_value(self, payload: str | PayloadContext, variables: Mapping[str, object] | None = None) -> str:
         """Return the text of the template for a message: ``value`` is its text, ``value_json`` its JSON.
 
         Args:
             payload: The message; one :class:`PayloadContext` for all templates parses its JSON at most once.
             variables: Further names.
-            now: See :meth:`render`.
 
         Raises:
             NotDefinedError: See :meth:`render`.
@@ -105,7 +96,7 @@ class Template:
         names = {**(variables or {}), "value": context.value}
         if "value_json" in program.names:
             names["value_json"] = context.value_json
-        return _checked_text(program.render(names, now))
+        return _checked_text(program.render(names))
 
     def _checked(self) -> Program:
         if self._program is None:
