@@ -25,6 +25,7 @@ PANEL = DoorSettings(allowed_origins=("https://panel.example.org", "null"))
         (NAMED, "hub.lan:9090"),
         (EVERYWHERE, "192.168.1.5:9090"),
         (EVERYWHERE, "[fd00::1]:9090"),
+        (PANEL, "panel.example.org"),
     ],
 )
 def test_a_client_that_calls_us_by_our_name_is_let_in(settings: DoorSettings, host: str) -> None:
@@ -44,6 +45,9 @@ def test_a_client_that_calls_us_by_our_name_is_let_in(settings: DoorSettings, ho
         (LOCAL, "localhost@127.0.0.1"),
         (NAMED, "other.lan"),
         (EVERYWHERE, "evil.example"),
+        (PANEL, "evil.example"),
+        (PANEL, "null"),
+        (PANEL, ""),
     ],
 )
 def test_a_foreign_name_is_refused(settings: DoorSettings, host: str) -> None:

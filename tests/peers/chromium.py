@@ -14,7 +14,13 @@ from tests.peers.network import missing_programs
 
 from homebot.bridges.rosbridge import Door
 
-__all__ = ["Page", "chromium"]
+__all__ = ["NAME", "Page", "chromium"]
+
+NAME = "house.example"
+"""A name of this computer, for the browser alone."""
+
+SMALLEST_TARGET = 24
+"""Pixels of CSS that a finger needs: WCAG 2.2, success criterion 2.5.8."""
 
 _FLAGS = (
     "--headless=new",
@@ -26,6 +32,8 @@ _FLAGS = (
     "--hide-scrollbars",
     "--lang=en",
     "--window-size=1200,900",
+    f"--host-resolver-rules=MAP {NAME} 127.0.0.1",
+    "--ignore-certificate-errors",
 )
 
 
@@ -90,6 +98,32 @@ class Page:
         """Let the window be so large, a phone's if it is narrow."""
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    def become_phone(self) -> None:
+        """Be a phone with a touch screen, until :meth:`become_computer`."""
+        size = {"width": 390, "height": 844, "deviceScaleFactor": 3, "mobile": True}
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 5})
+
+    def become_computer(self) -> None:
+        self.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+
+    async def tap(self, selector: str) -> None:
+        """Touch what *selector* finds, as a finger does: only if nothing covers it, and it is in the window."""
+        await to_thread.run_sync(lambda: self._tapped(selector))
+
+    def _tapped(self, selector: str) -> None:
+        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        place = """
+          arguments[0].scrollIntoView({ block: "center" });
+          const box = arguments[0].getBoundingClientRect();
+          return [box.x + box.width / 2, box.y + box.height / 2, box.width, box.height];
+        """
+        x, y, *size = self.browser.execute_script(place, found)
+        assert min(size) >= SMALLEST_TARGET, f"{selector} is {size} pixels"
+        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):
+            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
     def prefer(self, scheme: str) -> None:
         """Let the owner prefer *scheme*: light or dark."""

@@ -150,6 +150,11 @@ async def test_what_happens_is_in_the_journal_at_once_with_the_reason(page: Open
         await own.click("div[aria-label='on/off'] button")
         await own.shows("the client local asked for on", "ol")
         await own.open("#/journal", shows="the client local asked for on: confirmed after")
+        await own.write("input[type=search]", "Philips165 CONFIRMED")
+        await own.shows("confirmed after", "ol")
+        await own.write("input[type=search]", " bedroom")
+        await own.shows("has these words")
+        await own.hides("confirmed after", "ol")
         assert own.problems() == []
 
 

@@ -70,6 +70,9 @@ export function summary(device) {
 export const isActive = (device) =>
   [...device.states.values()].some((one) => (["on_off", "contact", "occupancy"].includes(one.capability) ? one.value === true : one.capability === "movement" && one.value !== "closed"));
 
+/** Return whether a text has all words that are sought, in any case. */
+export const hasWords = (text, sought) => sought.toLowerCase().split(" ").every((word) => text.toLowerCase().includes(word));
+
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
 const clock = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });

@@ -4,18 +4,16 @@ import { Component } from "preact";
 import { Switch } from "../acting.js";
 import { count, deviceOf, isLoaded, rooms } from "../house.js";
 import { html } from "../html.js";
-import { label, summary } from "../words.js";
+import { hasWords, label, summary } from "../words.js";
 
 const MANY = 30; // devices from which on they can be searched
 
 const sought = signal("");
 const found = computed(() => {
-  const words = sought.value.toLowerCase().split(" ").filter(Boolean);
-  if (!words.length) return rooms.value;
+  if (!sought.value.trim()) return rooms.value;
   const fits = (id, room) => {
     const { name = "", type = "" } = deviceOf(id)?.peek() ?? {};
-    const text = `${name} ${label(type)} ${room}`.toLowerCase();
-    return words.every((word) => text.includes(word));
+    return hasWords(`${name} ${label(type)} ${room}`, sought.value);
   };
   return rooms.value.map(([room, ids]) => [room, ids.filter((id) => fits(id, room))]).filter(([, ids]) => ids.length);
 });

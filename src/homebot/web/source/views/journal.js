@@ -3,9 +3,10 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
-import { entryText, timeText } from "../words.js";
+import { entryText, hasWords, timeText } from "../words.js";
 
-const MOST = 300;
+const KEPT = 1000; // entries that can be searched, as many as homebot answers with
+const MOST = 300; // that are shown
 const TELLING = new Set(["requested", "outcome", "reverted", "changed", "published", "denied", "held", "released", "ended", "expired", "outranked"]);
 const FAILED = new Set(["contradicted", "reverted", "no_answer", "refused", "gone"]);
 
@@ -13,6 +14,7 @@ export function Journal() {
   const [entries, setEntries] = useState([]);
   const [isLoaded, setIsLoaded] = useState(false);
   const [isWhole, setIsWhole] = useState(false);
+  const [sought, setSought] = useState("");
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (!isOpen) return undefined;
@@ -20,12 +22,12 @@ export function Journal() {
     let isLoading = true;
     const end = subscribe("/control/journal_entries", (entry) => {
       if (isLoading) early.push(entry);
-      else setEntries((old) => [entry, ...old].slice(0, MOST));
+      else setEntries((old) => [entry, ...old].slice(0, KEPT));
     });
-    call("/control/journal", { limit: MOST }).then(
+    call("/control/journal", { limit: KEPT }).then(
       (answer) => {
         isLoading = false;
-        setEntries([...answer.entries, ...early].reverse().slice(0, MOST));
+        setEntries([...answer.entries, ...early].reverse().slice(0, KEPT));
         early = [];
         setIsLoaded(true);
       },
@@ -35,12 +37,18 @@ export function Journal() {
   }, [isOpen]);
   const asked = new Set(entries.filter((one) => one.kind === "requested").map((one) => one.command));
   const outcomes = new Map(entries.filter((one) => one.kind === "outcome").map((one) => [one.command, one]));
-  const shown = isWhole ? entries : entries.filter((one) => TELLING.has(one.kind) && !(one.kind === "outcome" && asked.has(one.command)));
+  const told = isWhole ? entries : entries.filter((one) => TELLING.has(one.kind) && !(one.kind === "outcome" && asked.has(one.command)));
+  const outcomeOf = (one) => (!isWhole && one.kind === "requested" ? outcomes.get(one.command) : undefined);
+  const textOf = (one) => [nameOf(one.device), one.device, entryText(one), ...[outcomeOf(one)].filter(Boolean).map(entryText)].join(" ");
+  const shown = (sought.trim() ? told.filter((one) => hasWords(textOf(one), sought)) : told).slice(0, MOST);
   return html`<section>
-    <p class="choices"><label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> every step</label></p>
-    ${isLoaded && shown.length === 0 && html`<p class="empty">Nothing has happened yet.</p>`}
+    <p class="choices">
+      <label>Search <input type="search" value=${sought} onInput=${(event) => setSought(event.target.value)} /></label>
+      <label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> every step</label>
+    </p>
+    ${isLoaded && shown.length === 0 && html`<p class="empty">${told.length ? `None of the newest ${entries.length} entries has these words.` : "Nothing has happened yet."}</p>`}
     <ol class="log" aria-label="newest first">
-      ${shown.map((one, index) => html`<${Entry} key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`} entry=${one} outcome=${!isWhole && one.kind === "requested" && outcomes.get(one.command)} />`)}
+      ${shown.map((one, index) => html`<${Entry} key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`} entry=${one} outcome=${outcomeOf(one)} />`)}
     </ol>
   </section>`;
 }
