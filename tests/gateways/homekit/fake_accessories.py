@@ -72,6 +72,7 @@ class FakeServer:
         knows_homebot: Whether it accepts homebot's key.
         answers: Whether it answers requests.
         service_type: The type of its service.
+        follows: By targets, the states that reach them at once.
     """
 
     def __init__(self, key: str, name: str, *accessories: dict[str, object]) -> None:
@@ -82,6 +83,7 @@ class FakeServer:
         self.status = 0
         self.is_there = True
         self.service_type = "_hap._tcp"
+        self.follows: Mapping[tuple[int, int], tuple[int, int]] = {}
         self.knows_homebot = False
         self.answers = anyio.Event()
         self.answers.set()
@@ -129,7 +131,8 @@ class FakeLink(HomekitLink):
             return dict.fromkeys(values, self._server.status)
         for at, value in values.items():
             self._server.written.append((at, value))
-            self._server.find(*at)["value"] = value
+            for one in (at, self._server.follows.get(at, at)):
+                self._server.find(*one)["value"] = value
         return {}
 
     async def subscribe(self, ids: Iterable[tuple[int, int]]) -> None:
