@@ -55,11 +55,14 @@ async def test_each_kind_is_a_device_and_a_lamp_obeys() -> None:
     async with house({kind: {"kind": kind} for kind in SERVICES}) as (node, world):
         devices = await found(node, set(SERVICES))
         types = {kind: devices[kind].parts[0].part.service_type for kind in SERVICES}
+        bridges = [one for one in await Devices(node).find() if "homekit" in {end.gateway for end in one.endpoints}]
         asks = {kind for kind in SERVICES if any(always_asks(devices[kind], one) for one in devices[kind].parts)}
         (lamp,) = await Devices(node).find(Light)
         outcome = await lamp.turn_on()
         assert (type(outcome), world.device("lamp").state()) == (Confirmed, "on")
     assert asks == {"lock", "window"}
+    (bridge,) = (one for one in bridges if not one.parts)
+    assert {one.gateway for one in bridge.endpoints} == {"homekit", "mdns"}
     assert types == {
         "lamp": "light",
         "window": "closure",

@@ -79,3 +79,11 @@ async def test_an_accessory_that_is_not_there_cannot_be_reached(*, pairs: bool) 
         pass
     with pytest.raises(LinkError, match="Hall cannot be reached"):
         await attempt(found, pairs=pairs)
+
+
+@pytest.mark.parametrize("service_type", ["_hap._tcp", "_hap._udp"])
+async def test_keys_that_are_none_are_an_error_of_ours(service_type: str) -> None:
+    found = FoundAccessory("AA:BB:CC:DD:EE:01", "Hall", "127.0.0.1", 1, service_type)
+    with pytest.raises(PeerError, match="Hall"):
+        async with AiohomekitPort().connected(found, {}, print):
+            pytest.fail("it connected")

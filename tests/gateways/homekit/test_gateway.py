@@ -16,6 +16,7 @@ from tests.gateways.homekit.fake_accessories import (
 )
 from tests.gateways.homekit.house import house, reading
 
+from homebot.gateways.homekit.accessory_runner import MAX_EVENTS
 from homebot.gateways.homekit.port import HomekitValues
 
 pytestmark = pytest.mark.virtual_time
@@ -168,6 +169,20 @@ async def test_one_that_announces_the_id_of_another_does_not_end_its_connection(
         assert server.links == [link]
         server.report(*ON, True)
         await reading(reports, "on_off", True)
+
+
+async def test_after_more_events_than_can_wait_all_values_are_read() -> None:
+    server = lamp()
+    async with house(server) as home:
+        await home.pair(server, CODE)
+        reports = home.reports()
+        await reading(reports, "on_off", False)
+        for number in range(MAX_EVENTS + 20):
+            server.report(1, 10, number % 50)
+        server.report(*ON, True)
+        with anyio.fail_after(1):
+            await reading(reports, "on_off", True)
+        assert home.gateway.devices.counters.rejected == 21
 
 
 async def test_values_without_events_are_read_now_and_then() -> None:

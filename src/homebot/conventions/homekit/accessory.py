@@ -6,7 +6,6 @@ Source: HomeKit Accessory Protocol Specification, Non-Commercial Version, Releas
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
@@ -140,15 +139,17 @@ def _parse_service(data: object) -> HapService | None:
     if iid is None or not kind or not isinstance(listed, list):
         return None
     service = HapService(iid, kind)
-    for one in listed[:MAX_CHARACTERISTICS]:
-        found = as_fields(one)
-        name, number, perms = short_type(found.get("type")), whole_number(found.get("iid")), found.get("perms")
-        if name and number is not None and isinstance(perms, list):
-            service.characteristics.setdefault(name, _parse_characteristic(number, name, perms, found))
+    for one in map(_parse_characteristic, listed[:MAX_CHARACTERISTICS]):
+        if one is not None:
+            service.characteristics.setdefault(one.type, one)
     return service
 
 
-def _parse_characteristic(iid: int, kind: str, perms: list[object], fields: Mapping[str, object]) -> HapCharacteristic:
+def _parse_characteristic(data: object) -> HapCharacteristic | None:
+    fields = as_fields(data)
+    iid, kind, perms = whole_number(fields.get("iid")), short_type(fields.get("type")), fields.get("perms")
+    if iid is None or not kind or not isinstance(perms, list):
+        return None
     least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
     values = fields.get("valid-values")
     return HapCharacteristic(

@@ -6,6 +6,7 @@ Source: HomeKit Accessory Protocol Specification R2, 8.11 (Door), 8.16 (Garage D
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
@@ -15,38 +16,57 @@ from homebot.devices.value import PlainValue
 
 __all__ = ["OPENING_ROWS"]
 
-GARAGE, LOCK, ALARM, COVERING = "41", "45", "7E", "8C"
+GARAGE, COVERING = "41", "8C"
 _MOTORS: Final = f"81 8B {COVERING}"
 """Doors, windows and coverings."""
 
 _VALVES: Final = "D0 D7 CF"
 """Valves, faucets and irrigation systems."""
 
-LOCK_STATE, LOCK_TARGET, POSITION, POSITION_TARGET, MOVEMENT, HOLD = "1D", "1E", "6D", "7C", "72", "6F"
-ALARM_STATE, ALARM_TARGET, ACTIVE, IN_USE = "66", "67", "B0", "D2"
+POSITION, POSITION_TARGET, MOVEMENT, HOLD = "6D", "7C", "72", "6F"
 _LOCKED: Final = {0: "unlocked", 1: "locked"}
-_LOCK_STATES: Final = {**_LOCKED, 2: "jammed"}
-_LOCK_WORDS: Final = (*_LOCK_STATES.values(), "locking", "unlocking")
-_DOOR_WORDS: Final = ("open", "closed", "opening", "closing", "stopped")
-"""By the state of a garage door."""
-
+_OPENED: Final = {0: "closed", 1: "open"}
+_DOOR_WORDS: Final = {0: "open", 1: "closed", 2: "opening", 3: "closing", 4: "stopped"}
 _ARMED: Final = {0: "armed_home", 1: "armed_away", 2: "armed_night", 3: "disarmed"}
-_DISARMED, _TRIGGERED = 3, 4
 _MOVES: Final = ("open", "closed", "opening", "closing")
 _CLOSED_ANGLE: Final = 90.0
 """Degrees by which slats turn from open (0) to closed, to either side."""
 
 
-def _read_lock(service: HapService) -> PlainValue:
-    state, target = service.number(LOCK_STATE), service.number(LOCK_TARGET)
-    if {state, target} == {0.0, 1.0}:
-        return "locking" if target else "unlocking"
-    return None if state is None else _LOCK_STATES.get(int(state))
+def _target_row(
+    services: str,
+    capability: str,
+    state: str,
+    target: str,
+    values: Mapping[int, str],
+    moving: Mapping[int, str],
+    others: Mapping[int, str],
+) -> ServiceRow:
+    """Return the row of a state that follows a target.
+
+    Args:
+        values: The texts of both.
+        moving: The texts, by the target, while they differ.
+        others: The texts of further states.
+    """
+
+    def read(service: HapService) -> PlainValue:
+        now, wanted = service.number(state), service.number(target)
+        if now is not None and wanted is not None and now != wanted and {now, wanted} <= values.keys():
+            return moving[int(wanted)]
+        return None if now is None else {**values, **others}.get(int(now))
+
+    def options(service: HapService) -> tuple[str, ...]:
+        return tuple(
+            dict.fromkeys([*known_values(service, target, values).values(), *others.values(), *moving.values()])
+        )
+
+    return ServiceRow(services, capability, f"{state} {target}", target, values, read, options=options)
 
 
 def _read_door(service: HapService) -> PlainValue:
     state = service.number("E")
-    return dict(enumerate(_DOOR_WORDS)).get(-1 if state is None else int(state))
+    return None if state is None else _DOOR_WORDS.get(int(state))
 
 
 def _read_movement(service: HapService) -> PlainValue:
@@ -78,41 +98,22 @@ def _tilt_row(state: str, target: str) -> ServiceRow:
     return ServiceRow(COVERING, "tilt", state, target, None, read, write)
 
 
-def _read_alarm(service: HapService) -> PlainValue:
-    state, target = service.number(ALARM_STATE), service.number(ALARM_TARGET)
-    if state is None or target is None or state == _TRIGGERED:
-        return None if state is None else "triggered"
-    if state == target:
-        return _ARMED.get(int(state))
-    return "disarming" if target == _DISARMED else "arming"
-
-
-def _alarm_options(service: HapService) -> tuple[str, ...]:
-    return (*known_values(service, ALARM_TARGET, _ARMED).values(), "triggered", "arming", "disarming")
-
-
-def _read_valve(service: HapService) -> PlainValue:
-    active, in_use = service.number(ACTIVE), service.number(IN_USE)
-    if active is None or in_use in {None, active}:
-        return None if active is None else "open" if active else "closed"
-    return "opening" if active else "closing"
-
-
-def _write_valve(_at: HapService, value: PlainValue) -> Writes:
-    return {ACTIVE: float(require_option("valve", value, ("open", "closed")) == "open")}
-
-
 OPENING_ROWS: Final = (
-    ServiceRow(
-        f"{LOCK} {GARAGE}",
-        "lock",
-        f"{LOCK_STATE} {LOCK_TARGET}",
-        LOCK_TARGET,
-        _LOCKED,
-        _read_lock,
-        options=lambda _: _LOCK_WORDS,
+    _target_row(f"45 {GARAGE}", "lock", "1D", "1E", _LOCKED, {0: "unlocking", 1: "locking"}, {2: "jammed"}),
+    _target_row(
+        "7E", "alarm", "66", "67", _ARMED, dict.fromkeys(range(3), "arming") | {3: "disarming"}, {4: "triggered"}
     ),
-    ServiceRow(GARAGE, "movement", "E", "32", {0: "open", 1: "closed"}, _read_door, options=lambda _: _DOOR_WORDS),
+    _target_row(_VALVES, "valve", "D2", "B0", _OPENED, {0: "closing", 1: "opening"}, {}),
+    ServiceRow(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
+    ServiceRow(
+        GARAGE,
+        "movement",
+        "E",
+        "32",
+        {0: "open", 1: "closed"},
+        _read_door,
+        options=lambda _: tuple(_DOOR_WORDS.values()),
+    ),
     ServiceRow(_MOTORS, "position", POSITION, POSITION_TARGET),
     ServiceRow(
         _MOTORS,
@@ -127,14 +128,4 @@ OPENING_ROWS: Final = (
     _tilt_row("6C", "7B"),  # horizontal slats
     _tilt_row("6E", "7D"),  # vertical slats
     ServiceRow(f"{_MOTORS} {GARAGE}", "problem", "24"),  # obstructed
-    ServiceRow(_VALVES, "valve", f"{ACTIVE} {IN_USE}", ACTIVE, None, _read_valve, _write_valve, lambda _: _MOVES),
-    ServiceRow(
-        ALARM,
-        "alarm",
-        f"{ALARM_STATE} {ALARM_TARGET}",
-        ALARM_TARGET,
-        _ARMED,
-        _read_alarm,
-        options=_alarm_options,
-    ),
 )

@@ -1,12 +1,15 @@
 """Works with one paired accessory server: connects, describes its accessories, relays their values, and writes.
 
 An accessory sends no event to the controller that wrote, so what was written is read again. All values are read now and
-then: some have no events, and it shows whether the accessory is still there.
+then: some have no events, and it shows whether the accessory is still there. Values are reported in the order in which
+they came; if too many events wait, one more is dropped, and all values are read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+import asyncio
+from collections.abc import Awaitable, Callable, Collection, Iterable
+from functools import partial
 from typing import Final
 
 import anyio
@@ -18,8 +21,8 @@ from homebot.errors import LinkError, RefusedError, UnableError
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.homekit.accessory_device import AccessoryDevice, describe
-from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, Pairing
-from homebot.gateways.homekit.value_queue import ValueQueue
+from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, HomekitValues, Pairing
+from homebot.gateways.homekit.value_reports import ValueReports
 from homebot.support.backoff import Backoff
 
 __all__ = ["AccessoryRunner"]
@@ -35,6 +38,8 @@ AWAKE_WITHIN: Final = 30.0
 
 READ_EVERY, READ_SLEEPER_EVERY = 30.0, 300.0
 """Seconds between two readings of all values: they cost battery."""
+
+MAX_EVENTS: Final = 100
 
 _LINK_PROBLEMS: Final = {
     -70402: "its bridge does not reach it",
@@ -62,7 +67,8 @@ class AccessoryRunner(DeviceRunner):
         self.sleeps = found.is_on_thread  # it may, until it describes itself
         self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
-        self._queue = ValueQueue(devices, self.key, self._accessories)
+        self._reports = ValueReports(devices, self.key, self._accessories)
+        self._waiting = asyncio.Queue[Callable[[], Awaitable[None]]](MAX_EVENTS)
         self._tasks: TaskGroup | None = None
         self._writes = 0
 
@@ -88,16 +94,16 @@ class AccessoryRunner(DeviceRunner):
 
     async def work(self) -> None:
         """Connect, describe the accessories, and relay their values until the connection is lost."""
-        self._queue.clear()
-        async with self._port.connected(self._found, self._pairing, self._queue.on_event) as link:
+        self._waiting = asyncio.Queue(MAX_EVENTS)
+        async with self._port.connected(self._found, self._pairing, self._on_event) as link:
             self._describe(await link.list_accessories())
             await link.subscribe(self._ids("ev"))
-            self._queue.put(await link.read(self._ids("pr")), is_read=True)
+            await self._reports.report(await link.read(self._ids("pr")), is_read=True)
             self.link = link
             self.on_answer()
             self._attempt_ended.set()
             async with anyio.create_task_group() as self._tasks:
-                self._tasks.start_soon(self._queue.report_all)
+                self._tasks.start_soon(self._report_all)
                 self._tasks.start_soon(self._read_all, link)
                 await link.lost.wait()
                 self.link = None
@@ -171,20 +177,35 @@ class AccessoryRunner(DeviceRunner):
             if permission in one.perms and any(one.type in ability.watched for ability in part.abilities)
         )
 
+    def _on_event(self, values: HomekitValues) -> None:
+        """Have the values of an event reported; an accessory that breaks the rules too often is not heard."""
+        if not self._devices.admits(self.key):
+            return
+        if self._waiting.full():
+            self.reject(b"", f"{self.name} sends more events than can be reported")
+            self._doubted.set()
+        else:
+            self._waiting.put_nowait(partial(self._reports.report, values))
+
+    async def _report_all(self) -> None:
+        while True:
+            report = await self._waiting.get()
+            await report()
+
     async def _read(self, link: HomekitLink, ids: Collection[CharacteristicId]) -> None:
         """Read what was written."""
-        self._queue.put(await link.read(ids), is_read=True)
+        await self._waiting.put(partial(self._reports.report, await link.read(ids), is_read=True))
 
     async def _read_all(self, link: HomekitLink) -> None:
         """Read all values now and then; those that were read while a command was sent may be older than it."""
         while True:
-            self._doubted = anyio.Event()
             with anyio.move_on_after(READ_SLEEPER_EVERY if self.sleeps else READ_EVERY):
                 await self._doubted.wait()
+            self._doubted = anyio.Event()
             writes = self._writes
             values = await link.read(self._ids("pr"))
             if writes == self._writes:
-                self._queue.put(values, is_read=True, is_routine=True)
+                await self._waiting.put(partial(self._reports.report, values, is_read=True, is_routine=True))
             for one in self._accessories.values():
                 self._devices.put(one.device, "it answers")
 

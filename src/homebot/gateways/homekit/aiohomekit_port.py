@@ -17,7 +17,7 @@ from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import Any, Final
 
 import anyio
-from aiohomekit import exceptions, hkjson
+from aiohomekit import exceptions
 from aiohomekit.characteristic_cache import CharacteristicCacheMemory
 from aiohomekit.controller.coap.controller import CoAPController
 from aiohomekit.controller.coap.discovery import CoAPDiscovery
@@ -28,7 +28,6 @@ from aiohomekit.controller.ip.pairing import format_characteristic_list
 from aiohomekit.model import Categories
 from aiohomekit.model.feature_flags import FeatureFlags
 from aiohomekit.model.status_flags import StatusFlags
-from aiohomekit.protocol.tlv import TlvParseException
 from aiohomekit.zeroconf import HomeKitService
 
 from homebot.conventions.homekit.accessory import CharacteristicId
@@ -77,8 +76,8 @@ class _PairedLink(HomekitLink):
         pairing.dispatcher_connect(on_event)
 
     @abstractmethod
-    async def open(self) -> None:
-        """Connect."""
+    async def open(self, within: float) -> None:
+        """Connect; *within* so many seconds, over IP."""
 
     @abstractmethod
     async def close(self) -> None:
@@ -119,13 +118,10 @@ class _IpLink(_PairedLink):
 
     answers_within = 8.0
 
-    def __init__(self, name: str, pairing: Any, on_event: OnEvent, connects_within: float) -> None:
-        super().__init__(name, pairing, on_event)
-        self._connects_within = connects_within
-        self._transport: asyncio.Transport | None = None
+    _transport: asyncio.Transport | None = None
 
-    async def open(self) -> None:
-        await _connect(self._connection, self._connects_within)
+    async def open(self, within: float) -> None:
+        await _connect(self._connection, within)
         self._connection.closing = True  # it is not opened again
         self._transport = transport = self._connection.transport
         linger = struct.pack("ii", 1, 0)  # the system drops what it could not send yet when it is closed
@@ -181,7 +177,8 @@ class _ThreadLink(_PairedLink):
         self._relay = on_event
         self._written: set[CharacteristicId] = set()
 
-    async def open(self) -> None:
+    async def open(self, within: float) -> None:
+        del within  # the library waits 8 s for each answer
         await self._connection.connect(self._pairing.pairing_data)
 
     async def close(self) -> None:
@@ -217,10 +214,14 @@ class AiohomekitPort(HomekitPort):
     @asynccontextmanager
     async def connected(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> AsyncIterator[HomekitLink]:
         """Connect to a paired accessory."""
-        link = self._link_to(found, pairing, on_event)
+        address = {"AccessoryIP": found.address, "AccessoryIPs": [found.address], "AccessoryPort": found.port}
+        name = "CoAP" if found.is_on_thread else "IP"
+        with _translated(found.name):
+            loaded = _controller_of(found).load_pairing(found.id, {**pairing, **address, "Connection": name})
+            link = (_ThreadLink if found.is_on_thread else _IpLink)(found.name, loaded, on_event)
         try:
             with _translated(found.name):
-                await link.open()
+                await link.open(self._connects_within)
             yield link
         finally:
             with anyio.CancelScope(shield=True):
@@ -228,9 +229,8 @@ class AiohomekitPort(HomekitPort):
 
     async def pair(self, found: FoundAccessory, digits: str) -> Pairing:
         """Pair with an accessory."""
-        discovery: Any = (CoAPDiscovery if found.is_on_thread else IpDiscovery)(
-            _controller_of(found), _service_of(found)
-        )
+        kind: Any = CoAPDiscovery if found.is_on_thread else IpDiscovery
+        discovery = kind(_controller_of(found), _service_of(found))
         try:
             with _translated(found.name), anyio.fail_after(PAIRS_WITHIN):
                 if not found.is_on_thread:
@@ -240,19 +240,6 @@ class AiohomekitPort(HomekitPort):
         finally:
             with anyio.CancelScope(shield=True):
                 await discovery.close()
-
-    def _link_to(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> _PairedLink:
-        keys = {
-            **pairing,
-            "AccessoryIP": found.address,
-            "AccessoryIPs": [found.address],
-            "AccessoryPort": found.port,
-            "Connection": "CoAP" if found.is_on_thread else "IP",
-        }
-        loaded = _controller_of(found).load_pairing(found.id, keys)
-        if found.is_on_thread:
-            return _ThreadLink(found.name, loaded, on_event)
-        return _IpLink(found.name, loaded, on_event, self._connects_within)
 
 
 def _controller_of(found: FoundAccessory) -> Any:
@@ -306,25 +293,13 @@ _REFUSALS: Final = (
 _LOST: Final = (exceptions.AccessoryDisconnectedError, exceptions.EncryptionError, OSError, TimeoutError)
 """An accessory that restarted does not know the keys of a session over Thread any more."""
 
-_BROKEN: Final = (
-    exceptions.HomeKitException,
-    TlvParseException,
-    *hkjson.JSON_DECODE_EXCEPTIONS,
-    struct.error,
-    AttributeError,
-    LookupError,
-    TypeError,
-    ValueError,
-)
-"""The library's own, and those of Python where it trusts the accessory."""
-
 
 @contextmanager
 def _translated(name: str) -> Iterator[None]:
     """Turn the library's errors into ours; no error shows a code or a key."""
     try:
         yield
-    except (*_LOST, *_BROKEN) as exc:
+    except Exception as exc:  # noqa: BLE001 - it trusts the accessory, and fails in any way if that breaks the rules
         raise _error_of(name, exc) from None
 
 
