@@ -34,19 +34,6 @@ def test_the_family_home_is_a_house_to_test_with() -> None:
     assert world.event_log.dropped == 0
 
 
-@pytest.mark.parametrize("house", ["flat.toml", "family.toml", "mixed.toml"])
-def test_the_same_seed_is_the_same_day_and_another_seed_is_another(house: str) -> None:
-    """Byte for byte."""
-
-    def day(seed: int) -> bytes:
-        world = load_world(HOUSES / house, seed=seed)
-        world.run_until(DAY)
-        return world.event_log.text().encode()
-
-    assert day(5) == day(5)
-    assert day(5) != day(6)
-
-
 TIMED = """
 import sys, time
 from pathlib import Path

@@ -20,11 +20,11 @@ from tests.ports import reserve_port
 from homebot.apps import App
 from homebot.clock import Clock
 from homebot.config import Config, parse_config
-from homebot.devices import DEVICE_CHANGES, DeviceChange, Devices
+from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import ConfigError
 from homebot.gateways import HostService
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.embedded_broker import embedded_broker
@@ -175,21 +175,6 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
     assert JOURNAL.lines == ["first starts", "second starts", "second ends", "first ends"]
 
 
-async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
-    """The main job, in one process: three devices, and the lamp that is on goes off."""
-    runtime = Runtime(config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}}), house=thesis_world())
-    found: set[str] = set()
-    async with runtime, Node(runtime.graph, "watcher") as watcher:
-        changes = watcher.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=10)
-        log = watcher.create_subscription(Log, "/rosout", qos_profile=100)
-        with anyio.fail_after(PATIENCE):
-            while len(found) < 3:
-                found.add((await changes.receive()).device.id)
-            while not (await log.receive()).msg.startswith("lights/roomlights405 → off, by light_service"):
-                pass
-    assert found == {"lights/roomlights405", "lights/philips165", "windows/firstlevel1"}
-
-
 async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> None:
     """Before anything is started: its devices would speak among real ones."""
     with pytest.raises(ConfigError, match="test: gateways: none uses the embedded broker"):
@@ -215,17 +200,6 @@ async def test_what_cannot_be_started_ends_the_start_and_everything_stops_again(
     assert runtime.graph.get_node_names() == ()
     assert JOURNAL.lines == ["steady starts", "steady ends"]
     assert not await listens(broker_url(runtime))
-
-
-async def test_a_door_that_is_taken_ends_the_start() -> None:
-    """And leaves nothing behind."""
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        runtime = Runtime(parse_config({"door": {"port": port}}, "test"))
-        with pytest.raises(UsageError, match=f"127.0.0.1:{port} is in use, maybe by another homebot"):
-            async with runtime:
-                pytest.fail("it must not start")
-    assert runtime.graph.get_node_names() == ()
 
 
 async def test_a_start_can_be_cut_short() -> None:

@@ -226,16 +226,6 @@ def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_
     assert "found" not in run.text
 
 
-def test_a_mistake_in_the_file_is_one_clear_sentence(start: Start, tmp_path: Path) -> None:
-    """On standard error, with exit code 1, before anything is started."""
-    file = tmp_path / "villa.toml"
-    file.write_text("[gatewys]\n")
-    run = start("--config", str(file))
-    assert run.end() == 1
-    (line,) = run.log
-    assert line.startswith(f"homebot: {file}: gatewys: unknown key; did you mean gateways?")
-
-
 def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, tmp_path: Path) -> None:
     """And it can be stopped as ever."""
     program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
@@ -365,12 +355,3 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
     crashing.until("roomlights405 → off")
     crashing.until("crashing crashed 5 times within a minute and will not be restarted: RuntimeError: ouch")
     assert crashing.stop() == 1
-
-
-def test_a_reader_of_the_log_that_leaves_does_not_end_it(start: Start) -> None:
-    """As with ``homebot run 2>&1 | head -1``."""
-    run = start("--for", "1")
-    run.until("embedded MQTT broker")
-    assert run.process.stderr is not None
-    run.process.stderr.close()
-    assert run.process.wait(120) == 0

@@ -105,13 +105,6 @@ def test_a_played_day_is_told_and_pressed_on_time() -> None:
     assert world.now == day.end == 8.5 * 3600
 
 
-@given(days())
-@settings(max_examples=10)
-def test_a_day_is_played_the_same_each_time(day: Day) -> None:
-    """Byte for byte."""
-    assert day.play().text() == day.play().text()
-
-
 @pytest.mark.parametrize(
     ("old", "new", "key", "reason"),
     [

@@ -7,14 +7,11 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import tomllib
 from collections import Counter
 from pathlib import Path
 
 import pytest
-from tests.sizes import nightly
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 
 from homebot.devices import Devices
@@ -25,7 +22,6 @@ from homebot.house.event_log import Event
 from homebot.house.rooms import DAY
 from homebot.testing import EventLog, VirtualHouse, virtual_house_of
 
-A_DAY = Path(__file__).with_name("a_day.py")
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 HOUSES = int(os.environ.get("HOUSES", "1"))
 ROOT = "home425"
@@ -60,21 +56,6 @@ async def test_a_day_of_the_family_home_holds_what_it_promises(seed: int) -> Non
     assert {device.id for device in found} == {_key(world, name) for name in world.devices}
     assert {device.freshness for device in found} == {"fresh"}
     assert_nothing_was_lost(house, log, world)
-
-
-@nightly
-def test_one_seed_is_one_day_byte_for_byte() -> None:
-    """The log of the wire and the graph, and the world's own; in processes whose sets are in another order each."""
-    command = [sys.executable, str(A_DAY), "family", "1"]
-    programs = [
-        subprocess.Popen(command, stdout=subprocess.PIPE, env=os.environ | {"PYTHONHASHSEED": seed})
-        for seed in ("1", "2")
-    ]
-    first, second = (program.communicate(timeout=120)[0] for program in programs)
-    assert first == second
-    assert first.count(b"\n") > 20_000
-    assert b"mqtt home425/lights/living_lamp/in off" in first
-    assert b"living_lamp told off" in first
 
 
 def assert_light_service_answered(lines: list[Line]) -> None:

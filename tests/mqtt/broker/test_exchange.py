@@ -26,25 +26,6 @@ FOREVER = 0xFFFF_FFFF
 QUOTA = ReasonCode.QUOTA_EXCEEDED
 
 
-def test_an_empty_payload_removes_the_retained_message(join: Join) -> None:
-    client = join()
-    client.publish("a", b"old", retain=True)
-    client.publish("a", b"", retain=True)
-    client.subscribe("a")
-    assert client.messages() == []
-    assert client.state.stats.retained_messages == client.state.stats.retained_bytes == 0
-
-
-def test_a_retained_message_comes_without_the_flag_to_those_who_were_there(join: Join) -> None:
-    plain, exact = join("plain"), join("exact")
-    plain.subscribe("t")
-    exact.subscribe(FilterRequest("t", 0, retain_as_published=True))
-    plain.publish("t", b"1", retain=True)
-    plain.publish("t", b"2")
-    assert [message.retain for message in plain.messages()] == [False, False]
-    assert [message.retain for message in exact.messages()] == [True, False]
-
-
 def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, join: Join) -> None:
     state = new_state(max_retained_messages=2, max_retained_bytes=100)
     client = join(at=state)

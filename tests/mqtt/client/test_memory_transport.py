@@ -78,17 +78,6 @@ async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) ->
     assert now() == 0.0
 
 
-async def test_a_cut_link_publishes_the_will_at_once(broker: MemoryBroker, options: MqttOptions) -> None:
-    watcher = broker.make_client(replace(options, client_id="watcher"))
-    victim = broker.make_client(replace(options, will=MqttWill("will", b"gone")))
-    async with watcher.connected(), victim.connected():
-        await watcher.subscribe(MqttSubscription("will"))
-        broker.link_of("hub").abort()
-        assert [message.payload for message in await watcher.receive()] == [b"gone"]
-        assert isinstance(await victim.wait_lost(), LinkError)
-    assert now() == 0.0
-
-
 async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryBroker, options: MqttOptions) -> None:
     """The broker after one and a half times the interval, the client when its ping stays unanswered."""
     watcher = broker.make_client(replace(options, client_id="watcher"))
@@ -150,11 +139,6 @@ async def test_a_client_that_does_not_read_loses_only_qos_0(broker: MemoryBroker
             reader.ack(batch)
         assert [payload for payload in got if int(payload) % 2] == [b"%0100d" % number for number in range(1, 100, 2)]
         assert broker.stats.dropped_qos0 == 100 - len(got) > 0
-
-
-async def _publish_in_vain(client: MqttClient) -> None:
-    with pytest.raises(LinkError):
-        await client.publish("t", b"lost", qos=2)
 
 
 async def test_a_window_bounds_what_is_open_and_a_lost_link_sets_those_free_who_wait(options: MqttOptions) -> None:
@@ -225,19 +209,6 @@ async def test_too_many_links_are_turned_away(options: MqttOptions) -> None:
             async with broker.make_client(options).connected():
                 pass
         assert len(strangers) == len(broker.links) == 2
-
-
-async def test_sessions_and_retained_messages_outlive_a_restart_if_that_is_asked(
-    broker: MemoryBroker, options: MqttOptions
-) -> None:
-    client = broker.make_client(replace(options, session_expiry=60))
-    async with client.connected():
-        await client.publish("t", b"kept", qos=1, retain=True)
-    for keeps in (True, False):
-        await broker.restart(keep_sessions=keeps)
-        async with client.connected() as session:
-            assert session.resumed is keeps
-            assert broker.stats.retained_messages == int(keeps)
 
 
 @pytest.mark.parametrize("bad", [{"keep_alive": 0}, {"policy": object(), "refuse_filters": ["a"]}])

@@ -39,16 +39,6 @@ async def test_a_published_dict_reaches_subscribers_as_json_with_its_properties(
     assert (message.payload, message.qos, message.properties.response_topic) == (b'{"on": true}', 1, "answers")
 
 
-async def test_a_retained_message_waits_for_the_subscriber(mqtt_broker: TestBroker, join: Join) -> None:
-    await mqtt_broker.publish("lamp/state", "on", retain=True)
-    lamp = await join("lamp")
-    await lamp.send(LAMP)
-    kinds = {type(packet): packet for packet in (await lamp.take(), await lamp.take())}
-    message = kinds[Publish]
-    assert isinstance(message, Publish)
-    assert (message.payload, message.retain) == (b"on", True)
-
-
 async def test_publish_refuses_wildcards_and_unknown_qos(mqtt_broker: TestBroker) -> None:
     with pytest.raises(InvalidNameError):
         await mqtt_broker.publish("lamp/#")
