@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Event
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from tests.cli.test_places import NOW, index_node, sighting
 from tests.gateways.nfc.test_gateway import HOUSE
 from tests.gateways.nfc.world import UID, card
 from tests.patience import PATIENCE
 
 from homebot.cli import main
-from homebot.clock import Clock
+from homebot.clock import Clock, ManualClock
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
+from homebot.discovery import DeviceIndex
 from homebot.gateways import GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
@@ -24,6 +26,7 @@ from homebot.house.nfc import Type4Card
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot
+
 
 Text = pytest.CaptureFixture[str]
 
@@ -142,3 +145,43 @@ def test_a_code_is_asked_about(homebot_at: Callable[[Type4Card | None], Homebot]
     out = capsys.readouterr().out
     assert "device: lights/kitchen\n" in out
     assert "it points to Kitchen lamp" in out
+
+
+Run = Callable[..., tuple[int, str]]
+
+
+def home(graph: Graph) -> Node:
+    index = DeviceIndex(forget_after=1000.0)
+    index.observe(sighting(5, "Shelf lamp", ""), NOW)
+    node = Node(graph, "nfc", namespace="/gateway")
+    node.create_task(NfcGateway(node, context=GatewayContext.of(TagReaders(()))).serve)
+    return index_node(index, graph)
+
+
+@pytest.fixture
+def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+    made: Homebot = homebot_with(home, ManualClock(NOW))
+
+    def homebot(*arguments: str) -> tuple[int, str]:
+        code = main(["--door", made.door, *arguments])
+        out, err = capsys.readouterr()
+        return code, out + err
+
+    return homebot
+
+
+def test_a_code_says_which_device_is_meant_and_can_teach_its_room(run: Run) -> None:
+    code = "Shelf lamp\narea: Attic"
+    told = "it points to Shelf lamp\n  device: shelf_lamp\n  area: Attic\n"
+    assert run("tag", "scan", code) == (0, told)
+    assert "Attic" not in run("show", "Shelf lamp")[1]
+    assert run("tag", "scan", "--teach", code) == (0, f"{told}shelf_lamp is in Attic now\n")
+    assert "by the tag code at nfc" in run("show", "Shelf lamp")[1]
+    run("place", "Shelf lamp", "Hall")
+    assert run("tag", "scan", "--teach", code)[1].endswith("shelf_lamp is in Hall now\n")
+
+
+@pytest.mark.parametrize("code", ["Shelf lamp", "Nobody\narea: Attic", "homebot:device/"])
+def test_a_code_that_says_no_room_of_a_device_teaches_none(run: Run, code: str) -> None:
+    assert run("tag", "scan", "--teach", code)[0] == 1
+    assert "Attic" not in run("show", "Shelf lamp")[1]

@@ -1,4 +1,4 @@
-"""The tokens of programs outside, as they are configured."""
+"""What the configuration makes of doors, tokens and the place of the index."""
 
 from __future__ import annotations
 
@@ -10,7 +10,51 @@ from homebot.cli.commands.run import with_environment
 from homebot.config import parse_config
 from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.errors import ConfigError
-from homebot.runtime.plan import make_plan
+from homebot.runtime.plan import index_place, make_plan, plan_errors
+
+ROOMS: dict[str, object] = {"bath": {}, "hall": {"doors": ["bath", "outside"]}}
+
+
+def config(doors: dict[str, list[str]], rooms: dict[str, object] = ROOMS) -> dict[str, object]:
+    return {"places": {"rooms": rooms}, "control": {"presence_guard": {"doors": doors}}}
+
+
+@pytest.mark.parametrize(
+    ("doors", "rooms"),
+    [({"Bath": ["Bath door"], "hall": ["Bath door", "Front door"]}, ROOMS), ({"attic": ["Hatch"]}, {})],
+)
+def test_every_door_may_have_a_contact(doors: dict[str, list[str]], rooms: dict[str, object]) -> None:
+    """Without a plan nothing is known of doors."""
+    plan = make_plan(parse_config(config(doors, rooms), "homebot.toml"))
+    assert plan.control is not None
+    assert plan.control.presence_guard is not None
+    assert {name: list(ids) for name, ids in plan.control.presence_guard.doors.items()} == doors
+
+
+@pytest.mark.parametrize(
+    ("doors", "key", "problem"),
+    [
+        ({"bth": ["Bath door"]}, "control.presence_guard.doors.bth", "there is no room 'bth'; did you mean bath?"),
+        (
+            {"hall": ["Front door"]},
+            "control.presence_guard.doors.hall",
+            "hall has 2 doors (to bath, outside), and only 1 of them a contact; it takes one on each",
+        ),
+        ({"bath": []}, "control.presence_guard.doors.bath", "should have at least 1 item"),
+    ],
+)
+def test_a_door_without_a_contact_is_an_error(doors: dict[str, list[str]], key: str, problem: str) -> None:
+    """Somebody may leave by it."""
+    with pytest.raises(ConfigError) as raised:
+        make_plan(parse_config(config(doors), "homebot.toml"))
+    assert raised.value.key == key
+    assert problem in str(raised.value)
+
+
+def test_a_wrong_plan_is_told_once() -> None:
+    wrong = config({"bath": ["Bath door"]}, {"bath": {"doors": ["attic"]}})
+    (error,) = plan_errors(parse_config(wrong, "homebot.toml"))
+    assert error.key == "places.rooms.bath.doors"
 
 
 def secret_file(folder: Path, name: str = "robot.token", text: str = "hunter2\n") -> str:
@@ -86,3 +130,22 @@ def test_a_mistake_is_found_at_the_start_and_names_its_key(
         make_plan(parse_config({"door": table}, "homebot.toml", tmp_path))
     assert str(caught.value).startswith(problem)
     assert "hunter2" not in str(caught.value)
+
+
+@pytest.fixture(autouse=True)
+def _data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path))
+
+
+def place(url: str, home: str = "villa") -> tuple[str, ...]:
+    gateway = {"url": url} if url else {}
+    return index_place(parse_config({"home": {"name": home}, "gateways": {"mqtt": gateway}}, "test")).parts[-3:]
+
+
+def test_each_broker_of_a_home_has_its_own() -> None:
+    assert place("") == ("villa", "embedded", "index.sqlite")
+    assert len({place(url) for url in ("", "mqtt://a", "mqtt://b", "mqtt://a:1884", "mqtts://a")}) == 5
+
+
+def test_how_a_broker_is_spelt_makes_no_difference() -> None:
+    assert place("mqtt://Broker.example") == place("mqtt://broker.example:1883")
