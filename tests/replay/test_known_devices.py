@@ -12,7 +12,7 @@ from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.recording.lines import RecordingHeader
 from homebot.recording.recording import Recording
-from homebot.replay.known_devices import check_index, ids_to_come
+from homebot.replay.replay import check_index, ids_to_come
 
 AT = Time(sec=1_767_225_600, nanosec=0)
 

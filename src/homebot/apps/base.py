@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from homebot.apps.run_modes import RunHandler, RunMode
     from homebot.apps.schedule import Length, Schedule
     from homebot.apps.store import Store
+    from homebot.devices.history_client import HistoryClient
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries
     from homebot.devices.outcomes import Outcome
 
@@ -260,9 +261,7 @@ class App(ABC, Generic[SettingsT]):
         Raises:
             UsageError: No history is kept, or an argument is wrong.
         """
-        from homebot.devices.history_client import read_history  # noqa: PLC0415 - few apps look back
-
-        return await read_history(self.node, handle, capability, since, points)
+        return await self._history.read(handle, capability, since, points)
 
     async def energy(self, query: str = "", since: str | float = "6d") -> tuple[EnergyOfDay, ...]:
         """Return the energy by device and day of the home, since so long ago, of the devices that fit *query*.
@@ -270,9 +269,13 @@ class App(ABC, Generic[SettingsT]):
         Raises:
             UsageError: No history is kept, or the query is none.
         """
-        from homebot.devices.history_client import read_energy  # noqa: PLC0415 - few apps look back
+        return await self._history.read_energy(query, since)
 
-        return await read_energy(self.node, query, since)
+    @property
+    def _history(self) -> HistoryClient:
+        from homebot.devices.history_client import HistoryClient  # noqa: PLC0415 - few apps look back
+
+        return HistoryClient(self.node)
 
     @overload
     def on(

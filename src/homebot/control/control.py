@@ -164,9 +164,7 @@ class Control:
         self._given_settings = settings
         self._begin_check()
         if self._begun.is_set() or (settings is not None and settings.needs_house):
-            from homebot.control.settings import ControlSettings  # noqa: PLC0415 - few runs are reloaded
-
-            self._layer.update_policies(settings or ControlSettings(), approves_all=self._approves_all)
+            self._layer.update_policies(settings, approves_all=self._approves_all)
         return not self._approves_all and (settings is None or settings.approvals)
 
     async def detected(self) -> tuple[str, ...]:

@@ -108,8 +108,9 @@ class ControlLayer:
             self.timelines.ineffective_routes,
         )
 
-    def update_policies(self, settings: ControlSettings, *, approves_all: bool) -> None:
-        """Use the policies of *settings*; its other keys change nothing."""
+    def update_policies(self, settings: ControlSettings | None, *, approves_all: bool) -> None:
+        """Use the policies of *settings*, None for its defaults; its other keys change nothing."""
+        settings = settings or ControlSettings()
         self.approvals.is_needed = settings.approvals and not approves_all
         self.policies.update(settings.model_copy(update={"approvals": self.approvals.is_needed}))
 

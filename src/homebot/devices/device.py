@@ -6,9 +6,11 @@ from typing import ClassVar, Literal, TypeAlias
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
 from homebot.devices.value import Reading, Value
+from homebot.errors import InvalidNameError, RefusedError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message
+from homebot.names import validate_node_name
 
 __all__ = [
     "EVERYTHING",
@@ -346,3 +348,15 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
 
 def _is_commanded(part: Part) -> bool:
     return not part.category and any(one.settable for one in part.capabilities)
+
+
+def check_gateway(endpoint: Endpoint) -> None:
+    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it.
+
+    Raises:
+        RefusedError: The name of its gateway is no name of a node.
+    """
+    try:
+        validate_node_name(endpoint.gateway)
+    except InvalidNameError as exc:
+        raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc

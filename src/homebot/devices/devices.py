@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
-from homebot.devices.device import Device, Endpoint
+from homebot.devices.device import Device, Endpoint, check_gateway
 from homebot.devices.device_types import wanted_types
 from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
@@ -224,8 +224,6 @@ class Devices:
         return await self._view.commander.send_text(device, payload)
 
     async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
-        from homebot.devices.text_sender import check_gateway  # noqa: PLC0415 - few apps listen to raw messages
-
         check_gateway(endpoint)
         if endpoint.address not in self._listened.get(endpoint.gateway, ()):
             await self._listen_to(endpoint.gateway, endpoint.address)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar, final
+
 import homebot.devices.query
 from homebot.devices.handles.handle import Handle
 from homebot.devices.history_messages import (
@@ -17,53 +19,59 @@ from homebot.devices.query import query_terms
 from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.units import parse_duration
 
-__all__ = ["read_energy", "read_history"]
+__all__ = ["HistoryClient"]
+
+RequestT = TypeVar("RequestT", bound=Message)
+AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 
 _STARTS_WITHIN = 10.0
 _NO_HISTORY = "no history is kept; `[history] enabled = true` in the configuration begins one"
 
 
-async def read_history(
-    node: Node, handle: Handle, capability: str, since: str | float, points: int = 0
-) -> HistorySeries:
-    """Return the past of *capability* of *handle*; without values where nothing is known.
+@final
+class HistoryClient:
+    """Reads the history for the app of a node; see :meth:`homebot.apps.App.history`."""
 
-    Raises:
-        UsageError: No history is kept, or *since* is no length of time.
-        ServiceError: No answer came.
-    """
-    device, part = handle.device, handle.part_id
-    begin = Time.from_seconds(node.graph.clock.now() - parse_duration(since))
-    request = ReadHistoryRequest(device=device.id, part=part, capability=capability, since=begin, points=points)
-    client = node.create_client(ReadHistory, READ_HISTORY)
-    try:
-        await client.wait_for_service(_STARTS_WITHIN)
-        answer = await client.call(request, timeout=30.0)
-    except ServiceUnavailableError as exc:
-        raise UsageError(_NO_HISTORY) from exc
-    finally:
-        client.close()
-    if not answer.success:
-        raise UsageError(answer.message)
-    empty = HistorySeries(device=device.id, name=device.name, part=part, capability=capability)
-    fitting = [one for one in answer.series if one.part == part]
-    return fitting[0] if fitting else empty
+    def __init__(self, node: Node) -> None:
+        self._node = node
 
+    async def read(self, handle: Handle, capability: str, since: str | float, points: int) -> HistorySeries:
+        """Return the past of *capability* of *handle*; without values where nothing is known."""
+        device, part = handle.device.id, handle.part_id
+        request = ReadHistoryRequest(
+            device=device, part=part, capability=capability, since=self._begin(since), points=points
+        )
+        answer = await self._call(ReadHistory, READ_HISTORY, request)
+        empty = HistorySeries(device=device, name=handle.device.name, part=part, capability=capability)
+        return next((one for one in answer.series if one.part == part), empty)
 
-async def read_energy(node: Node, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
-    """Return the energy by day and device; errors as those of :func:`read_history`."""
-    begin = Time.from_seconds(node.graph.clock.now() - parse_duration(since))
-    terms = query_terms(homebot.devices.query.parse_query(query)) if query else ()
-    client = node.create_client(ReadEnergy, READ_ENERGY)
-    try:
-        await client.wait_for_service(_STARTS_WITHIN)
-        answer = await client.call(ReadEnergyRequest(query=terms, since=begin), timeout=30.0)
-    except ServiceUnavailableError as exc:
-        raise UsageError(_NO_HISTORY) from exc
-    finally:
-        client.close()
-    if not answer.success:
-        raise UsageError(answer.message)
-    return answer.days
+    async def read_energy(self, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
+        """Return the energy by day and device."""
+        terms = query_terms(homebot.devices.query.parse_query(query)) if query else ()
+        request = ReadEnergyRequest(query=terms, since=self._begin(since))
+        return (await self._call(ReadEnergy, READ_ENERGY, request)).days
+
+    def _begin(self, since: str | float) -> Time:
+        return Time.from_seconds(self._node.graph.clock.now() - parse_duration(since))
+
+    async def _call(self, service: ServiceType[RequestT, AnswerT], name: str, request: RequestT) -> AnswerT:
+        """Return the answer to *request*.
+
+        Raises:
+            UsageError: No history is kept, or the request is wrong.
+            ServiceError: No answer came.
+        """
+        client = self._node.create_client(service, name)
+        try:
+            await client.wait_for_service(_STARTS_WITHIN)
+            answer = await client.call(request, timeout=30.0)
+        except ServiceUnavailableError as exc:
+            raise UsageError(_NO_HISTORY) from exc
+        finally:
+            client.close()
+        if not answer.success:
+            raise UsageError(answer.message)
+        return answer

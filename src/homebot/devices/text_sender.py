@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from homebot.devices.device import Device, Endpoint
+from homebot.devices.device import Device, Endpoint, check_gateway
 from homebot.devices.gateway_messages import GatewayState, RawCommand
 from homebot.devices.names import ONLY_OBSERVES, GatewayNames
 from homebot.devices.text.address import command_address, others_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.errors import InvalidNameError, LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError
 from homebot.graph import Node, Publisher, qos_profile_latched
-from homebot.names import validate_node_name
 
-__all__ = ["GatewayOutput", "TextSender", "TextTarget", "check_gateway"]
+__all__ = ["GatewayOutput", "TextSender", "TextTarget"]
 
 _DEPTH = 1000
 
@@ -120,18 +119,6 @@ class GatewayOutput:
             self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
         return self._refusal
-
-
-def check_gateway(endpoint: Endpoint) -> None:
-    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it.
-
-    Raises:
-        RefusedError: The name of its gateway is no name of a node.
-    """
-    try:
-        validate_node_name(endpoint.gateway)
-    except InvalidNameError as exc:
-        raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc
 
 
 def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:

@@ -37,7 +37,7 @@ class Echoes:
     __slots__ = ("_lately",)
 
     def __init__(self) -> None:
-        self._lately: OrderedDict[_Event, _RecentEvent] | None = None  # most devices have no events
+        self._lately: OrderedDict[_Event, _RecentEvent] = OrderedDict()
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already.
@@ -46,8 +46,6 @@ class Echoes:
             now: When, on a clock that is never set.
         """
         what = (place, capability, value)
-        if self._lately is None:
-            self._lately = OrderedDict()
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:
             lately = self._lately[what] = _RecentEvent(now)

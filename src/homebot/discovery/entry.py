@@ -23,6 +23,7 @@ from homebot.discovery.description import (
     with_preferred_routes,
     with_stated_facts,
 )
+from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
@@ -36,7 +37,6 @@ from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
 if TYPE_CHECKING:
-    from homebot.discovery.echoes import Echoes
     from homebot.discovery.merging.agreement import Agreement
 
 __all__ = ["Entry"]
@@ -210,10 +210,7 @@ class Entry:
 
     def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already; see :meth:`Echoes.is_new`."""
-        if self.echoes is None:
-            from homebot.discovery.echoes import Echoes  # noqa: PLC0415 - few devices report events
-
-            self.echoes = Echoes()
+        self.echoes = self.echoes or Echoes()  # few devices report events
         return self.echoes.is_new(place, capability, value, route, now)
 
     def _endpoints(self, described: tuple[Addresses, ...], reachable: Reachability) -> tuple[Endpoint, ...]:

@@ -68,6 +68,11 @@ class PlacesExchange:
         devices += [(name, facts, ()) for name, facts in unknown if facts]
         return places_text(owner.plan, sorted(devices, key=lambda one: one[0]))
 
+    def parse(self, text: str, now: float) -> Places:
+        """Return the content of a places file for this house; see :func:`parse_places`."""
+        plan = self._table.owner.plan
+        return parse_places(text, plan.home, now, plan.rooms)
+
     def apply(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
         """Take over the content of a places file: all of it or, if it does not fit, nothing.
 

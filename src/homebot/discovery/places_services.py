@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import Final, Literal, TypeVar, final
 
 from anyio import to_thread
 
@@ -26,6 +26,7 @@ from homebot.devices.names import (
     EXPORT_PLACES,
     GET_PLACES,
     IMPORT_PLACES,
+    OWNER_REQUESTS,
     PLACE_DEVICE,
     TAG_DEVICE,
     TEACH_PLACE,
@@ -49,6 +50,7 @@ from homebot.devices.places_messages import (
     ImportPlaces,
     ImportPlacesRequest,
     ImportPlacesResponse,
+    OwnerRequest,
     PlaceDevice,
     PlaceDeviceRequest,
     PlaceDeviceResponse,
@@ -62,14 +64,21 @@ from homebot.devices.places_messages import (
 )
 from homebot.devices.query import NameIs
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.owner_requests import OwnerRequests
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
+from homebot.messages import Time
+from homebot.messages.json import message_to_text
+from homebot.messages.message import Message, ServiceType
 from homebot.places import HouseDoor, HouseRoom
 from homebot.places.plan import Point
 from homebot.support.folding import fold
 
-__all__ = ["PlacesServices"]
+__all__ = ["OwnerRequests", "PlacesServices"]
+
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+_DEPTH: Final = 1000
 
 _MOST_ABSENT = 1000
 
@@ -199,12 +208,9 @@ class PlacesServices:
         return ExportPlacesResponse(text=await TimeSlice(self._clock).do(self._index.places_exchange.export_text()))
 
     async def _import(self, owner: OwnerRequests, request: ImportPlacesRequest) -> ImportPlacesResponse:
-        from homebot.discovery.places_exchange import parse_places  # noqa: PLC0415 - with the first file
-
         index = self._index
         try:
-            plan = index.owner.plan
-            parse = partial(parse_places, request.text, plan.home, self._clock.now(), plan.rooms)
+            parse = partial(index.places_exchange.parse, request.text, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
             owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
@@ -238,6 +244,35 @@ class PlacesServices:
         words = places.withdraw(device, fact, word) if remove else places.add(device, fact, word, now)
         self._publish_all()
         return words
+
+
+@final
+class OwnerRequests:
+    """Publisher of the requests to the services of the owner, if there is a subscriber."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = node.create_publisher(OwnerRequest, OWNER_REQUESTS, _DEPTH)
+
+    def serve(
+        self,
+        service: ServiceType[RequestT, ResponseT],
+        name: str,
+        handler: Callable[[RequestT], ResponseT | Awaitable[ResponseT]],
+    ) -> None:
+        """Offer a service, and publish each request before it is carried out."""
+
+        def noted(request: RequestT) -> ResponseT | Awaitable[ResponseT]:
+            self.publish(name, request)
+            return handler(request)
+
+        self._node.create_service(service, name, noted)
+
+    def publish(self, name: str, request: Message) -> None:
+        """Publish a request to the service *name*."""
+        if self._publisher.subscription_count:
+            at = Time.from_seconds(self._node.graph.clock.now())
+            self._publisher.publish(OwnerRequest(at=at, service=name, request=message_to_text(request)))
 
 
 def _room_info(room: HouseRoom) -> RoomInfo:

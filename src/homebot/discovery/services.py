@@ -17,12 +17,14 @@ from homebot.devices import (
     GET_CHANGES,
     GET_INDEX_DATA,
     QUERY_DEVICES,
+    Device,
     FindDevices,
     Found,
     GetChanges,
     GetIndexData,
     QueryDevices,
 )
+from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import (
     DISCOVERY_HEALTH,
@@ -52,6 +54,7 @@ from homebot.devices.services import (
     ListDevices,
     ListDevicesRequest,
     ListDevicesResponse,
+    ListedDevice,
     MergeDevices,
     MergeDevicesRequest,
     MergeDevicesResponse,
@@ -61,10 +64,11 @@ from homebot.devices.services import (
     SplitDeviceRequest,
     SplitDeviceResponse,
 )
+from homebot.devices.value import Reading
+from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.owner_requests import OwnerRequests
 from homebot.discovery.persistence import IndexPersistence
-from homebot.discovery.places_services import PlacesServices
+from homebot.discovery.places_services import OwnerRequests, PlacesServices
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 
@@ -197,8 +201,6 @@ class DirectoryServices:
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
 
     async def _list(self, request: ListDevicesRequest) -> ListDevicesResponse:
-        from homebot.discovery.listing import listed  # noqa: PLC0415 - for screens and agents alone
-
         await self._catch_up()
         wanted = FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
         try:
@@ -209,7 +211,7 @@ class DirectoryServices:
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return ListDevicesResponse(
             success=True,
-            devices=tuple(listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
+            devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
             total=len(found),
             sequence=self._index.sequence,
         )
@@ -312,6 +314,27 @@ class DirectoryServices:
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]
         return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))
+
+
+def _listed(device: Device, *, needs_approval: bool) -> ListedDevice:
+    """Return *device* in short, as screens and agents list it, without the values of its settings and diagnostics."""
+    position = position_of(device.facts)
+    used = {one.id for one in device.parts if not one.part.category}
+    return ListedDevice(
+        id=device.id,
+        name=device.name,
+        type=(device.service_types or (device.service_type,))[0],
+        room=device.area,
+        freshness=device.freshness,
+        is_reachable=device.reachable.state != "no",
+        waits=needs_approval and waits_for_approval(device),
+        states=tuple(
+            Reading(part=one.part, capability=one.capability, value=one.value)
+            for one in device.states
+            if one.part in used
+        ),
+        position=() if position is None else (position.x, position.y),
+    )
 
 
 def _load_nearness() -> type[Nearness]:

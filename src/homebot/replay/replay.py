@@ -8,27 +8,31 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
-from typing import final
+from typing import ClassVar, final
 
 import anyio
 
 from homebot.clock import LoopClock
 from homebot.config import UNNAMED, Config, Table, parse_config
+from homebot.control.command import IssuedCommand
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.command_messages import CommandResult
+from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
-from homebot.devices.services import FindDevicesRequest
-from homebot.errors import UsageError
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome
+from homebot.devices.services import FindDevicesRequest, IndexRow
+from homebot.devices.value import Value
+from homebot.discovery.ids import Tombstone
+from homebot.discovery.record import read_entry, read_tombstone, tombstone_record
+from homebot.errors import UsageError, WireError
 from homebot.graph import Node
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.known_devices import check_index, ids_to_come
-from homebot.replay.recorded_outcomes import RecordedOutcomes
+from homebot.replay.command_diff import CommandMatcher
 from homebot.replay.replay_apps import app_tables
 from homebot.replay.replay_feed import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople
@@ -97,7 +101,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     check_index(recording)
     clock = LoopClock(recording.header.started_at.to_seconds())
     feed = ReplayFeed(recording, clock, settle)
-    outcomes = RecordedOutcomes(recording.commands, lambda: feed.now)
+    outcomes = _RecordedOutcomes(recording.commands, lambda: feed.now)
     runtime = Runtime(
         config,
         with_door=False,
@@ -164,3 +168,75 @@ def _places(text: str) -> Table:
     if not isinstance(found, dict):
         raise UsageError("the table [places] in the recording is no table")
     return {**found}
+
+
+@final
+class _RecordedOutcomes:
+    """Answers commands as the devices did that were recorded.
+
+    A command of the recording that was sent goes to the muted gateway, and its outcome follows from the reports that
+    were recorded; one that was not sent then, because the device was so already or its network was away, ends as it did
+    then. A command that is not in the recording counts as sent and obeyed for the app that gave it, until the device
+    reports next; for all others the states of devices stay those of the recording.
+
+    Args:
+        commands: The commands of the recording, in the order of time.
+        now: Returns seconds since the start of the recording.
+    """
+
+    is_live: ClassVar[bool] = False
+
+    def __init__(self, commands: Iterable[TimedCommand], now: Callable[[], float]) -> None:
+        self._matcher = CommandMatcher(commands)
+        self._now = now
+
+    def outcome(self, command: IssuedCommand) -> Outcome | None:
+        """Return the outcome; see :class:`homebot.control.rehearsal.Rehearsal`."""
+        found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
+        if found is None:
+            return Confirmed(0.0, Evidence.SENT, command_id=command.id)
+        if found.result is None:
+            return None
+        outcome = replace(found.result.to_outcome(), command_id=command.id)
+        return None if outcome.was_sent else outcome
+
+
+def _recorded(command: IssuedCommand) -> RecordedCommand:
+    settings = tuple(Setting(capability=name, value=Value.of(value)) for name, value in command.settings.items())
+    return RecordedCommand(
+        id=command.id, issuer=command.issuer, device=command.device.id, part=command.part.id, settings=settings
+    )
+
+
+def check_index(recording: Recording) -> None:
+    """Read the rows of the index.
+
+    Raises:
+        UsageError: One is damaged; the directory would go on without the device.
+    """
+    for row in recording.index:
+        try:
+            if row.table == "devices":
+                read_entry(row.id, row.record)
+            elif row.table == "tombstones":
+                read_tombstone(row.id, row.record)
+        except WireError as exc:
+            raise UsageError(f"the recording is damaged: the row {row.id[:100]!r} of its index: {exc.problem}") from exc
+
+
+def ids_to_come(recording: Recording) -> tuple[IndexRow, ...]:
+    """Return the devices that are not in the index at the start as such that went, and get their ids when they return.
+
+    The id of a new device is made of its first announcement, of several of one moment perhaps of the last alone. An
+    announcement counts for its first device, so that devices split from it get the same ids as before.
+    """
+    known = {row.id for row in recording.index}
+    taken: set[tuple[str, str]] = set()
+    rows: list[IndexRow] = []
+    for device in recording.devices.values():
+        keys = tuple((one.gateway, one.key) for one in device.endpoints if (one.gateway, one.key) not in taken)
+        taken.update(keys)
+        if keys and device.id not in known:
+            gone = Tombstone(device.id, keys, (), retained_only=False, at=recording.header.started_at.to_seconds())
+            rows.append(IndexRow(table="tombstones", id=device.id, record=tombstone_record(gone)))
+    return tuple(rows)

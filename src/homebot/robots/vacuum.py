@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 import anyio
@@ -11,22 +12,26 @@ from anyio import to_thread
 from homebot.conventions.valetudo import VacuumMap, VacuumSegment, read_map
 from homebot.devices.devices import Devices
 from homebot.devices.gateway_messages import RawMessage
-from homebot.errors import WireError
+from homebot.devices.names import CHANGE_ROOM, IMPORT_PLACES
+from homebot.devices.places_messages import ChangeRoom, ChangeRoomRequest, ImportPlaces, ImportPlacesRequest
+from homebot.errors import ConfigError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.places import places_text
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.outline import simplified
 from homebot.places.plan import HousePlan, HouseRoom
 from homebot.places.polygon import Polygon
 from homebot.places.rigid import MapPose, fitted_pose
-from homebot.robots.imported_rooms import ImportedRooms
 from homebot.robots.robot import TrackedRobot
 from homebot.robots.sensors import listen
+from homebot.support.folding import fold
 
 __all__ = ["Vacuum"]
 
 MAP_REFUSED = "robots.map_refused"
 MAP_CHANGED = "robots.map_changed"
+NO_ROOMS = "robots.no_rooms"
 
 _ACTIVE: Final = frozenset({"cleaning", "manual_control", "moving", "returning"})
 _ACTIVE_LIMIT: Final = 24.0
@@ -34,6 +39,9 @@ _IDLE_LIMIT: Final = 200.0
 """Seconds: three maps, of which a docked robot sends one a minute, and an active one in 2 s, or 8 s in a large home."""
 
 _ERROR: Final = 0.25
+
+_SAME: Final = 0.1
+"""Metres by which the corners of one area may differ."""
 
 
 class Vacuum:
@@ -46,7 +54,7 @@ class Vacuum:
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
         self._source = f"{robot.settings.vacuum}/MapData"
-        self._rooms = ImportedRooms(node, house, robot.name)
+        self._rooms = _ImportedRooms(node, house, robot.name)
         self._map: VacuumMap | None = None
         self._first_id: str | None = None
         self._shapes: Mapping[str, Polygon] = {}
@@ -156,3 +164,51 @@ def _decoded(
         return found, shapes
     outlines = ((one.id, simplified(found.outline(one))) for one in found.segments)
     return found, {number: Polygon(ring) for number, ring in outlines if ring}
+
+
+class _ImportedRooms:
+    """The rooms of one map in the house, also those of an earlier run. A room with another area keeps it.
+
+    Args:
+        house: Returns the plan of the house as it is now.
+    """
+
+    def __init__(self, node: Node, house: Callable[[], HousePlan], robot: str) -> None:
+        self._node, self._house, self._robot = node, house, robot
+        self._import = node.create_client(ImportPlaces, IMPORT_PLACES)
+        self._change = node.create_client(ChangeRoom, CHANGE_ROOM)
+        self._before: dict[str, HouseRoom] | None = None
+
+    async def renew(self, rooms: Iterable[HouseRoom]) -> None:
+        """Import *rooms* in place of those of the map before."""
+        plan, wanted = self._house(), {fold(one.name): one for one in rooms}
+        if wanted == self._before:
+            return
+        self._before = wanted
+        try:
+            for room in plan.rooms:
+                if room.source == self._robot and fold(room.name) not in wanted:
+                    self._report((await self._change.call(ChangeRoomRequest(room=room.name))).message)
+            if new := [one for one in wanted.values() if self._may_replace(plan.room(one.name), one)]:
+                request = ImportPlacesRequest(text=places_text(HousePlan(plan.home, new)), source=self._robot)
+                self._report((await self._import.call(request)).message)
+        except (ConfigError, ServiceError) as exc:
+            self._report(str(exc))
+
+    def _may_replace(self, known: HouseRoom | None, new: HouseRoom) -> bool:
+        """Return whether *known*, a room of the house, has no area, or another one of an earlier map."""
+        if known is None or not known.polygons:
+            return True
+        return known.source == self._robot and not _is_same(new, known)
+
+    def _report(self, problem: str) -> None:
+        if problem:
+            self._node.log.warning(NO_ROOMS, message=f"the rooms of a map are not those of the house: {problem}")
+
+
+def _is_same(first: HouseRoom, second: HouseRoom) -> bool:
+    """Return whether two rooms have the same area."""
+    corners, others = (
+        [corner for rings in room.polygons for ring in rings for corner in ring] for room in (first, second)
+    )
+    return len(corners) == len(others) and all(math.dist(*pair) < _SAME for pair in zip(corners, others, strict=True))

@@ -189,15 +189,9 @@ class AppManager:
 
     def offer_services(self, node: Node) -> None:
         """Offer the services for clients on *node*."""
-
-        def serve(service: str, change: Callable[[str], Awaitable[str]]) -> None:
-            from homebot.runtime.app_services import serve_change  # noqa: PLC0415 - few runs are asked
-
-            serve_change(node, service, change)
-
         changes = {LOAD_APP: self.load, UNLOAD_APP: self.unload, RELOAD_APP: self.reload}
         for service, change in changes.items():
-            node.offer_service(_SERVICES[service], service, partial(serve, service, change))
+            node.offer_service(_SERVICES[service], service, partial(_serve, node, service, change))
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()
@@ -266,6 +260,12 @@ class AppManager:
         text = f"{name} is not reloaded, the old one runs: {problem}"
         _log.warning(NOT_RELOADED, message=text, app=name)
         return UsageError(text)
+
+
+def _serve(node: Node, service: str, change: Callable[[str], Awaitable[str]]) -> None:
+    from homebot.runtime.app_services import serve_change  # noqa: PLC0415 - few runs are asked
+
+    serve_change(node, service, change)
 
 
 def _ended(planned: PlannedApp) -> _RunningApp:

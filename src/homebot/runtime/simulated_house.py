@@ -121,22 +121,21 @@ class HouseOfRun:
     async def _serve_robot(self, house: SimulatedHouse, graph: Graph) -> None:
         """Run the robot of the house: the first device that is one, else one that is in the first room."""
         await anyio.sleep(_BOOTS)
-        from homebot.house import robot_actions, ros_robot  # noqa: PLC0415 - as above
-        from homebot.house.robot import Robot  # noqa: PLC0415 - as above
+        from homebot.house import robot, robot_actions, ros_robot  # noqa: PLC0415 - as above
 
         world, clock = self._world, graph.clock
-        devices = [name for name, one in world.devices.items() if isinstance(unwrap(one.device), Robot)]
+        devices = [name for name, one in world.devices.items() if isinstance(unwrap(one.device), robot.Robot)]
         first = next(name for name, room in world.rooms.rooms.items() if room.corners)
-        own = Robot(self.robot, world.rooms, first)
+        own = robot.Robot(self.robot, world.rooms, first)
 
-        def read() -> Robot:
+        def read() -> robot.Robot:
             if not devices:
                 own.advance(clock.now())
                 return own
             house.catch_up()  # a world stands still between its events
-            robot = unwrap(world.device(devices[0]))
-            assert isinstance(robot, Robot)  # noqa: S101 - as it was found above
-            return robot
+            found = unwrap(world.device(devices[0]))
+            assert isinstance(found, robot.Robot)  # noqa: S101 - as it was found above
+            return found
 
         def command(text: str) -> None:
             if devices:
@@ -145,11 +144,11 @@ class HouseOfRun:
                 own.handle_command(text, clock.now())
 
         async with Node(graph, self.robot) as node:
-            robot = ros_robot.RosRobot(node, read, command)
-            robot_actions.RobotActions(robot)
+            served = ros_robot.RosRobot(node, read, command)
+            robot_actions.RobotActions(served)
             message = f"the robot is in {read().room}; ask what is near it: homebot find 'light near {self.robot}'"
             node.log.info(ROBOT, message=message)
-            await robot.serve()
+            await served.serve()
 
 
 def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
