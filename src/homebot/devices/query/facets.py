@@ -6,16 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
+from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, words_of
 
 __all__ = ["Facets", "facets_of"]
 
+_CONVENTION = attrgetter("convention")
+_GATEWAY = attrgetter("gateway")
 _MAX_WORDS = 48
 """Words of one device that can be searched for."""
 
@@ -78,9 +82,7 @@ def facets_of(device: Device) -> Facets:
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
     sets = _sets_of(device)
-    main = next(
-        (one.part for one in device.parts if device.service_type in (one.part.service_type, one.part.advertised)), None
-    )
+    main = _main_part(device)
     return Facets(
         id=device.id,
         name=fold(device.name),
@@ -106,6 +108,14 @@ def facets_of(device: Device) -> Facets:
     )
 
 
+def _main_part(device: Device) -> Part | None:
+    """Return the part that gives the device its type; None if there is none."""
+    for one in device.parts:
+        if device.service_type in (one.part.service_type, one.part.advertised):
+            return one.part
+    return None
+
+
 class _Sets(NamedTuple):
     capabilities: set[str]
     settable: set[str]
@@ -116,9 +126,8 @@ class _Sets(NamedTuple):
 
 def _sets_of(device: Device) -> _Sets:
     """Return the names in all parts, in one loop: this is done for every device after most of its messages."""
-    sets = _Sets(
-        set(), set(), {one.gateway for one in device.endpoints}, {one.convention for one in device.facts}, set()
-    )
+    gateways, conventions = set(map(_GATEWAY, device.endpoints)), set(map(_CONVENTION, device.facts))
+    sets = _Sets(set(), set(), gateways, conventions, set())
     for each in device.parts:
         if each.part.category:
             sets.categories.add(each.part.category)
