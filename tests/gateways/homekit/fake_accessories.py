@@ -71,6 +71,7 @@ class FakeServer:
         is_there: Whether it can be reached.
         knows_homebot: Whether it accepts homebot's key.
         answers: Whether it answers requests.
+        attempts: How often a connection was attempted.
         service_type: The type of its service.
         follows: By targets, the states that reach them at once.
     """
@@ -87,6 +88,7 @@ class FakeServer:
         self.knows_homebot = False
         self.answers = anyio.Event()
         self.answers.set()
+        self.attempts = 0
         self.links: list[FakeLink] = []
 
     def find(self, aid: int, iid: int) -> dict[str, object]:
@@ -156,6 +158,8 @@ class FakePort(HomekitPort):
     @asynccontextmanager
     async def connected(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> AsyncIterator[HomekitLink]:
         server = self._reach(found)
+        server.attempts += 1
+        await server.answers.wait()
         if not server.knows_homebot or pairing["secret"] != _SECRET:
             raise WrongCodeError(f"the connection to {found.name}", "the pairing was removed there")
         link = FakeLink(server, on_event)

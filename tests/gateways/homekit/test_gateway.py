@@ -268,6 +268,21 @@ async def test_an_accessory_over_thread_that_was_never_reached_may_sleep(tmp_pat
         assert (await home.sighted(home.sightings(), lambda one: one.name == "Hall")).service_type == "_hap._udp"
 
 
+@pytest.mark.parametrize(("service_type", "attempts"), [("_hap._tcp", 2), ("_hap._udp", 1)])
+async def test_a_new_address_ends_an_attempt_to_connect_but_none_over_thread(
+    tmp_path: Path, service_type: str, attempts: int
+) -> None:
+    """A cancelled attempt over Thread would leave a socket of aiocoap open."""
+    server, pairings = lamp(), tmp_path / "pairings.json"
+    async with house(server, pairings=pairings) as home:
+        await home.pair(server, CODE)
+    server.service_type, server.answers, server.attempts = service_type, anyio.Event(), 0
+    async with house(server, pairings=pairings) as home:
+        home.mdns.announce(server, ip_address="10.0.0.66")
+        await anyio.sleep(1)
+        assert server.attempts == attempts
+
+
 async def test_a_new_state_number_has_the_values_read_at_once() -> None:
     server = sleeper()
     async with house(server) as home:

@@ -6,6 +6,7 @@ Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number
@@ -24,11 +25,6 @@ _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
 _EVE: Final = "E863F1{}-079E-48FF-8F27-9C2605A29F52"
 """The types by which Eve's plugs measure."""
-
-
-def _write_level(_at: HapService, value: PlainValue) -> Writes:
-    percent = require_number("level", value, 0.0, 100.0, "%")
-    return {BRIGHTNESS: max(1.0, percent), ON: 1} if percent > 0 else {ON: 0}
 
 
 def _mired_bounds(service: HapService) -> tuple[float, float]:
@@ -70,19 +66,24 @@ def _read_speed(service: HapService) -> PlainValue:
     return read_number("fan_speed", SPEED, service)
 
 
-def _write_speed(service: HapService, value: PlainValue) -> Writes:
-    percent = require_number("fan_speed", value, 0.0, 100.0, "%")
-    return {SPEED: percent, _switch_of(service): 1} if percent > 0 else {_switch_of(service): 0}
+def _writer(capability: str, kind: str) -> Callable[[HapService, PlainValue], Writes]:
+    """Return what sets a percentage, by which 0 turns off."""
+
+    def write(service: HapService, value: PlainValue) -> Writes:
+        percent = require_number(capability, value, 0.0, 100.0, "%")
+        return {kind: max(1.0, percent), _switch_of(service): 1} if percent > 0 else {_switch_of(service): 0}
+
+    return write
 
 
 POWER_ROWS: Final = (
     ServiceRow(f"{LIGHT} {SWITCH} {OUTLET} {SIMPLE_FAN}", "on_off", ON, ON),
     ServiceRow(f"{FAN} {PURIFIER} {TELEVISION}", "on_off", ACTIVE, ACTIVE),
-    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_write_level),
+    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_writer("level", BRIGHTNESS)),
     ServiceRow(LIGHT, "color_temperature", MIREDS, MIREDS, None, _read_kelvin, _write_kelvin, bounds=_kelvin_bounds),
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
     ServiceRow(OUTLET, "plugged_in", "26"),
-    ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _write_speed),
+    ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer("fan_speed", SPEED)),
     ServiceRow(FAN, "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),

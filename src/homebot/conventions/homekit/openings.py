@@ -26,7 +26,8 @@ _VALVES: Final = "D0 D7 CF"
 POSITION, POSITION_TARGET, MOVEMENT, HOLD = "6D", "7C", "72", "6F"
 _LOCKED: Final = {0: "unlocked", 1: "locked"}
 _OPENED: Final = {0: "closed", 1: "open"}
-_DOOR_WORDS: Final = {0: "open", 1: "closed", 2: "opening", 3: "closing", 4: "stopped"}
+_OPEN: Final = {0: "open", 1: "closed"}
+_DOOR_MOVES: Final = {2: "opening", 3: "closing", 4: "stopped"}
 _ARMED: Final = {0: "armed_home", 1: "armed_away", 2: "armed_night", 3: "disarmed"}
 _MOVES: Final = ("open", "closed", "opening", "closing")
 _CLOSED_ANGLE: Final = 90.0
@@ -62,11 +63,6 @@ def _target_row(
         )
 
     return ServiceRow(services, capability, f"{state} {target}", target, values, read, options=options)
-
-
-def _read_door(service: HapService) -> PlainValue:
-    state = service.number("E")
-    return None if state is None else _DOOR_WORDS.get(int(state))
 
 
 def _read_movement(service: HapService) -> PlainValue:
@@ -105,15 +101,7 @@ OPENING_ROWS: Final = (
     ),
     _target_row(_VALVES, "valve", "D2", "B0", _OPENED, {0: "closing", 1: "opening"}, {}),
     ServiceRow(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
-    ServiceRow(
-        GARAGE,
-        "movement",
-        "E",
-        "32",
-        {0: "open", 1: "closed"},
-        _read_door,
-        options=lambda _: tuple(_DOOR_WORDS.values()),
-    ),
+    _target_row(GARAGE, "movement", "E", "32", _OPEN, {0: "opening", 1: "closing"}, _DOOR_MOVES),
     ServiceRow(_MOTORS, "position", POSITION, POSITION_TARGET),
     ServiceRow(
         _MOTORS,

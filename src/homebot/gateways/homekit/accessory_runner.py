@@ -86,7 +86,8 @@ class AccessoryRunner(DeviceRunner):
         before, self._found = self._found, found
         self.name = found.name
         has_moved = (found.address, found.port) != (before.address, before.port)
-        if found.version != before.version or (has_moved and self.link is None):
+        is_left_alone = self.link is None and found.is_on_thread  # a cancelled attempt leaves a socket of aiocoap open
+        if not is_left_alone and (found.version != before.version or (has_moved and self.link is None)):
             self.restart()
         elif has_moved or found.state != before.state:
             self._doubted.set()
@@ -105,8 +106,10 @@ class AccessoryRunner(DeviceRunner):
             async with anyio.create_task_group() as self._tasks:
                 self._tasks.start_soon(self._report_all)
                 self._tasks.start_soon(self._read_all, link)
-                await link.lost.wait()
-                self.link = None
+                try:
+                    await link.lost.wait()
+                finally:
+                    self.link = None  # no command starts a task any more
                 self._tasks.cancel_scope.cancel()
         raise LinkError(f"the connection to {self.name} was lost")
 
