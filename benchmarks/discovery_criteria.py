@@ -70,7 +70,9 @@ def _start(
     command = [sys.executable, script, name, str(count), str(patience)]
     if alone:
         command = ["unshare", "--net", "sh", "-c", f'{ALONE} && exec "$@"', "sh", *command]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "TMPDIR": scratch})
+    paths = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))  # has tests/
+    environment = {**os.environ, "TMPDIR": scratch, "PYTHONPATH": paths}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
     return _line(process), waiters.submit(_last_line, process)
 
 

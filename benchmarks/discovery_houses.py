@@ -214,8 +214,8 @@ async def _matter_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 @asynccontextmanager
 async def _thing_house(spec: HouseSpec) -> AsyncIterator[House]:
-    from homebot.house.http.thing import ServedThing  # noqa: PLC0415 - an extra
-    from homebot.house.http.thing_directory import ThingDirectoryServer  # noqa: PLC0415 - likewise
+    from tests.things.directory import ThingDirectoryServer  # noqa: PLC0415 - an extra
+    from tests.things.thing import ServedThing  # noqa: PLC0415 - likewise
 
     directory = ThingDirectoryServer()
 

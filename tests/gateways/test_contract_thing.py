@@ -11,6 +11,7 @@ import pytest
 from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
 from tests.gateways.test_contract_mdns import Cable, MdnsLamp
+from tests.things.thing import ServedThing
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway, GatewayContext
@@ -18,7 +19,6 @@ from homebot.gateways.drivers.thing import ThingDriver
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.thing import ServedThing
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 pytestmark = pytest.mark.slow

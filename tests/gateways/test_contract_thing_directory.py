@@ -9,14 +9,14 @@ import anyio
 import pytest
 from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
 from tests.gateways.test_contract_coap import Background
+from tests.things.directory import ThingDirectoryServer
+from tests.things.thing import ServedThing
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.thing import ServedThing
-from homebot.house.http.thing_directory import ThingDirectoryServer
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 pytestmark = pytest.mark.slow

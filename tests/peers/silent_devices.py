@@ -6,11 +6,11 @@ import json
 import sys
 
 import anyio
+from tests.things.thing import ServedThing
 
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.esphome import EsphomeServedDevice
 from homebot.house.http.shelly import ServedShelly
-from homebot.house.http.thing import ServedThing
 from homebot.house.http.wled import ServedWled
 
 

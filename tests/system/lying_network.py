@@ -9,12 +9,12 @@ import aiocoap
 import anyio
 from aiocoap import resource
 from tests.gateways.served import served
+from tests.things.directory import ThingDirectoryServer
+from tests.things.thing import ServedThing
 
 from homebot.conventions.coap.link_format import WebLink, format_links
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.thing import ServedThing
-from homebot.house.http.thing_directory import ThingDirectoryServer
 from homebot.wot.parse import CONTEXT
 
 DIRECTORY_PORT, LAMP_PORT = 8081, 5700

@@ -13,6 +13,8 @@ import pytest
 from pydantic import ValidationError
 from tests.gateways.served import served
 from tests.patience import PATIENCE
+from tests.things.directory import ThingDirectoryServer
+from tests.things.thing import ServedThing
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -22,8 +24,6 @@ from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirecto
 from homebot.gateways.thing_directory.session import CONNECTED_AT_ONCE
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.thing import ServedThing
-from homebot.house.http.thing_directory import ThingDirectoryServer
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import listen
 from homebot.wot.parse import CONTEXT

@@ -12,13 +12,13 @@ from aiohttp import web
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
 from tests.gateways.http_servers import serving
 from tests.gateways.served import served
+from tests.things.thing import ServedThing
 
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.drivers.base import FoundService
 from homebot.gateways.drivers.thing import HttpThingDriver, ThingDriver
 from homebot.gateways.drivers.thing.driver import ThingDriverSettings
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.thing import ServedThing
 from homebot.wot.parse import CONTEXT
 
 WOT = "_wot._tcp.local."

@@ -13,8 +13,6 @@ from homebot.house.dialect import DeviceState
 from homebot.house.dialects.wire import lamp_order
 from homebot.support.numbers import to_number
 
-__all__ = ["THING_PROPERTIES", "ThingProperty"]
-
 
 @dataclass(frozen=True, slots=True)
 class ThingProperty:

@@ -15,8 +15,6 @@ from homebot.house.dialects.wire import as_json, json_value
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.support.numbers import to_number
 
-__all__ = ["ThingDirectoryServer"]
-
 TD_TYPE = "application/td+json"
 LD_TYPE = "application/ld+json"
 PREFIX = "/things/"

@@ -9,14 +9,13 @@ import json
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 
+from tests.things.properties import THING_PROPERTIES, ThingProperty
+
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, hardware_address, json_value
 from homebot.house.dns_sd import DnsSdService
 from homebot.house.http.served_web_device import ServedWebDevice
-from homebot.house.http.thing_properties import THING_PROPERTIES, ThingProperty
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
-
-__all__ = ["ServedThing"]
 
 TD_TYPE = "application/td+json"
 WELL_KNOWN = "/.well-known/wot"
