@@ -9,7 +9,6 @@ import anyio
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
-from homebot.mqtt.filter_tree import has_wildcard
 
 __all__ = ["SubscriptionSet", "batches"]
 
@@ -145,11 +144,11 @@ def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> lis
     found: list[list[MqttSubscription]] = []
     room = characters = 0
     for one in subscriptions:
-        is_single = is_paced and (one.qos > 0 or has_wildcard(one.filter))
+        is_single = is_paced and (one.qos > 0 or "+" in one.filter or "#" in one.filter)
         if not room or is_single or len(one.filter) > characters:
             found.append([])
             room, characters = MOST, MOST_CHARACTERS
         found[-1].append(one)
         room = 0 if is_single else room - 1
         characters -= len(one.filter)
-    return [tuple(batch) for batch in found]
+    return list(map(tuple, found))

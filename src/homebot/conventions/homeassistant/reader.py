@@ -66,7 +66,10 @@ class HomeAssistantReader:
                 continue
             config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
-                part = self._part(config, has_own_availability=config_topic.component == DEVICE)
+                build = builder_of(component.platform)
+                part = self._shapes.part(config, build) if component.platform in SHAPED else build(config)
+                if config_topic.component == DEVICE:
+                    part = part._replace(availability=cached_availability(config))
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
@@ -82,11 +85,6 @@ class HomeAssistantReader:
             self.rejected -= 1
             raise broken
         return parts
-
-    def _part(self, config: DiscoveryConfig, *, has_own_availability: bool) -> DescribedPart:
-        build = builder_of(config.component)
-        part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
-        return part._replace(availability=cached_availability(config)) if has_own_availability else part
 
 
 _Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]

@@ -8,7 +8,7 @@ from itertools import repeat
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
-from homebot.conventions.description import Availability
+from homebot.conventions.description import Availability, TextEndpoint
 from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import (
@@ -116,7 +116,8 @@ class AnnouncementRegistry(DeviceRegistry):
             shared = reachability[part_id] = self._shared_reachability(availability, key, topics, refused, replayed)
             shared.members.append((stored, part_id))
         stored.reachability = reachability or stored.reachability
-        self._register_text(stored)
+        if stored.described.text is not None:
+            self._register_text(stored, stored.described.text)
         return tuple(refused), tuple(replayed)
 
     def _shared_reachability(
@@ -167,14 +168,13 @@ class AnnouncementRegistry(DeviceRegistry):
         self._readers.remove(topic_filter, reader)
         self._forget_routes(topic_filter)
 
-    def _register_text(self, stored: StoredAnnouncement) -> None:
+    def _register_text(self, stored: StoredAnnouncement, text: TextEndpoint) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
-        if (text := stored.described.text) is not None:
-            for announced_part in stored.parts.values():
-                self._texts[text.address] = announced_part
-                if isinstance(announced_part.described.codec, TextCodec):
-                    self.codecs[text.command_address] = announced_part.described.codec
-            self._forget_routes(text.address)
+        for announced_part in stored.parts.values():
+            self._texts[text.address] = announced_part
+            if isinstance(announced_part.described.codec, TextCodec):
+                self.codecs[text.command_address] = announced_part.described.codec
+        self._forget_routes(text.address)
 
     def _unregister_text(self, stored: StoredAnnouncement) -> None:
         text = stored.described.text
