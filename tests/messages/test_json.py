@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
+from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
 from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time
 from homebot.messages import message as fields
@@ -105,13 +106,23 @@ def test_the_pieces_of_a_message_are_its_text(report: Report) -> None:
         assert json.loads("".join(message_to_pieces(message))) == message_to_json(message)
 
 
-@pytest.mark.parametrize(("count", "pieces"), [(0, 1), (1, 2), (50, 2), (51, 3), (4478, 91)])
+@pytest.mark.parametrize(("count", "pieces"), [(0, 1), (1, 1), (50, 2), (51, 2), (4478, 90)])
 def test_no_piece_holds_more_than_fifty_messages(count: int, pieces: int) -> None:
     report = REPORT.model_copy(update={"stamps": (Time(sec=1, nanosec=2),) * count})
     written = list(message_to_pieces(report))
     assert len(written) == pieces
     assert max(piece.count('"sec"') for piece in written) <= 51  # and the stamp beside them
     assert json.loads("".join(written)) == message_to_json(report)
+
+
+def test_long_messages_are_written_in_more_pieces() -> None:
+    series = HistorySeries(
+        device="meter", name="meter", part="", capability="power", times=(1.0,) * 5000, values=(0.5,) * 5000
+    )
+    history = ReadHistoryResponse(success=True, series=(series,) * 50)
+    written = list(message_to_pieces(history))
+    assert max(map(len, written)) < 2 * len(message_to_text(series)) + 50_000
+    assert json.loads("".join(written)) == message_to_json(history)
 
 
 def test_bytes_are_base64_text_and_times_are_objects() -> None:

@@ -42,8 +42,8 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 _REAL = frozenset({"float32", "float64"})
 
-_PIECE = 50
-"""Messages that are written at once: of large ones, such as devices, a millisecond."""
+_PIECE, _LONG = 50, 50_000
+"""Messages that are written at once, and characters from which on fewer are: a millisecond, or of devices two."""
 
 
 def message_to_json(message: Message) -> JsonObject:
@@ -72,10 +72,11 @@ def message_to_pieces(message: Message) -> Iterator[str]:
             text += json.dumps(_value_to_json(value), separators=(",", ":"), allow_nan=False)
             continue
         text += "["
-        for start in range(0, len(value), _PIECE):
-            some = ",".join(message_to_text(one) for one in value[start : start + _PIECE])
-            yield f"{text},{some}" if start else f"{text}{some}"
-            text = ""
+        for number, one in enumerate(value):
+            text += f"{',' if number else ''}{message_to_text(one)}"
+            if number % _PIECE == _PIECE - 1 or len(text) > _LONG:
+                yield text
+                text = ""
         text += "]"
     yield f"{text}}}"
 
