@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from homebot.conventions.description import AutoExpiry, DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.description import AutoExpiry, Codec, DescribedPart, DeviceAnnounced, Publication
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
@@ -14,7 +14,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 
-__all__ = ["GatewayDevice", "simple_part"]
+__all__ = ["GatewayDevice", "ShowingCodec", "simple_part"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,7 @@ class GatewayDevice:
         sleeps: Whether it is off the network most of the time, to save its battery; it is there all the same.
         expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
             all is quiet again.
+        codecs: Codecs that only show the owner what commands send, by the id of the part; see :class:`ShowingCodec`.
         native: False where another program tells of it, whose protocol is not the device's own: its own is preferred.
     """
 
@@ -54,6 +55,7 @@ class GatewayDevice:
     stale_after: float = 0.0
     sleeps: bool = False
     expiries: Mapping[str, tuple[AutoExpiry, ...]] = field(default_factory=dict)
+    codecs: Mapping[str, Codec] = field(default_factory=dict)
     native: bool = True
 
     @property
@@ -63,7 +65,10 @@ class GatewayDevice:
 
     def described(self) -> DeviceAnnounced:
         """Return it as an announcement of no convention."""
-        parts = tuple(DescribedPart(one, _NO_CODEC, expiries=self.expiries.get(one.id, ())) for one in self.parts)
+        parts = tuple(
+            DescribedPart(one, self.codecs.get(one.id, _NO_CODEC), expiries=self.expiries.get(one.id, ()))
+            for one in self.parts
+        )
         return DeviceAnnounced(
             self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=self.native
         )
@@ -79,22 +84,25 @@ class GatewayDevice:
             stored.template = stored.template.model_copy(update=given)
 
 
-class _NoCodec:
-    """The codec of a part that its gateway reads and writes by itself."""
+class ShowingCodec:
+    """The codec of a part that its gateway reads and writes by itself; a subclass can show the messages of commands."""
 
     def topics(self) -> tuple[str, ...]:
+        """Return no topics."""
         return ()
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
+        """Return no values."""
         del topic, payload, retained
         return NO_READINGS
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        """Raise RefusedError, so that nothing is shown."""
         del value, transition
         raise RefusedError(capability, "its gateway encodes its messages")
 
 
-_NO_CODEC = _NoCodec()
+_NO_CODEC = ShowingCodec()
 
 
 def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: tuple[str, ...] = ()) -> Part:

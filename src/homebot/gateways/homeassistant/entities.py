@@ -6,16 +6,19 @@ The entities of one device of Home Assistant are the parts of one device; an ent
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.homeassistant.device import DeviceInfo
 from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.conventions.homeassistant.states.registries import Registries
-from homebot.conventions.payload import as_fields, shown
+from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, UnableError, WireError
-from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
 
 __all__ = ["EntityChange", "HomeAssistantEntities"]
 
@@ -40,6 +43,24 @@ class EntityChange(NamedTuple):
     key: str
     is_described_anew: bool
     is_event: bool
+
+
+@dataclass(frozen=True)
+class _ServiceCodec(ShowingCodec):
+    """The codec of an entity, which shows its service calls."""
+
+    entity: HomeAssistantEntity
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
+        return self.write_with_code(capability, value, "", transition)
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str, transition: float = 0.0) -> Publications:
+        call = self.entity.call(capability, value, transition, code)
+        return (
+            Publication(
+                f"{call.domain}.{call.service}", compact_json({"entity_id": call.entity_id, **call.data}).encode()
+            ),
+        )
 
 
 class HomeAssistantEntities:
@@ -178,6 +199,7 @@ class HomeAssistantEntities:
             authenticated=True,  # our token proved that it is the owner's Home Assistant
             area=area,
             raw_address=f"homeassistant/{key}",
+            codecs={one.entry.part_id: _ServiceCodec(one) for one in entities},
             native=False,  # the gateway of its own protocol knows it better
         )
         return described
