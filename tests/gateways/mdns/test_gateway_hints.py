@@ -27,6 +27,7 @@ def found(service_type: str, **properties: str) -> FoundService:
         ),
         (found(HUE), "hue", "add [gateways.hue], then: homebot pair 'Hall'"),
         (found(HAP, sf="1"), "homekit", "add [gateways.homekit], then: homebot pair 'Hall' CODE"),
+        (found("_hap._udp.local.", sf="1"), "homekit", "add [gateways.homekit], then: homebot pair 'Hall' CODE"),
         (found(HAP, sf="5"), "homekit", "add [gateways.homekit]"),
     ],
 )

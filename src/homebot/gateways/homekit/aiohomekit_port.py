@@ -169,8 +169,9 @@ class _LossWatch(asyncio.Protocol):
 class _ThreadLink(_PairedLink):
     """A session by CoAP; it is lost when a request has no answer."""
 
-    answers_within = 20.0
-    """The library waits 16 s: a router keeps the messages for an accessory that sleeps."""
+    answers_within = 120.0
+    """A description takes a message for each service, and each some seconds if the accessory sleeps; the library waits
+    16 s for an answer."""
 
     def __init__(self, name: str, pairing: Any, on_event: OnEvent) -> None:
         super().__init__(name, pairing, self._on_event)
