@@ -19,7 +19,6 @@ class TokenCheck:
 
     Args:
         tokens: The right tokens by name; at least one.
-        clock: The clock to live by.
 
     Attributes:
         wrong: Number of wrong tokens.

@@ -35,7 +35,6 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
     """Return *device* as a JSON object for other programs: with plain values, and times in ISO 8601.
 
     Args:
-        device: The device.
         waiting: The ids of those that wait for approval.
     """
     first = device.endpoints[0] if device.endpoints else None

@@ -29,8 +29,6 @@ class DoorAddress(NamedTuple):
     """The place of a door.
 
     Attributes:
-        host: Its host.
-        port: Its port.
         token: The token to show; empty for none.
         source: The file that says so; empty for the command line and the environment.
         home: The name that the home must have, as the configuration beside says; empty for any.

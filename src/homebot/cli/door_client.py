@@ -92,8 +92,6 @@ def open_door(host: str, port: int, token: str = "", source: str = "") -> Iterat
     """Connect to the homebot that listens on *host* and *port*.
 
     Args:
-        host: Its host.
-        port: Its port.
         token: The token to show; empty for none.
         source: The file that names the address, for errors; empty for none.
 

@@ -17,7 +17,6 @@ class FindingRow(NamedTuple):
 
     Attributes:
         what: Its name, such as that of a device; empty where the finding has but the reason.
-        why: The reason.
     """
 
     what: str

@@ -21,7 +21,6 @@ def plot_lines(
 
     Args:
         times: The time of each value.
-        values: The values.
         since: The left edge.
         until: The right edge.
         width: Characters of a line.

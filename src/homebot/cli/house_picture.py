@@ -43,7 +43,6 @@ class HousePicture(NamedTuple):
     Attributes:
         title: The line at the top.
         hint: The line at the bottom.
-        devices: The devices.
         beings: The people and robots in each room.
         story: What happened, oldest first.
         plan: The shape of the house.

@@ -31,9 +31,6 @@ __all__ = ["JournalClient", "chain_json", "entry_json"]
 class JournalClient:
     """Reads the journal of a running homebot.
 
-    Args:
-        door: The way to it.
-
     Attributes:
         names: The names of the devices that were in the entries, by id.
     """

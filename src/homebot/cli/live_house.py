@@ -43,7 +43,6 @@ class LiveHouse:
 
     Args:
         node: Receives its devices and its journal.
-        world: The house.
         title: The begin of the title.
         hint: The line at the bottom.
     """

@@ -17,7 +17,6 @@ class TopicRow:
     """One topic.
 
     Attributes:
-        topic: Its name.
         rate: Messages in a second.
         waiting: Messages that wait in the fullest queue.
         lost: Messages that were lost since the start.

@@ -116,10 +116,8 @@ class PrintCompletion(argparse.Action):
 
     Args:
         option_strings: As argparse makes actions.
-        dest: As above.
         choices: The shells.
         whole_parser: Returns the parser with the arguments of all commands.
-        help: As above.
     """
 
     def __init__(

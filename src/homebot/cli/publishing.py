@@ -34,11 +34,7 @@ _LOG_WAIT = 0.3
 
 
 class GatewayPublisher:
-    """Publishes through the gateways of a running homebot.
-
-    Args:
-        door: The way to it.
-    """
+    """Publishes through the gateways of a running homebot."""
 
     def __init__(self, door: DoorClient) -> None:
         self._door = door

@@ -52,7 +52,6 @@ class WatchLine:
     Attributes:
         at: Seconds since 1970.
         kind: ``change``, ``command``, or ``outcome`` of a command that no change shows.
-        device: The id of the device.
         part: The id of the part; empty for a device with one.
         values: The values as text, by capability.
         value: The values in words.

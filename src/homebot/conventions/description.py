@@ -94,7 +94,6 @@ class DescribedPart(NamedTuple):
     """A part and its codec.
 
     Attributes:
-        state_requests: Requests of its state.
         remembers: Whether the codec depends on earlier reports. Its successor in a new description reads the last
             messages again.
         availability: Its own availability; None if it is that of the device.
@@ -164,10 +163,8 @@ class DeviceAnnounced(NamedTuple):
 
     Attributes:
         key: Its lasting key, unique in its convention, for example ``light/0x17_light``.
-        convention: The name of the convention.
         identifiers: See :func:`homebot.devices.identity.identifiers`. Announcements of one device share at least one;
             empty if it has none.
-        topic: The topic of the announcement.
         area: The announced room.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         availability: The availability of the whole device; None if it reports none.

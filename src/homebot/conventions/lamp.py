@@ -107,7 +107,6 @@ class LightFeatures:
         most_seconds: The longest transition; a longer one is refused.
         has_level: Whether its brightness can be set.
         has_white: Whether its colour temperature can be set.
-        has_effect: Whether it has effects.
         color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
 

@@ -331,8 +331,6 @@ def read_number(
     """Return the reading of a number: its value, None for an unknown one, or nothing.
 
     Args:
-        capability: Its capability.
-        value: Its value in the message.
         convert: Converts the number; None if it is out of range.
         unknown: The device's own text for an unknown number, besides those of :func:`is_unknown`.
     """

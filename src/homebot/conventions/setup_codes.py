@@ -40,8 +40,6 @@ class MatterCode:
     """The facts in a Matter QR code, without its passcode.
 
     Attributes:
-        vendor: The vendor ID.
-        product: The product ID.
         discriminator: The number by which the device announces itself while it can be commissioned.
     """
 

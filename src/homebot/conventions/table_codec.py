@@ -58,7 +58,6 @@ class TableCodec(Generic[MessageT]):
         parse_payload: Parses a payload for the readers.
         readers: Readers by topic, or by a filter that the device declared; has all topics.
         event_readers: Readers of live messages by topic.
-        writers: Writers by capability.
         coded_writers: Writers with a code by capability, not among *writers*.
     """
 

@@ -53,7 +53,6 @@ class _RadioDevice(ServedDevice):
     Args:
         device: Its name and kind.
         on_command: Gets each command for it.
-        radio: The radio.
     """
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], radio: VirtualRadio) -> None:
@@ -90,7 +89,6 @@ class _BTHomeDevice(_RadioDevice):
     Args:
         device: Its name and kind.
         on_command: Gets nothing.
-        radio: The radio.
         bind_key: The key by which it encrypts; empty for none.
     """
 
@@ -129,7 +127,6 @@ class BroadcastingSensor(_BTHomeDevice):
     Args:
         device: Its name and kind.
         on_command: Gets nothing.
-        radio: The radio.
         bind_key: The key by which it encrypts; empty for none.
 
     Raises:

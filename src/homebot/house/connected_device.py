@@ -45,8 +45,6 @@ class ServedDevice(ConnectedDevice):
         on_command: Gets each command for it, as text such as ``on``.
 
     Attributes:
-        device: The same.
-        on_command: The same.
         state: Its last state.
     """
 

@@ -67,7 +67,6 @@ def load_world(path: Path, *, seed: int | None = None) -> World:
     """Return the house that the TOML file *path* describes, at its first midnight.
 
     Args:
-        path: The file.
         seed: In place of the file's.
 
     Raises:

@@ -99,7 +99,6 @@ class SimulatedDeviceInfo:
         home: First level, or levels, of the topics.
         kind: Kind in house descriptions: ``lamp``.
         device_id: Its name.
-        service_type: Its service type.
         room: Where it is.
 
     Raises:
@@ -123,7 +122,6 @@ class OutgoingMessage(NamedTuple):
 
     Attributes:
         topic: Where to.
-        payload: The payload.
         retain: Whether the broker retains it.
         qos: How sure it has to be that it comes, 0 to 2.
     """
@@ -204,11 +202,7 @@ class Dialect(ABC):
 
 @final
 class BridgeDialect(Dialect):
-    """A bridge as a device of its own: it publishes the bridge's messages and takes no command.
-
-    Args:
-        bridge: The bridge.
-    """
+    """A bridge as a device of its own: it publishes the bridge's messages and takes no command."""
 
     kinds = frozenset()
 

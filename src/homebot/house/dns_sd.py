@@ -25,7 +25,6 @@ class DnsSdService:
         service_type: ``_wled._tcp.local.``
         name: The instance name.
         host: The name of its host, without ``.local.``
-        port: Its port.
         properties: The TXT record.
         ttl: Seconds for which others believe the SRV record; 120 by the standard.
     """

@@ -70,7 +70,6 @@ class SimulatedHouse:
     Attributes:
         Host: The class of the service that can host one.
         WITHOUT_HOST: The reason why no gateway of a configuration does, as text.
-        world: The same.
         counters: Counters of sent and received messages.
 
     Raises:

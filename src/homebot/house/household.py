@@ -56,7 +56,6 @@ class Person(NamedTuple):
     """A person in the house.
 
     Attributes:
-        name: Name.
         day: Their habits, every day the same but for the jitter.
         starts_in: Where they are at the first midnight.
         asleep: Whether they sleep then.
@@ -120,7 +119,6 @@ class Household:
     """People that walk from room to room by their habits.
 
     Args:
-        people: The people.
         rooms: Where.
         queue: Gets their steps.
         clock: Returns the time that the queue is at.

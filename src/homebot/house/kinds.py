@@ -36,7 +36,6 @@ class Surroundings:
     """The surroundings that a device is made in.
 
     Attributes:
-        name: Its own name.
         room: Where it is.
         rooms: The whole plan.
         rng: Its random numbers.

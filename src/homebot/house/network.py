@@ -187,7 +187,6 @@ class HouseNetwork:
         """Return a device of a served family, which is on the network once it lives; inside :meth:`running`.
 
         Args:
-            family: The name of the family.
             device: Its name and kind.
             on_command: Gets each command for it.
             options: Further arguments of the class of the device.

@@ -29,11 +29,7 @@ _STAGING: Final = 1
 
 @final
 class RobotActions:
-    """Serves ``/navigate_to_pose`` and ``/dock_robot``; a new goal to drive aborts the one before.
-
-    Args:
-        robot: The robot.
-    """
+    """Serves ``/navigate_to_pose`` and ``/dock_robot``; a new goal to drive aborts the one before."""
 
     def __init__(self, robot: RosRobot) -> None:
         self._robot = robot

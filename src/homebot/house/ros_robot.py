@@ -58,12 +58,10 @@ class RosRobot:
     """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose`` and ``/battery_state`` of one robot.
 
     Args:
-        node: Its node.
         read: Returns the robot as it is now.
         command: Gives it a command, as text such as ``go 3.2,1.0``.
 
     Attributes:
-        node: Its node.
         read: As above.
         dock: The position of its dock, where it begins.
     """

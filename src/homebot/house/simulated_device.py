@@ -30,7 +30,6 @@ class SimulatedDevice(ABC):
     Attributes:
         kind: Kind in house descriptions.
         device_id: Its name.
-        service_type: Its service type.
         now: The time it was last advanced to.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
@@ -61,7 +60,6 @@ class SimulatedDevice(ABC):
 
         Args:
             command: A text such as ``on``, or a number as text; unknown ones are ignored.
-            now: The time.
 
         Returns:
             Its immediate reports, after those due before; later ones come from :meth:`advance`.
@@ -131,7 +129,6 @@ class Placed(NamedTuple):
     """A device in its place.
 
     Attributes:
-        device: The device, with its faults.
         room: Where it is.
         door: For a contact or a lock: the room on the other side of the door it is on.
         dialect: Its family where it is carried over a wire, by name.
@@ -150,8 +147,6 @@ class ScheduledCommand(NamedTuple):
 
     Attributes:
         at: Seconds since midnight.
-        device_id: The device.
-        command: The command.
     """
 
     at: float

@@ -164,7 +164,6 @@ class VirtualRadio:
         """Have a device on the radio inside the block.
 
         Args:
-            name: Its name.
             address: Its address, of a random static kind: the first byte is C0 to FF.
             services: The characteristics that it serves, by the UUID of the service.
             rssi: How strongly it is received, in dBm.

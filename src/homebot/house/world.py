@@ -56,8 +56,6 @@ class World:
 
     Args:
         rooms: Its plan.
-        placed: Its devices.
-        people: The people.
         errands: Daily timers.
         seed: Decides every jitter of its people; devices with faults have random numbers of their own.
         first_day: Day of the year, 1 to 366.

@@ -71,10 +71,6 @@ def message_class(
 
 @dataclass(frozen=True)
 class SendGoalType(ServiceType[Any, Any]):
-    """The type of the service that takes goals: it leads from a service on the graph to its action.
-
-    Attributes:
-        action_type: The type of the action.
-    """
+    """The type of the service that takes goals: it leads from a service on the graph to its action."""
 
     action_type: ActionType[Any, Any, Any]

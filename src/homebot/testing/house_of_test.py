@@ -26,8 +26,6 @@ class HouseOfTest:
     """The house that a fixture gives to a test.
 
     Args:
-        test: The test, with its marks.
-        fixture: The name of the fixture.
         reports: Gets, while the house is open, the maker of its title and text for the report of a failed test.
     """
 

@@ -162,7 +162,6 @@ class VirtualHouse(TestHouse):
         """Let a simulated sensor sense a value until another; returns when all that follows at once has happened.
 
         Args:
-            device_id: The sensor.
             values: One value, by the property of its handle: ``occupied=True``, ``is_open=False``, ``lux=12``,
                 ``watts=140`` or, of a thermostat, ``temperature=17.5``.
 

@@ -100,7 +100,6 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     known, or else the second, is a part of its own.
 
     Args:
-        thing: The thing.
         binding: The protocol's choice among its forms; an affordance without a usable form can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")

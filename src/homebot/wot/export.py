@@ -44,7 +44,6 @@ def thing_id(device_id: str, owner: str = "") -> str:
     """Return the id of a device's description.
 
     Args:
-        device_id: The device's id.
         owner: The id of the homebot that describes it, where descriptions of several may meet; empty for none.
     """
     return f"urn:homebot:{owner}:{quote(device_id, safe='')}" if owner else f"urn:homebot:{quote(device_id, safe='')}"
@@ -56,7 +55,6 @@ def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, ob
     It lists the properties that can be read and set, in the vocabulary's units, and their addresses.
 
     Args:
-        device: The device.
         forms: The way to reach it.
         owner: See :func:`thing_id`.
     """

@@ -64,7 +64,6 @@ def read_thing(description: object, source: str = "") -> Thing:
     """Return the thing that a Thing Description, as parsed JSON, describes.
 
     Args:
-        description: The description.
         source: The address that it was read from; relative addresses in it are relative to that.
 
     Raises:

@@ -181,7 +181,6 @@ def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
     """Return the identifiers of *thing*, see :func:`homebot.devices.identity.identifiers`.
 
     Args:
-        thing: The thing.
         others: Its other identities, for example the name of its host.
     """
     own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
@@ -201,7 +200,6 @@ def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
     """Return *thing* with its forms changed.
 
     Args:
-        thing: The thing.
         change: Returns the replacement of a form; None leaves it out.
     """
 

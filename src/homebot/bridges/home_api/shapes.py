@@ -38,7 +38,6 @@ class ProblemError(HomebotError):
     """A request that cannot be carried out.
 
     Attributes:
-        status: The status of its answer.
         allow: With 405, the methods of the address.
     """
 

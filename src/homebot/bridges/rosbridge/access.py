@@ -140,11 +140,7 @@ _GATEWAY_RIGHTS: Final = {**dict.fromkeys(GATEWAY_READING, Right.READ), "send_co
 
 
 class MissingRightError(PeerError):
-    """A client lacks the right for a request.
-
-    Attributes:
-        right: The right that is missing.
-    """
+    """A client lacks the right for a request."""
 
     def __init__(self, right: Right, problem: str) -> None:
         super().__init__(problem)
@@ -157,7 +153,6 @@ class ClientAccess:
 
     Attributes:
         name: The name of its token, or ``local`` without one.
-        rights: Its rights.
         owners: The robots of the house, with their topics and frames.
         is_page: Whether it is homebot's own page and has no token: it may neither manage homebot nor pass for its
             parts, nor be a robot.

@@ -29,7 +29,6 @@ class Feed:
     Args:
         node: The node that subscribes in the client's stead.
         topic: The name that the client uses.
-        message_type: Type of the topic.
         depth: Messages that may wait.
         backlog: All that waits for the client.
         outbox: Takes frames to the client.

@@ -16,11 +16,7 @@ _CRASHES: Final = {
 
 
 class LibraryLog(logging.Handler):
-    """Handler that writes the lines of the WebSocket library to the limited log.
-
-    Args:
-        error_log: The log.
-    """
+    """Handler that writes the lines of the WebSocket library to the limited log."""
 
     def __init__(self, error_log: ClientErrorLog) -> None:
         super().__init__()

@@ -30,7 +30,6 @@ class PostedRequest:
     Attributes:
         method: Its method, once it is whole.
         content_type: The type of its body.
-        body: Its body.
     """
 
     def __init__(self) -> None:

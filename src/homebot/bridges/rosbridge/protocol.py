@@ -316,7 +316,6 @@ def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: 
     Args:
         op: The protocol's name of the operation.
         identifier: Its ``id``; None for none.
-        fields: Its fields.
         texts: Further fields, which are JSON text already.
     """
     known = {"op": op, **fields} | ({} if identifier is None else {"id": identifier})

@@ -22,7 +22,6 @@ class Provisions:
     failure offers its services before its old connection is known to be dead.
 
     Attributes:
-        client: The name of the client.
         on_taken: Called with a name that a newer connection took over.
     """
 

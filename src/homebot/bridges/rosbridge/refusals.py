@@ -43,7 +43,6 @@ class Refusals:
     """Record of each refusal for want of a right. Of one client 20 in ten seconds are logged and published.
 
     Args:
-        node: The node of the door.
         error_log: Where they are logged.
     """
 

@@ -75,10 +75,8 @@ class ClientSession:
     Args:
         shared: State shared with other clients.
         name: The name of its token, see :class:`ClientAccess`.
-        rights: The rights of that token.
         is_page: Whether the client is homebot's own page without a token.
         client: Name of the client in the log.
-        link: The connection.
         is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
             unless it asks for them with ``set_level``: it raises an exception for each.
 

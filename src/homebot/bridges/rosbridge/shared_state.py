@@ -97,7 +97,6 @@ class SharedState:
         turns: When work may be done.
         backlog: The backlog of all clients.
         expected: Topics to come.
-        counters: The counters.
         error_log: Logs mistakes of clients.
         owners: Returns the robots of the house, with their topics and frames.
         providers: The connection that provides each service and action, by its full name.

@@ -45,7 +45,6 @@ class CatalogChange:
 
     Attributes:
         number: Its place among the changes; the first is 1.
-        name: Name of the event.
         id: The thing's.
         detail: The JSON of a new thing, or a merge patch (RFC 7396) of a known one; empty for a removed one.
     """
@@ -88,7 +87,6 @@ class ThingCatalog:
         """List a description, replacing an older one of the same thing; an equal one changes nothing.
 
         Args:
-            thing_id: The thing's id.
             fields: The description.
             now: The time, as it is written in a description.
         """

@@ -64,9 +64,7 @@ class DirectoryAnswer:
     """An answer.
 
     Attributes:
-        body: The body.
         content_type: Its media type; empty where there is none.
-        status: The status.
         headers: Further header fields.
     """
 
@@ -107,11 +105,7 @@ def is_preflight(method: str, asked_methods: Sequence[str]) -> bool:
 
 
 class RequestError(Exception):
-    """A request is not carried out.
-
-    Attributes:
-        answer: The answer to it.
-    """
+    """A request is not carried out."""
 
     def __init__(self, status: HTTPStatus, detail: str, **headers: str) -> None:
         super().__init__(detail)

@@ -58,16 +58,10 @@ class ServerCounters:
 class HttpExchange:
     """A request, and the way to answer it.
 
-    Args:
-        request: The request of the library.
-        counters: The counters of the server.
-
     Attributes:
-        method: Its method.
         raw_path: Its path, as it was sent.
         query: The query, by name; of several of one name the last.
         target: Its path and query, as they were sent.
-        address: The address of the client.
     """
 
     def __init__(self, request: web.BaseRequest, counters: ServerCounters) -> None:
@@ -158,11 +152,9 @@ class BoundedServer:
     Args:
         settings: Where it listens, and the number of its clients.
         handle: Answers a request.
-        clock: The clock to live by.
         log_error: Logs mistakes of clients and the library.
 
     Attributes:
-        counters: Its counters.
         port: Its port; the real one once it listens.
         addresses: The addresses that it listens on.
     """

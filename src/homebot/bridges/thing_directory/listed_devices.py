@@ -39,7 +39,6 @@ class ListedProperty:
 
     Attributes:
         handle: The part of the device.
-        capability: The capability of that part.
         is_writable: Whether it can be set here.
     """
 

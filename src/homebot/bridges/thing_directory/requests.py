@@ -53,7 +53,6 @@ class DirectoryRequest:
         path: The parts of its path, decoded.
         query: The query, by name.
         headers: The header fields, names in lower case.
-        body: The body.
         base: The address of the directory, as the client calls it.
     """
 
@@ -70,7 +69,6 @@ class DirectoryRequests:
 
     Args:
         description: The description of the directory, in JSON.
-        devices: The devices that it lists.
         version: Identifies the catalog of this run.
     """
 

@@ -80,7 +80,6 @@ def _describe(
     """Print the facts of *device*.
 
     Args:
-        device: The device.
         reasons: Why a search for its name finds it.
         now: The house's time.
         asks: Rows on why it always asks, and on the approval that it waits for.

@@ -120,7 +120,6 @@ class BroadcastParser(ABC):
         """Return the meaning of an advertisement that :meth:`concerns` this parser; None if it is of no known device.
 
         Args:
-            advertisement: The advertisement.
             now: Seconds of the gateway's clock.
 
         Raises:

@@ -103,7 +103,6 @@ def seal(key: bytes, address: bytes, flags: int, counter: int, objects: bytes) -
     """Return the service data of an encrypted packet, as a device sends them.
 
     Args:
-        key: The bind key.
         address: The device's address, in the order in which people write it.
         flags: The byte of flags, with bit 0 set.
         counter: How many packets it sent before, modulo 2³².

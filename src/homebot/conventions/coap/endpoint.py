@@ -49,7 +49,6 @@ class CoapEndpoint:
             that answered by itself. Its key belongs to it until it is gone.
         is_foreign: Whether another host named its address.
         lifetime: Seconds after which its registration ends; 0 if that is not known.
-        facts: The facts of its registration.
         identifiers: Its identifiers beyond this gateway.
     """
 

@@ -84,8 +84,6 @@ class DirectoryRegistry:
         A name belongs to its first registrant until that registration ends (RFC 9176, section 7.5).
 
         Args:
-            parameters: Its query parameters.
-            links: Its resources.
             source: The host that it came from.
             base: The address that it came from, which counts unless it names one.
             now: Reading of the monotonic clock.

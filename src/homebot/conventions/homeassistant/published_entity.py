@@ -98,7 +98,6 @@ class PublishedEntity:
 
     Attributes:
         config: All fields of its config so far.
-        states: Its published states.
         commands: Readers of its commands, by topic.
     """
 

@@ -75,7 +75,6 @@ class HomeAssistantPublisher:
     """Publisher of retained configs and states, and of events.
 
     Args:
-        prefix: The discovery prefix.
         owner: The lasting name of this homebot, unique in the house.
         status_topic: The topic of its ``online`` and ``offline``.
     """

@@ -195,7 +195,6 @@ class Role:
 
     Attributes:
         name: One of :data:`CONTROLS`, or the reported capability; empty for a setting.
-        prop: The property.
         is_guess: Whether it is guessed from the property.
     """
 

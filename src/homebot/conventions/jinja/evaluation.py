@@ -117,7 +117,6 @@ class Program:
     """A compiled template.
 
     Args:
-        body: Its work.
         names: The names that it looks up.
         weight: The work of one execution of all of it, in steps.
     """

@@ -61,7 +61,6 @@ class ClusterRow:
 
     Attributes:
         attribute: Its attribute; None if the cluster is enough.
-        capability: The name of the capability.
         read: The reader; None if it is never reported.
         write: The encoder; None if it cannot be set.
         feature: Bits of the cluster's feature map, one of which is needed; 0 for none.

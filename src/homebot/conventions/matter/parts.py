@@ -72,7 +72,6 @@ def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tupl
     """Yield the parts of an endpoint: its main function, and beside that its battery and plain measurements.
 
     Args:
-        endpoint: The endpoint.
         covers: Whether a closure is a blind, or a panel of one.
     """
     by_suffix: dict[str, list[MatterAbility]] = {"": []}

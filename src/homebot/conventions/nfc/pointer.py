@@ -46,8 +46,6 @@ class Pointer:
         address: The topic on which it publishes, or a level above that topic.
         urls: Addresses of the device, or of its description.
         thing: Its Thing Description, as parsed from JSON.
-        matter: Its Matter code.
-        homekit: Its HomeKit code.
         area: The room that is named.
         problems: Texts about records that are invalid.
     """

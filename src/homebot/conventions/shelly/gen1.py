@@ -37,7 +37,6 @@ class _Gen1Device:
     """The messages of one device so far.
 
     Attributes:
-        topics: Its topics.
         model: Its model by name or announcement.
         suffixes: Its published topics, below its own.
         mode: Its mode, if the model has several.

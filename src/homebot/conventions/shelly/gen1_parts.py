@@ -73,8 +73,6 @@ def build_parts(
     """Return the parts of the device that publishes *suffixes*, the main one first.
 
     Args:
-        topics: The topics of the device.
-        model: Its model.
         suffixes: The known topics below its own.
         presses: Reports of each of its inputs, which outlive the description.
     """

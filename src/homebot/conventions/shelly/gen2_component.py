@@ -81,7 +81,6 @@ class ShellyComponent:
     """One component.
 
     Attributes:
-        topics: The topics of its device.
         key: Its name, for example ``switch:0``.
         status: The answer to the last request of its status.
         config: Its configuration; empty if unknown.

@@ -137,7 +137,6 @@ class _TasmotaLamp:
     """Reader and writers of one lamp.
 
     Attributes:
-        topics: The topics of its device.
         index: Its output.
         kind: Its light type.
         dimmer: The command of its brightness.

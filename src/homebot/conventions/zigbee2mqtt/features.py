@@ -34,7 +34,6 @@ class Zigbee2MqttTopics:
     Attributes:
         state: The topic of its state, one JSON object.
         is_awake: Whether it answers requests; a device with a battery sleeps.
-        takes_transition: Whether it takes a transition.
         bare_endpoints: Numbers of its endpoints without a name, which the bridge only finds in the topic, not in the
             name of a property.
         endpoint: One of these; empty for the device.
@@ -116,11 +115,7 @@ _NO_BOUND = 1e12
 
 
 class Zigbee2MqttPart(JsonPart):
-    """A part of a Zigbee device, with features as its capabilities.
-
-    Attributes:
-        topics: The topics of its device.
-    """
+    """A part of a Zigbee device, with features as its capabilities."""
 
     def __init__(
         self,

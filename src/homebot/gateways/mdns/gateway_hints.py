@@ -26,7 +26,6 @@ def hint_facts(service: FoundService, configured: Collection[str] | None) -> dic
     """Return the gateway that *service* needs and the next step, as facts; none if that gateway is *configured*.
 
     Args:
-        service: The service.
         configured: The plug-ins of the configured gateways; None if they are unknown, which gives no facts.
     """
     hint = _HINTS.get(service.service_type)

@@ -22,7 +22,6 @@ class TagSettings(BaseModel):
     """The settings of one tag: ``[gateways.NAME.tags.UID]``.
 
     Attributes:
-        name: Its name.
         area: The room that it is in; it replaces the room on the tag.
         device: The id or the name of the device that it points to; it replaces the pointer on the tag.
     """

@@ -37,7 +37,6 @@ class ComponentTemplate:
     """A component.
 
     Attributes:
-        component: Its name.
         config: Returns its options for a topic prefix.
         state: Returns the payload of a state.
         levels: Last levels of the topics on which it takes commands.
@@ -179,7 +178,6 @@ class HomeAssistantDialect(Dialect):
     Args:
         whole_devices: Whether they announce themselves as whole devices, with abbreviated keys, rather than as single
             components.
-        prefix: The discovery prefix.
     """
 
     def __init__(self, *, whole_devices: bool = False, prefix: str = "homeassistant") -> None:

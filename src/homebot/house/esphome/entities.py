@@ -25,7 +25,6 @@ class EntityTemplate:
     Attributes:
         component: The middle of the names of its messages: ``Light``.
         listed: The fields with which it is listed.
-        state: Its state.
         commands: The commands in the fields of a command; sensors take none.
     """
 

@@ -39,7 +39,6 @@ class ServerIdentity:
     """The name and address that a device sends before authentication, and its key.
 
     Attributes:
-        name: Its name.
         mac: Its hardware address, twelve digits.
         key: Its encryption key in base64; empty for no encryption.
     """

@@ -25,9 +25,6 @@ class ServedWebDevice(ServedDevice):
         address: Its own address; announced on the interface that has it.
         port: Its port; 0 for a free one.
         announced: Whether it announces itself by DNS-SD.
-
-    Attributes:
-        server: Its server.
     """
 
     def __init__(

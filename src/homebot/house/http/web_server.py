@@ -32,7 +32,6 @@ class WebRequest:
         path: Decoded path, without the query after ``?``.
         query: That, by name.
         headers: The header fields, names in lower case.
-        body: The body.
     """
 
     method: str
@@ -47,9 +46,6 @@ class WebReply:
     """The answer to a request.
 
     Attributes:
-        body: The body.
-        status: The status.
-        content_type: Its media type.
         headers: Further header fields.
     """
 
@@ -67,8 +63,6 @@ class WebPeer:
         headers: The header fields of the request that opened it, names in lower case.
 
     Attributes:
-        takes_events: The same.
-        headers: The same.
         name: Name given by the client; empty at first.
     """
 
@@ -109,16 +103,13 @@ class WebServer:
     """A server for one device; its port stays the same however often it is started.
 
     Args:
-        device: The device.
         address: The address to listen on.
         port: The port; 0 for a free one.
         tls: The server's side of TLS; None for none.
 
     Attributes:
-        address: The same.
         port: The port, once it serves.
         peers: The open WebSockets and streams of events.
-        tls: The same.
     """
 
     def __init__(

@@ -30,7 +30,6 @@ class ServedWled(ServedWebDevice):
         is_live: Whether another program lights it.
         segment: The colours and the effect, as the state says them.
         sync: Whether it sends its state to others, and takes theirs.
-        night_light: The night light.
         presets: Its presets, by number as text.
         preset: The number of the preset that was chosen last; -1 for none.
     """

@@ -22,13 +22,8 @@ class ServedMatterNode(ServedDevice, CommissionedNode):
     Args:
         device: Its name and kind.
         on_command: Gets each command for it.
-        server: The server that commissions it.
         kind: Its kind in Matter, where it is another: ``plug`` for a lamp at a plug.
         setup_code: With which it can be commissioned; empty for one that is commissioned when it has power first.
-
-    Attributes:
-        server: The same.
-        setup_code: The same.
     """
 
     def __init__(

@@ -31,7 +31,6 @@ class CommissionedNode(ABC):
     Attributes:
         node_id: Its number in the fabric; 0 while it is not commissioned.
         is_available: Whether the server reaches it.
-        is_bridge: Whether it is a bridge.
         setup_code: With which it can be commissioned; empty for one that is commissioned when the server reaches it.
         attributes: The values that the server knows, by path.
     """
@@ -76,7 +75,6 @@ class SimulatedMatterServer:
         port: The port; 0 for a free one.
 
     Attributes:
-        server: The server of its WebSocket.
         nodes: Its nodes by their numbers.
         calls: The newest 100 commands that it was given, with their arguments.
     """

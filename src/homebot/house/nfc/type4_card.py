@@ -27,9 +27,6 @@ class Type4Card:
         message: The NDEF message that is on it.
         capacity: Bytes that one may have.
         is_writable: Whether it lets itself be written.
-
-    Attributes:
-        uid: Likewise.
     """
 
     def __init__(self, uid: bytes, message: bytes = b"", *, capacity: int = 888, is_writable: bool = True) -> None:

@@ -137,7 +137,6 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     Args:
         links: The resources of one device.
         resolve: The absolute address of each target.
-        name: The name of the device.
     """
     given = tuple(links)
     implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}

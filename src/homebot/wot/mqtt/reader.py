@@ -34,9 +34,6 @@ class MqttBinding:
 
     Args:
         formats: The formats of payloads that count; forms with any other are none.
-
-    Attributes:
-        formats: The same.
     """
 
     def __init__(self, formats: PayloadFormats = basic_formats) -> None:
