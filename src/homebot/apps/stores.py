@@ -43,9 +43,10 @@ class AppStores:
     """
 
     def __init__(self, path: Path | None, clock: Clock) -> None:
-        self._path = path
         self._clock = clock
-        self._file: StoreFile | None = None
+        self._file = None if path is None else StoreFile(path)
+        if self._file is not None:
+            self._file.write_rest = self.flush
         self._texts: dict[str, dict[str, str]] = {}
         self._stores: dict[str, Store] = {}
         self._written: set[tuple[str, str]] = set()
@@ -95,10 +96,9 @@ class AppStores:
             async with self._turn:
                 if self._file is not None:
                     await to_thread.run_sync(self._file.close)
-                    self._file = None
 
     def _record_change(self, app: str, key: str) -> None:
-        if self._path is None:
+        if self._file is None:
             return
         place = (app, key)
         if key in self._texts[app] or place in self._written:
@@ -138,16 +138,15 @@ class AppStores:
 
     async def _opened(self, *, is_first: bool = False) -> StoreFile | None:
         """Return the open file; None if it cannot be used now."""
-        if self._path is None:
+        file = self._file
+        if file is None:
             return None
-        if self._file is not None:
-            if not await to_thread.run_sync(self._file.is_lost):
-                return self._file
-            await to_thread.run_sync(self._file.close)
-            _log.warning(REMOVED, message=f"{self._path} was removed while homebot ran; a new one is begun")
+        if file.is_open:
+            if not await to_thread.run_sync(file.is_lost):
+                return file
+            await to_thread.run_sync(file.close)
+            _log.warning(REMOVED, message=f"{file.path} was removed while homebot ran; a new one is begun")
             self._write_all_anew()
-        file = StoreFile(self._path)
-        file.write_rest = self.flush
         try:
             damaged = await to_thread.run_sync(file.open, self._clock.now())
         except UsageError as exc:
@@ -161,7 +160,6 @@ class AppStores:
             return None
         if damaged is not None:
             self._report_damage(damaged)
-        self._file = file
         return file
 
     async def _set_aside(self, file: StoreFile) -> None:
@@ -169,18 +167,19 @@ class AppStores:
         try:
             self._report_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
         except OSError as exc:
-            self._use_memory(f"{self._path} cannot be set aside: {exc}")
+            self._use_memory(f"{file.path} cannot be set aside: {exc}")
         self._write_all_anew()
 
     def _write_all_anew(self) -> None:
-        self._file = None
         self._written.clear()
         self._changed = {(app, key): None for app, texts in self._texts.items() for key in texts}
 
     def _use_memory(self, why: str) -> None:
+        if self._file is None:
+            return
         message = f"{why}; until the next start, what apps keep is in memory alone"
-        _log.warning(NOT_USED, message=message, file=str(self._path))
-        self._path = None
+        _log.warning(NOT_USED, message=message, file=str(self._file.path))
+        self._file = None
         self._changed.clear()
 
     def _record_failure(self, exc: LinkError | WireError) -> None:

@@ -80,6 +80,7 @@ class HistoryKeeper:
             task_status.started()
             await self._write_batches()
         finally:
+            self._store.file.write_rest = None
             self._collector.close()
             with anyio.move_on_after(_LAST_CHANCE, shield=True):
                 if self._service.collector is not None:

@@ -75,7 +75,7 @@ def serve_copies(node: Node, folder: Path | None) -> None:
     async def answer(_: TriggerRequest) -> SuccessResponse:
         if folder is None:
             return SuccessResponse(success=False, message="this homebot keeps nothing")
-        for file in SqliteFile.opened_in(folder).values():
+        for file in SqliteFile.used_in(folder):
             if file.write_rest is not None:
                 await file.write_rest()
         try:

@@ -169,7 +169,12 @@ class SqliteFile:
     @classmethod
     def opened_in(cls, folder: Path) -> dict[str, SqliteFile]:
         """Return the files in *folder* that this process has open, by name."""
-        return {one.path.name: one for one in list(cls._all) if one.is_open and one.path.parent == folder}
+        return {one.path.name: one for one in cls.used_in(folder) if one.is_open}
+
+    @classmethod
+    def used_in(cls, folder: Path) -> list[SqliteFile]:
+        """Return the files in *folder* that this process uses, also those that it has not opened yet."""
+        return [one for one in list(cls._all) if one.path.parent == folder]
 
     def copy_into(self, target: Path) -> None:
         """Write a copy into the new file *target*; it has what was written until now. From any thread.

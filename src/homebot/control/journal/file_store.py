@@ -73,7 +73,8 @@ class FileStore(JournalStore):
         self._path = path
         self._most_bytes = most_bytes
         self._most_waiting = most_waiting
-        self._file: JournalFile | None = None
+        self._file = JournalFile(path)
+        self._file.write_rest = self._write
         self._waiting: deque[JournalNote] = deque()
         self._learnt: dict[tuple[str, str], LearntRow] = {}
         self._has_news, self._has_many = anyio.Event(), anyio.Event()
@@ -157,8 +158,7 @@ class FileStore(JournalStore):
         """Write the rest and close the file, within five seconds, cancelled or not."""
         with anyio.move_on_after(_LAST_CHANCE, shield=True):
             await self._write()
-            if self._file is not None:
-                await to_thread.run_sync(self._file.close)
+            await to_thread.run_sync(self._file.close)
 
     async def _write(self) -> None:
         async with self._turn:
@@ -174,7 +174,7 @@ class FileStore(JournalStore):
             self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
         except WireError as exc:
             self._record_failure(exc)
-            await self._set_aside(file)
+            await self._set_aside()
             return False
         except LinkError as exc:
             self._record_failure(exc)
@@ -189,14 +189,12 @@ class FileStore(JournalStore):
 
     async def _opened(self) -> JournalFile | None:
         """Return the open file; None if it cannot be used now."""
-        if self._file is not None:
+        if self._file.is_open:
             if not await to_thread.run_sync(self._file.is_lost):
                 return self._file
-            await self._begin_anew(self._file)
-        file = JournalFile(self._path)
-        file.write_rest = self._write
+            await self._begin_anew()
         try:
-            damaged = await to_thread.run_sync(file.open, self._clock.now())
+            damaged = await to_thread.run_sync(self._file.open, self._clock.now())
         except UsageError as exc:
             self._use_memory(str(exc))
             return None
@@ -205,24 +203,21 @@ class FileStore(JournalStore):
             return None
         if damaged is not None:
             self._log_damage(damaged)
-        self._file = file
-        return file
+        return self._file
 
-    async def _begin_anew(self, file: JournalFile) -> None:
+    async def _begin_anew(self) -> None:
         """Close a removed file."""
-        self._file = None
-        await to_thread.run_sync(file.close)
+        await to_thread.run_sync(self._file.close)
         self.problem = self._loss = (
             f"the journal {self._path} was removed or replaced while homebot ran, and what it had is lost; "
             "stop homebot before you move it"
         )
         self._node.log.warning(REMOVED, message=f"{self._loss}; a new one is begun", file=str(self._path))
 
-    async def _set_aside(self, file: JournalFile) -> None:
+    async def _set_aside(self) -> None:
         """Move a damaged file away; the next write begins a new one."""
-        self._file = None
         try:
-            self._log_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
+            self._log_damage(await to_thread.run_sync(self._file.set_aside, self._clock.now()))
         except OSError as exc:
             self._use_memory(f"the journal {self._path} cannot be set aside: {exc}")
 
