@@ -33,7 +33,7 @@ CASES: tuple[tuple[Outcome, str, int], ...] = (
     (Contradicted("on_off: on", command_id="a-3"), "contradicted: on_off: on", 1),
     (Reverted(6.0, command_id="a-4"), "changed back after 6 s, by a hand or by itself", 1),
     (NoAnswer(9.0, command_id="a-5"), "no answer within 9 s", 1),
-    (Superseded("a-9", command_id="a-6"), "superseded by command a-9", 1),
+    (Superseded("a-9", command_id="a-6"), "superseded by command a-9{names_issuer}", 1),
     (
         Refused("presence_guard", "somebody is in the hall", command_id="a-7"),
         "refused (presence_guard): somebody is in the hall",
@@ -55,19 +55,25 @@ def test_each_outcome_in_words_and_as_an_exit_code(
 ) -> None:
     """Nothing but a device that is as it was told to be is a success."""
     assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == code
-    assert capsys.readouterr() == (f"Lamp 0: {text}\n", "")
+    assert capsys.readouterr() == (f"Lamp 0: {with_remedy(text, 0)}\n", "")
+
+
+def with_remedy(text: str, number: int) -> str:
+    return text.format(names_issuer=f"; `homebot why 'Lamp {number}'` names its issuer")
 
 
 @pytest.mark.parametrize("outcome", EXAMPLES, ids=[one.kind for one in EXAMPLES])
 def test_an_outcome_is_printed_as_its_class_says(homebot: Homebot, capsys: Text, outcome: Outcome) -> None:
     """Also one that has no row above."""
     assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == (0 if outcome.succeeded else 1)
-    assert capsys.readouterr() == (f"Lamp 0: {outcome.text}\n", "")
+    printed = capsys.readouterr()
+    assert printed.out.startswith(f"Lamp 0: {outcome.text}")
+    assert printed.err == ""
 
 
 def test_a_command_to_devices_with_each_outcome_ends_with_the_worst(homebot: Homebot, capsys: Text) -> None:
     assert Service(homebot, answer(*(one for one, _, _ in CASES))).run("lamp", "off") == 1
-    lines = [f"Lamp {number}: {text}" for number, (_, text, _) in enumerate(CASES)]
+    lines = [f"Lamp {number}: {with_remedy(text, number)}" for number, (_, text, _) in enumerate(CASES)]
     done = sum(not code for _, _, code in CASES)
     lines.append(f"{done} of {len(CASES)} succeeded; worst outcome: gone")
     assert capsys.readouterr().out.splitlines() == lines

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import getpass
 import math
+import shlex
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import set_client_command
@@ -12,7 +13,7 @@ from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
 from homebot.devices.names import COMMAND_DEVICES
-from homebot.devices.outcomes import has_succeeded
+from homebot.devices.outcomes import Superseded, has_succeeded
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.errors import PeerError
 from homebot.support.printable import printable
@@ -101,7 +102,10 @@ def _print(answer: CommandDevicesResponse, home: str) -> None:
     where = f" in {home}" if home else ""
     for one in answer.results:
         place = where if count == 1 else ""
-        print(f"{printable(one.name)}{place}: {printable(one.result.text, _WIDEST)}")
+        text = one.result.text
+        if one.result.outcome == Superseded.kind:
+            text += f"; `homebot why {shlex.quote(one.name)}` names its issuer"
+        print(f"{printable(one.name)}{place}: {printable(text, _WIDEST)}")
     if count > 1:
         done = sum(has_succeeded(one.result.outcome) for one in answer.results)
         worst = f"; worst outcome: {answer.outcome.replace('_', ' ')}" if done < count else ""
