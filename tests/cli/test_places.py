@@ -11,16 +11,15 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from tests.announcements import LAMP, sighting_of
 
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
 from homebot.devices import Sighting
-from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.graph import Graph, Node
-from homebot.messages import Time
 from homebot.places import read_places
 from homebot.places.plan import door_name
 
@@ -35,24 +34,14 @@ TABLE = {
 
 
 def sighting(number: int, name: str, area: str) -> Sighting:
-    light = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
-    return Sighting(
-        gateway="mqtt",
-        key=f"homeassistant:{number}",
-        kind="updated",
-        why="it was announced",
+    return sighting_of(
+        f"homeassistant:{number}",
+        LAMP,
         name=name,
-        service_type="light",
-        address="",
-        command_address="",
         convention="homeassistant",
         identifiers=(f"mac:00000000000{number}",),
         area=area,
-        parts=(light,),
-        metadata=(),
-        seen_at=Time.from_seconds(NOW),
-        expires_at=Time.from_seconds(NOW + 3600.0),
-        confirmed=True,
+        at=NOW,
     )
 
 

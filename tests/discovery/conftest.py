@@ -1,4 +1,4 @@
-"""Announcements of described devices."""
+"""Announcements of described devices, and an index for them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from homebot.devices import KeyValue, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue, Reading, Value
+from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 
 Announce = Callable[..., Sighting]
@@ -20,6 +21,11 @@ Tell = Callable[..., Report]
 
 WHOLE_DEVICE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
 """Conventions whose announcements are each of a whole device, and the devices' own."""
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0)
 
 
 @pytest.fixture

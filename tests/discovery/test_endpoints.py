@@ -21,11 +21,6 @@ HOUR = 3600.0
 
 
 @pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
-
-
-@pytest.fixture
 def announced(announce: Announce, part: MakePart) -> dict[str, Sighting]:
     """One lamp as two gateways announce it: silent for at most an hour."""
     lamp = part("light", "on_off", id="l")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import pytest
+from tests.announcements import sighting_of
 
 from homebot.devices import DeviceChange, KeyValue, Sighting, StateChange
 from homebot.devices.gateway_messages import Report
@@ -26,19 +27,17 @@ def sighting(
     confirmed: bool = True,
     name: str = "lamp1",
 ) -> Sighting:
-    service_type = key.partition("/")[0]
-    return Sighting(
+    return sighting_of(
+        key,
         gateway=gateway,
-        key=key,
         kind=kind,
-        why="it spoke",
         name=name,
-        service_type=service_type,
+        service_type=key.partition("/")[0],
         address=f"home/{key}/out",
         command_address=f"home/{key}/in",
-        seen_at=Time.from_seconds(at),
-        expires_at=Time.from_seconds(at + EXPIRES_AFTER),
         confirmed=confirmed,
+        at=at,
+        lasts=EXPIRES_AFTER,
     )
 
 

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -50,21 +51,16 @@ def sighting(step: tuple[object, ...], at: float, kind: Kind = "updated") -> Sig
         capabilities=(Capability(name="on_off", settable=True),),
         writes=(str(topic),) if topic else (),
     )
-    return Sighting(
-        gateway="mqtt",
-        key=f"{convention}:{number}",
+    return sighting_of(
+        f"{convention}:{number}",
+        part,
         kind=kind,
-        why="",
         name=str(name),
-        service_type="light",
-        address="",
-        command_address="",
         convention=str(convention),
         identifiers=tuple(ids) if isinstance(ids, list) else (),
-        parts=(part,),
-        seen_at=Time.from_seconds(at),
-        expires_at=Time.from_seconds(at + 50.0),
         confirmed=bool(confirmed),
+        at=at,
+        lasts=50.0,
     )
 
 

@@ -22,11 +22,6 @@ IEEE = "eui64:00158d0001abcdef"
 MAC = "mac:aabbccddeeff"
 
 
-@pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
-
-
 def after(index: DeviceIndex, *sightings: Sighting) -> tuple[DeviceChange, ...]:
     """Return what the sightings change."""
     for one in sightings:

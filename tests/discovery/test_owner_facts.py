@@ -9,10 +9,11 @@ from itertools import permutations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import LAMP, sighting_of
 
 from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.description import MAX_FACTS, position_of
@@ -424,24 +425,16 @@ STEPS = st.lists(
 
 
 def sighting(number: int, area: str, kind: str) -> Sighting:
-    light = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
-    return Sighting(
+    return sighting_of(
+        f"homeassistant:{number}",
+        LAMP,
         gateway=("radio", "cable", "web")[number],
-        key=f"homeassistant:{number}",
         kind="removed" if kind == "withdraw" else "updated",
-        why="it was announced",
-        name="Lamp",
-        service_type="light",
-        address="",
-        command_address="",
         convention="homeassistant",
         identifiers=((MAC,), (MAC, SERIAL), (SERIAL,))[number],
         area=area,
-        parts=(light,),
-        metadata=(),
-        seen_at=Time.from_seconds(1.0),
-        expires_at=Time.from_seconds(3600.0),
         confirmed=False,
+        at=1.0,
     )
 
 

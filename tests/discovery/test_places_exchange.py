@@ -10,14 +10,13 @@ from typing import TypeVar
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import LAMP, sighting_of
 
 from homebot.devices import Sighting
-from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.owner_facts import MAX_STATEMENTS
 from homebot.discovery.places_exchange import Imported, parse_places
 from homebot.errors import ConfigError, RefusedError
-from homebot.messages import Time
 from homebot.places import read_places
 
 T = TypeVar("T")
@@ -63,24 +62,13 @@ def done(work: Generator[None, None, T]) -> T:
 
 
 def sighting(number: int) -> Sighting:
-    light = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
-    return Sighting(
-        gateway="mqtt",
-        key=f"homeassistant:{number}",
-        kind="updated",
-        why="it was announced",
-        name="Lamp",
-        service_type="light",
-        address="",
-        command_address="",
+    return sighting_of(
+        f"homeassistant:{number}",
+        LAMP,
         convention="homeassistant",
         identifiers=(f"mac:00000000000{number}",),
         area="Study",
-        parts=(light,),
-        metadata=(),
-        seen_at=Time.from_seconds(1.0),
-        expires_at=Time.from_seconds(3600.0),
-        confirmed=True,
+        at=1.0,
     )
 
 

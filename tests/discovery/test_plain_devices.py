@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from tests.announcements import sighting_of
+
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-from homebot.messages import Time
 
 MakePart = Callable[..., Part]
 Tell = Callable[..., Report]
@@ -18,19 +19,15 @@ KEY, OUT, IN = "lights/lamp", "home/lights/lamp/out", "home/lights/lamp/in"
 
 
 def lamp(part: Part | None) -> Sighting:
-    return Sighting(
-        gateway="mqtt",
-        key=KEY,
+    return sighting_of(
+        KEY,
+        *(() if part is None else (part,)),
         kind="appeared",
-        why="it spoke",
         name="lamp",
         service_type="lights",
         address=OUT,
         command_address=IN,
-        parts=() if part is None else (part,),
-        seen_at=Time.from_seconds(0),
-        expires_at=Time.from_seconds(60),
-        confirmed=True,
+        lasts=60,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -201,23 +202,18 @@ def _do(
         capabilities=(Capability(name="on_off", settable=True), Capability(name="level")),
     )
     index.observe(
-        Sighting(
-            gateway="mqtt",
-            key=key,
+        sighting_of(
+            key,
+            one,
             kind="removed" if what == "remove" else "updated",
-            why="",
             name=name,
-            service_type=service_type,
-            address="",
-            command_address="",
             metadata=(KeyValue(key="model", value=name),),
             convention="homeassistant",
             identifiers=(f"id:device-{number // 2}",),
             area=name,
-            parts=(one,),
-            seen_at=stamp,
-            expires_at=Time.from_seconds(at + 10.0),
             confirmed=what == "live",
+            at=at,
+            lasts=10.0,
         )
     )
     index.expire(float(at))

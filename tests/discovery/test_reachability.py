@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -116,20 +117,13 @@ def test_a_device_of_which_each_part_tells_is_reachable_as_long_as_any_is(said: 
 
 
 def _sighting(key: str) -> Sighting:
-    return Sighting(
+    return sighting_of(
+        key,
+        Part(id=key, service_type="light", tag=key, reads=(key,)),
         gateway="g",
-        key=key,
-        kind="appeared",
-        why="",
-        name="Device",
-        service_type="light",
-        address="",
-        command_address="",
         convention="homeassistant",
         identifiers=("id:panel-4711",),
-        parts=(Part(id=key, service_type="light", tag=key, reads=(key,)),),
         announced_on=key,
-        seen_at=Time.from_seconds(0),
-        expires_at=Time.from_seconds(HOUR),
         confirmed=False,
+        lasts=HOUR,
     )

@@ -7,13 +7,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from homebot.devices import Sighting
-from homebot.devices.part import Capability, Part
+from tests.announcements import LAMP, sighting_of
+
 from homebot.discovery import DeviceIndex
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone
 from homebot.discovery.store import IndexFile
 from homebot.errors import LinkError, UsageError, WireError
-from homebot.messages import Time
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator
@@ -24,21 +23,8 @@ STONE = '{"keys": [["mqtt", "lamp"]], "hardware": ["mac:00158d0001abcdef"], "is_
 def a_record() -> str:
     """The record of a lamp."""
     index = DeviceIndex(forget_after=1000.0)
-    lamp = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),), reads=("a",))
-    sighting = Sighting(
-        gateway="mqtt",
-        key="lamp",
-        kind="appeared",
-        why="it said so",
-        name="Lamp",
-        service_type="light",
-        address="a",
-        command_address="b",
-        parts=(lamp,),
-        seen_at=Time.from_seconds(1.0),
-        expires_at=Time.from_seconds(99.0),
-        confirmed=True,
-        identifiers=("mac:00158d0001abcdef",),
+    sighting = sighting_of(
+        "lamp", LAMP, address="a", command_address="b", identifiers=("mac:00158d0001abcdef",), at=1.0, lasts=98.0
     )
     index.observe(sighting)
     entry = index.entry("lamp")

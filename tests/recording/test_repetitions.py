@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.announcements import sighting_of
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
@@ -20,19 +21,7 @@ def at(seconds: float) -> Time:
 
 
 def sighted(seconds: float, *, key: str = "lamp", name: str = "Lamp", lasts: float = 90.0) -> Sighting:
-    return Sighting(
-        gateway="mqtt",
-        key=key,
-        kind="updated",
-        why="it was heard",
-        name=name,
-        service_type="light",
-        address="a",
-        command_address="b",
-        seen_at=at(seconds),
-        expires_at=at(seconds + lasts),
-        confirmed=True,
-    )
+    return sighting_of(key, name=name, address="a", command_address="b", at=1_767_225_600 + seconds, lasts=lasts)
 
 
 def reported(seconds: float, *, on: bool = True, stream: str = "lamp/state") -> Report:

@@ -21,11 +21,6 @@ SERIAL = "id:SN-4711-0815"
 
 
 @pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
-
-
-@pytest.fixture
 def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
     """One lamp over three gateways: two name its hardware address, two its serial number."""
     lamp = part("light", "on_off", id="l")

@@ -9,12 +9,12 @@ from itertools import permutations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.part import Capability, Category, Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.matching import candidates, match
-from homebot.messages import Time
 
 Announce = Callable[..., Sighting]
 
@@ -338,19 +338,4 @@ def sighting(key: str, convention: str, *told: Part) -> Sighting:
     return SIGHTING.model_copy(update={**place, "convention": convention, "parts": told})
 
 
-SIGHTING = Sighting(
-    gateway="mqtt",
-    key="",
-    kind="updated",
-    why="it was announced",
-    name="Motor",
-    service_type="x_unknown",
-    address="",
-    command_address="",
-    metadata=(),
-    identifiers=(IEEE,),
-    owns=(STATE,),
-    seen_at=Time(sec=0, nanosec=0),
-    expires_at=Time(sec=3600, nanosec=0),
-    confirmed=False,
-)
+SIGHTING = sighting_of("", name="Motor", service_type="x_unknown", identifiers=(IEEE,), owns=(STATE,), confirmed=False)

@@ -23,11 +23,6 @@ IEEE = "eui64:00158d0001abcdef"
 
 
 @pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
-
-
-@pytest.fixture
 def foreign(announce: Announce, part: MakePart) -> Sighting:
     lamp = part("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",))
     return announce("light/0x17", lamp, ids=(IEEE,))

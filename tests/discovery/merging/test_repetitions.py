@@ -13,11 +13,6 @@ from homebot.discovery import DeviceIndex
 
 
 @pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
-
-
-@pytest.fixture
 def lamp(part: MakePart) -> Part:
     found = part("light", "on_off", id="l", writes=("hall/set",), reads=("hall",))
     return found.model_copy(update={"payloads": "ON or OFF"})

@@ -7,6 +7,7 @@ from typing import Literal
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -38,23 +39,17 @@ def sighting(
     part = Part(
         id="p", service_type=service_type, capabilities=tuple(Capability(name=one, settable=settable) for one in names)
     )
-    return Sighting(
+    return sighting_of(
+        key,
+        part,
         gateway=gateway,
-        key=key,
         kind=kind,
-        why="",
         name=f"{gateway} {key}",
-        service_type=service_type,
-        address="",
-        command_address="",
         native=gateway == "air",
         identifiers=identifiers,
         authenticated=authenticated,
         area="Cellar" if gateway == "air" else "Hall",
-        parts=(part,),
-        seen_at=Time.from_seconds(at),
-        expires_at=Time.from_seconds(at + 3600.0),
-        confirmed=True,
+        at=at,
     )
 
 
@@ -70,11 +65,6 @@ def report(endpoint: tuple[str, str], value: PlainValue, at: float, capability: 
         retained=False,
         received_at=Time.from_seconds(at),
     )
-
-
-@pytest.fixture
-def index() -> DeviceIndex:
-    return DeviceIndex(forget_after=1000.0)
 
 
 def observe(index: DeviceIndex, *sightings: Sighting, at: float = 0.0) -> None:
