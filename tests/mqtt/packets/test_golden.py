@@ -56,11 +56,28 @@ GOLDEN: list[tuple[ProtocolVersion, str, Packet]] = [
             properties=Properties(session_expiry_interval=60),
         ),
     ),
+    (
+        V5,
+        "10 12 00 04 4d 51 54 54 05 02 00 3c 04 17 00 19 01 00 01 61",
+        Connect("a", properties=Properties(request_problem_information=0, request_response_information=1)),
+    ),
     (V311, "20 02 01 00", Connack(session_present=True)),
     (V311, "20 02 00 04", Connack(reason=ReasonCode.BAD_USER_NAME_OR_PASSWORD)),
     (V311, "20 02 00 01", Connack(reason=ReasonCode.UNSUPPORTED_PROTOCOL_VERSION)),
     (V5, "20 03 00 86 00", Connack(reason=ReasonCode.BAD_USER_NAME_OR_PASSWORD)),
     (V5, "20 06 01 00 03 21 00 14", Connack(True, properties=Properties(receive_maximum=20))),
+    (
+        V5,
+        "20 0d 00 00 0a 1a 00 01 72 28 00 29 00 2a 00",
+        Connack(
+            properties=Properties(
+                response_information="r",
+                wildcard_subscription_available=0,
+                subscription_identifier_available=0,
+                shared_subscription_available=0,
+            )
+        ),
+    ),
     (V311, "30 05 00 03 61 2f 62", Publish("a/b")),
     (V311, "3d 08 00 01 61 00 07 6f 66 66", Publish("a", b"off", 2, True, True, 7)),
     (V5, "32 07 00 01 61 00 07 00 78", Publish("a", b"x", 1, packet_id=7)),
