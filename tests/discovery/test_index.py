@@ -249,7 +249,7 @@ def test_what_is_told_holds_all_that_its_types_ask_for(index: DeviceIndex) -> No
             "metadata": (KeyValue(key="model", value="bulb"),),
         }
     )
-    index.collect(states=True)
+    index.changes.collects_states = True
     index.observe(described)
     index.report(
         Report(

@@ -210,7 +210,7 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     )
     index.observe(before)
     index.sort()
-    index.collect(states=True)
+    index.changes.collects_states = True
     old = [
         tell(before, "level", 5.0, part="l"),
         tell(before, "value", 7.0, part="s"),
@@ -238,7 +238,8 @@ def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, p
     assert [one.part for one in device.states] == ["l4"]
     entry = index.entry(device.id)
     assert entry is not None
-    assert len(entry.best().values) == 1
+    (source,) = entry.sources.values()
+    assert len(source.values) == 1
 
 
 def test_states_are_told_where_somebody_wants_them(
@@ -248,7 +249,7 @@ def test_states_are_told_where_somebody_wants_them(
     lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="Lamp")
     index.observe(lamp)
     index.report(tell(lamp, "on_off", True, part="l", at=1))
-    index.collect(states=True)
+    index.changes.collects_states = True
     index.report(tell(lamp, "on_off", True, part="l", at=2))
     index.report(tell(lamp, "on_off", False, part="l", at=3))
     changes, states = index.pop_changes(), index.pop_states()
@@ -264,7 +265,7 @@ def test_new_values_of_one_message_are_one_change(
     lamp = announce("l", part("light", "on_off", "level", "effect", id="l"), ids=("id:lamp",), name="Lamp")
     index.observe(lamp)
     index.sort()
-    index.collect(states=True)
+    index.changes.collects_states = True
     for at, level in ((1, 5.0), (2, 6.0)):
         on, off = tell(lamp, "on_off", True, part="l", at=at), tell(lamp, "level", level, part="l", at=at)
         index.report(on.model_copy(update={"readings": (*on.readings, *off.readings)}))

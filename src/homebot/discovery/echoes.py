@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 from homebot.devices.value import PlainValue
 from homebot.discovery.source_record import SourceKey
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Echoes"]
 
@@ -37,7 +37,7 @@ class Echoes:
     __slots__ = ("_lately",)
 
     def __init__(self) -> None:
-        self._lately: OrderedDict[_Event, _RecentEvent] = OrderedDict()
+        self._lately: BoundedMap[_Event, _RecentEvent] = BoundedMap(_MOST)
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Return whether an event was not reported by another route already.
@@ -48,11 +48,9 @@ class Echoes:
         what = (place, capability, value)
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:
-            lately = self._lately[what] = _RecentEvent(now)
-            if len(self._lately) > _MOST:
-                self._lately.popitem(last=False)
+            lately = _RecentEvent(now)
         lately.at = now
-        self._lately.move_to_end(what)
+        self._lately[what] = lately
         count = lately.by_route[route] = lately.by_route.get(route, 0) + 1
         if count <= lately.count:
             return False

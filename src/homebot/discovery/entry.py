@@ -32,7 +32,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
 from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.search.columns import StoredValue
-from homebot.discovery.source_record import SourceKey, SourceRecord, preference
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
@@ -96,19 +96,10 @@ class Entry:
     _description: DeviceDescription | None = None
     _device: Device | None = None
 
-    def best(self) -> SourceRecord:
-        """Return the preferred announcement."""
-        sources = self.sources.values()
-        return next(iter(sources)) if len(sources) == 1 else min(sources, key=preference)
-
     def hardware(self) -> tuple[str, ...]:
         """Return its hardware addresses."""
         found = (one for source in self._believed().values() for one in source.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
-
-    def is_confirmed(self) -> bool:
-        """Return whether it was heard itself since the start."""
-        return any(source.confirmed for source in self.sources.values())
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""

@@ -104,11 +104,6 @@ class DeviceIndex:
         """Number of the last change that was taken."""
         return self.changes.sequence
 
-    def collect(self, *, states: bool, settings: bool = False) -> None:
-        """Collect changes of states, and changed settings, from now on, or collect them no more."""
-        self.changes.collects_states = states
-        self.changes.collects_settings = settings
-
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
         """Take *sighting* in.
 

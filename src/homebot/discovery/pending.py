@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import final
 
 from homebot.devices import Sighting
@@ -10,6 +9,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.discovery.source_record import SourceKey
 from homebot.messages import Time
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["PendingReports"]
 
@@ -33,28 +33,18 @@ class PendingReports:
 
     def __init__(self) -> None:
         self.count = 0
-        self._forgotten: OrderedDict[SourceKey, Sighting] = OrderedDict()
-        self.reports: OrderedDict[SourceKey, dict[str, tuple[float, Report]]] = OrderedDict()
+        self._forgotten: BoundedMap[SourceKey, Sighting] = BoundedMap(_MAX_FORGOTTEN)
+        self.reports: BoundedMap[SourceKey, BoundedMap[str, tuple[float, Report]]] = BoundedMap(_MAX_KEYS)
 
     def put(self, key: SourceKey, report: Report, now: float) -> None:
         """Keep *report*, which came at *now*; the newest of each address."""
         self.count += 1
-        found = self.reports.setdefault(key, {})
-        self.reports.move_to_end(key)
-        place = report.stream if _is_event(report) else report.address
-        found.pop(place, None)
-        found[place] = now, report
-        if len(found) > _MAX_ADDRESSES:
-            del found[next(iter(found))]
-        if len(self.reports) > _MAX_KEYS:
-            self.reports.popitem(last=False)
+        found = self.reports[key] = self.reports.get(key) or BoundedMap(_MAX_ADDRESSES)
+        found[report.stream if _is_event(report) else report.address] = now, report
 
     def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
         """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
         self._forgotten[key] = sighting
-        self._forgotten.move_to_end(key)
-        if len(self._forgotten) > _MAX_FORGOTTEN:
-            self._forgotten.popitem(last=False)
 
     def revive(self, report: Report) -> Sighting | None:
         """Return the announcement of a device that was forgotten and is alive, as *report* shows; else None."""

@@ -214,7 +214,7 @@ def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
     index: DeviceIndex, foreign: Sighting, native: Sighting, tell: Tell, *, is_alone: bool
 ) -> None:
     """Whichever of two announcements it came through; also when the one that gave the id is gone."""
-    index.collect(states=True)
+    index.changes.collects_states = True
     for one in (foreign, native, *([gone(foreign)] if is_alone else [])):
         index.observe(one)
         index.pop_changes()

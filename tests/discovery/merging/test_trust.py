@@ -108,7 +108,7 @@ def test_nor_while_the_true_one_is_unreachable(index: DeviceIndex) -> None:
 
 def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"))
-    index.collect(states=True)
+    index.changes.collects_states = True
     index.report(report(TRUE, "unlocked", 1.0, "lock"), 1.0)
     index.pop_changes()
     index.pop_states()
