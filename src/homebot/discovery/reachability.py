@@ -60,24 +60,25 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
         answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
         if answers:
             source, part, reach = max(answers, key=lambda one: one[2].heard_at)
-            label = f"{source.label} ({part})" if part and part not in source.label else source.label
-            return describe(label, reach, reports)
+            label = source.label if source.sighting.convention else "it"  # a key of a gateway tells a person nothing
+            label = f"{label} ({part})" if part and part not in label else label
+            return describe(label, _according(source, reach), reach, reports)
     return NOT_REPORTED
 
 
-def _online(label: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
-    return Reachability(state="yes", since=reach.since, why=f"{label} is online, {_according(reach)}")
+def _online(label: str, according: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
+    return Reachability(state="yes", since=reach.since, why=f"{label} is online, {according}")
 
 
-def _offline(label: str, reach: Reach, reports: list[_SourceReach]) -> Reachability:
+def _offline(label: str, according: str, reach: Reach, reports: list[_SourceReach]) -> Reachability:
     later = _reported_later(reports, reach.heard_at)
     if later is None:
-        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {_according(reach)}")
+        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {according}")
     why = f"{label} is offline, but {later.label} reported since"
     return Reachability(state="unknown", since=later.seen_at, why=why)
 
 
-def _doubtful(label: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
+def _doubtful(label: str, _according: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
     why = f"{label} was reported offline, but it sends messages"
     return Reachability(state="unknown", since=reach.since, why=why)
 
@@ -85,8 +86,9 @@ def _doubtful(label: str, reach: Reach, _reports: list[_SourceReach]) -> Reachab
 _ANSWERS: Final = ((True, _online), (False, _offline), (None, _doubtful))
 
 
-def _according(reach: Reach) -> str:
-    return "according to it or its last will" + ("" if reach.live else ", in a retained message")
+def _according(source: SourceRecord, reach: Reach) -> str:
+    reporter = "it or its last will" if source.sighting.convention else source.key[0]
+    return f"according to {reporter}" + ("" if reach.live else ", in a retained message")
 
 
 def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:

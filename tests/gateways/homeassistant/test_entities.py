@@ -51,6 +51,19 @@ def only(entity_id: str, text: str, **attributes: object) -> HomeAssistantEntity
     return entity
 
 
+@pytest.mark.parametrize(("others", "aliases"), [((), "Reading lamp"), (("light.second",), None)])
+def test_a_device_with_one_entity_is_called_as_home_assistant_shows_that(
+    others: tuple[str, ...], aliases: str | None
+) -> None:
+    """It need not have the name of its device; of several, each is a part with a name."""
+    names = ("light.hall", *others)
+    entities = home(*(entity_entry(one, device_id="d1", name="Reading lamp") for one in names))
+    for one in names:
+        entities.put(one, state("on", friendly_name="Reading lamp"), is_new=True)
+    entities.regroup()
+    assert entities.device("d1").metadata.get("aliases") == aliases
+
+
 def test_the_entities_of_a_device_are_its_parts_and_its_area_its_room() -> None:
     """Labels are tags, and the floor, the aliases and the entity ids are facts."""
     lamp = entity_entry("light.hall", device_id="d1", original_name="Lamp", labels=["night"], aliases=["Big lamp"])

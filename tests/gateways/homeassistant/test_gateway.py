@@ -144,8 +144,19 @@ async def test_a_renamed_area_is_the_new_room_and_a_change_of_nothing_else_says_
 async def test_a_token_that_is_not_valid_is_told_with_the_way_to_a_new_one(tmp_path: Path) -> None:
     async with house(tmp_path, SimulatedHomeAssistant(), token="old") as seen:
         reason = (await seen.state("unavailable")).reason
-    assert "the token is not valid" in reason
+    assert "the token was revoked, has expired or is another's; make a new one" in reason
     assert "Long-lived access tokens" in reason
+    assert f"put it into {tmp_path / 'token'}, which is read again within five minutes" in reason
+
+
+async def test_a_home_assistant_that_is_off_is_told_in_words(tmp_path: Path) -> None:
+    home = CrashingHomeAssistant()
+    async with house(tmp_path, home) as seen:
+        await seen.state("active")
+        home.serving.cancel()
+        while "cannot be opened" not in (reason := (await seen.state("unavailable")).reason):
+            assert reason == "Home Assistant closed the connection"
+    assert reason.endswith("nothing is listening there (connection refused): start it, or correct the address")
 
 
 async def test_a_version_without_what_the_gateway_needs_is_told(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from homebot.conventions.homeassistant.device import DeviceInfo
 from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.conventions.homeassistant.states.registries import Registries
-from homebot.conventions.payload import as_fields, compact_json, shown
+from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, UnableError, WireError
@@ -186,8 +186,11 @@ class HomeAssistantEntities:
         own = entities[0].name or ids[0].partition(".")[2].replace("_", " ") if entities else key
         name = device.name or own
         area, floor = self.registries.place(key, ids)
-        lists = {"tags": "labels", "aliases": "aliases"}
-        facts = {fact: ", ".join(self.registries.listed(field, key, ids)) for fact, field in lists.items()}
+        sole = [one for one in entities if not one.entry.category]
+        shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
+        lists = {"tags": self.registries.listed("labels", key, ids)}
+        lists["aliases"] = (*shown_as, *self.registries.listed("aliases", key, ids))
+        facts = {fact: ", ".join(texts) for fact, texts in lists.items()}
         facts |= {**device.facts, "floor": floor, "entities": ", ".join(ids)[:_MAX_FACT]}
         parts = [one.part() for one in entities] + list(self.triggers.get(key, ()))
         self._devices[key] = described = GatewayDevice(

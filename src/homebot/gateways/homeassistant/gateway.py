@@ -103,7 +103,7 @@ class HomeAssistantGateway(Gateway):
             try:
                 await link.greet(token)
             except RefusedError as exc:
-                raise RefusedError(exc.what, f"{exc.reason}; {HOW_TO_LOG_IN}") from exc
+                raise RefusedError(exc.what, f"{exc.reason}; {self._settings.remedy}") from exc
             with ungrouped():
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(link.read)

@@ -139,7 +139,7 @@ class HomeAssistantLink:
     async def _expect(self, kind: str) -> None:
         frame = await self._parsed(await self._socket.receive())
         if frame.get("type") == "auth_invalid":
-            raise RefusedError("the connection", f"the token is not valid: {text_of(frame.get('message'))}")
+            raise RefusedError("the login to Home Assistant", "the token was revoked, has expired or is another's")
         if frame.get("type") != kind:
             raise WireError("the server at this address is not Home Assistant")
         self.version = text_of(frame.get("ha_version"), 40)

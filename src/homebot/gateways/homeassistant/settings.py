@@ -57,6 +57,15 @@ class HomeAssistantGatewaySettings(GatewaySettings):
         return "" if token is None else token.get_secret_value()
 
     @property
+    def remedy(self) -> str:
+        """The way to a valid token."""
+        then = "and restart homebot" if self.token_env else "which is read again within five minutes"
+        place = self.token_env or self.token_file
+        return (
+            f"make a new one (your profile there, Security, Long-lived access tokens) and put it into {place}, {then}"
+        )
+
+    @property
     def websocket(self) -> str:
         """The address of its WebSocket."""
         address = self.url.replace("http", "ws", 1) if self.url.startswith("http") else self.url

@@ -11,6 +11,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
 
 from homebot.errors import LinkError
+from homebot.support.connect_errors import connect_problem
 
 __all__ = ["HomeAssistantSocket", "opened"]
 
@@ -64,8 +65,11 @@ async def opened(url: str) -> AsyncIterator[HomeAssistantSocket]:
     )
     try:
         connection = await connecting
-    except (OSError, TimeoutError, InvalidHandshake, WebSocketException) as exc:
-        raise LinkError(f"{url} cannot be opened: {exc}") from exc
+    except TimeoutError as exc:
+        raise LinkError(f"{url} did not answer within {OPENS_WITHIN:g} s") from exc
+    except (OSError, InvalidHandshake, WebSocketException) as exc:
+        problem = connect_problem(exc) if isinstance(exc, OSError) else exc
+        raise LinkError(f"{url} cannot be opened: {problem}") from exc
     try:
         yield HomeAssistantSocket(connection)
     finally:
