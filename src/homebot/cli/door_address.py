@@ -2,6 +2,12 @@
 
 As `homebot run` listens: `--home` or `--door`, else the table ``[door]`` of the ``homebot.toml`` in the working
 directory, else HOMEBOT_DOOR, else the default. The token of that table is sent to that homebot alone.
+
+``--home`` names a table of ``homes.toml`` in the user's configuration folder::
+
+    [villa]
+    door = "192.168.1.10:9090"
+    token_file = "villa.token"       # beside this file
 """
 
 from __future__ import annotations
@@ -11,10 +17,10 @@ import os
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_of_environment
+from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_address, door_of_environment
 from homebot.errors import ConfigError, UsageError
 from homebot.support.file_access import why_not_trusted
-from homebot.support.similar import unknown_key
+from homebot.support.similar import did_you_mean, unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
 __all__ = ["DoorAddress", "door_of"]
@@ -23,6 +29,9 @@ _USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "sco
 """Keys of the table; to know the others, its settings are loaded."""
 
 _LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildcard address is reached here
+
+
+_EXAMPLE: Final = 'write a table [{name}] with door = "HOST:PORT" and, if it needs one, token_file = "FILE"'
 
 
 class DoorAddress(NamedTuple):
@@ -39,6 +48,14 @@ class DoorAddress(NamedTuple):
     token: str
     source: str = ""
     home: str = ""
+
+
+class _NamedHome(NamedTuple):
+    """A home of the file; *token_file* has its token, None for none."""
+
+    host: str
+    port: int
+    token_file: Path | None
 
 
 def door_of(options: argparse.Namespace) -> DoorAddress:
@@ -61,12 +78,46 @@ def _of_home(options: argparse.Namespace) -> DoorAddress:
     """Return the door of the home that ``--home`` names; no token of the environment is sent there."""
     if options.door:
         raise UsageError("--home and --door both say where homebot is; give one of them")
-    from homebot.cli.homes import homes_file, named_home  # noqa: PLC0415 - only with --home
+    path = _homes_file()
+    home = _named_home(options.home, path)
+    file, said_by = (home.token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")
+    token = "" if file is None else _read_token(Path(file), said_by)
+    return DoorAddress(_LOOPBACK.get(home.host, home.host), home.port, token, str(path))
 
-    home, source = named_home(options.home), str(homes_file())
-    file = home.token_file if options.token_file is None else Path(options.token_file)
-    token = "" if file is None else _read_token(file, source if options.token_file is None else "--token-file")
-    return DoorAddress(_LOOPBACK.get(home.host, home.host), home.port, token, source)
+
+def _homes_file() -> Path:
+    from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
+
+    return user_config_path("homebot", appauthor=False) / "homes.toml"
+
+
+def _named_home(name: str, path: Path) -> _NamedHome:
+    """Return the home *name* of the file *path*, which must not be open to other users."""
+    source, example = str(path), _EXAMPLE.format(name=name)
+    if not path.exists():
+        raise ConfigError(source, "", f"does not exist; {example}")
+    homes = read_toml(path)
+    if problem := why_not_trusted(path):
+        raise ConfigError(source, "", f"says where homes are, so others must not be able to change it: {problem}")
+    if name not in homes:
+        raise ConfigError(source, name, f"there is no such home; {did_you_mean(name, homes, example)}")
+    table = homes[name]
+    if not isinstance(table, dict) or not isinstance(table.get("door"), str):
+        raise ConfigError(source, name, f"names no address; {example}")
+    return _home_in(table, name, path)
+
+
+def _home_in(table: TomlTable, name: str, path: Path) -> _NamedHome:
+    source, file = str(path), table.get("token_file")
+    for key in table.keys() - {"door", "token_file"}:
+        raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
+    try:
+        host, port = door_address(str(table["door"]))
+    except argparse.ArgumentTypeError as exc:
+        raise ConfigError(source, f"{name}.door", str(exc)) from exc
+    if file is not None and not isinstance(file, str):
+        raise ConfigError(source, f"{name}.token_file", f"must be a text in quotes, got {file!r}")
+    return _NamedHome(host, port, path.parent / file if file else None)
 
 
 def _table(path: Path) -> tuple[TomlTable, str]:

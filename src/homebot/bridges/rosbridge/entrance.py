@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from http import HTTPStatus
-from typing import Final, TypeAlias
+from typing import Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import anyio
+from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 from websockets.datastructures import Headers
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
@@ -24,7 +25,7 @@ from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.support.addresses import is_loopback
 
-__all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket"]
+__all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
 
 LOG_IN: Final = Subprotocol("homebot.log_in")
 """The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
@@ -116,8 +117,6 @@ class Entrance:
         """Return whether a client may go on; one of homebot's own page must show a token first, if one is needed."""
         if self._names[connection] != _PAGE:
             return True
-        from homebot.bridges.rosbridge.log_in import token_in  # noqa: PLC0415 - loaded with the first page
-
         token = None
         with anyio.move_on_after(self._open_timeout):
             token = token_in(await anext(texts, ""))
@@ -201,6 +200,24 @@ def address_of(connection: DoorConnection) -> str:
     """Return the host and the port of a client."""
     host, port = (connection.remote_address or ("unknown", 0))[:2]
     return f"{host}:{port}"
+
+
+def token_in(frame: str) -> str | None:
+    """Return the token in the first *frame* of a page; None if it is no such frame.
+
+    Browsers cannot set headers, and a token in a URL ends in logs and histories.
+    """
+    try:
+        return _LogIn.model_validate_json(frame).token.get_secret_value()
+    except ValidationError:
+        return None
+
+
+class _LogIn(BaseModel):
+    model_config = ConfigDict(extra="forbid", defer_build=True)
+
+    op: Literal["auth"]
+    token: SecretStr
 
 
 def _is_of_own_page(headers: Headers) -> bool:
