@@ -188,7 +188,7 @@ async def test_another_certificate_is_refused_with_the_next_step_and_gets_no_key
         states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
         await home.tasks.start(home.serve)
         state = await receive(states, lambda one: "certificate" in one.reason)
-        assert "press its button and run `homebot pair 'Hue bridge'`" in state.reason
+        assert "press its button, then run `homebot pair 'Hue bridge'`" in state.reason
         assert home.bridge.server.peers == []
 
 
@@ -207,8 +207,11 @@ async def test_a_certificate_that_the_bridge_signed_itself_is_pinned_as_well(tmp
 
 async def test_a_bridge_that_forgot_homebot_is_named_with_the_next_step(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
-        await home.sighting("Hue bridge")
+        lamp = await home.install("lamp", DeviceState(text="off"))
+        await home.sighting("The lamp")
         home.bridge.keys.clear()
+        refused = await home.send(lamp.owner_id, "on_off", True)
+        assert "does not know homebot any more: press its button" in refused.message
         await home.kill()
         states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
         await home.tasks.start(home.serve)
@@ -267,6 +270,14 @@ async def test_a_scene_is_recalled(tmp_path: Path) -> None:
         assert home.bridge.commands[-1] == ("scene", scenes.parts[1].id, {"recall": {"action": "active"}})
         refused = await home.send(scenes.key, "scene", False, scenes.parts[1].id)
         assert "it takes only true" in refused.message
+
+
+async def test_a_scene_is_recalled_without_a_lamp_that_is_gone(tmp_path: Path) -> None:
+    async with house(tmp_path) as home:
+        lamp = await home.install("lamp", DeviceState(text="off"), room="Kitchen")
+        scenes = await home.sighting("Kitchen scenes")
+        home.bridge.remove([lamp.resource_id("light")])
+        assert (await home.send(scenes.key, "scene", True, scenes.parts[1].id)).success
 
 
 async def test_a_plug_is_a_plug_and_a_sensor_has_its_values(tmp_path: Path) -> None:

@@ -72,10 +72,7 @@ def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
 
 
 def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDevice]:
-    """Yield the devices with these ids, the bridge itself among them, and the scenes of a room or zone as one device.
-
-    Ids of other resources, or of none, are left out.
-    """
+    """Yield the devices with these ids, and the scenes of each room or zone with one as one device."""
     for rid in ids:
         one = resources.get(rid)
         if one.get("type") == "device":

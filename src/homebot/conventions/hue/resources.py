@@ -21,11 +21,7 @@ _DESCRIBING: Final = frozenset({"metadata", "services", "children", "product_dat
 
 
 class HueResources:
-    """The resources of one bridge, by their ids.
-
-    Attributes:
-        ids: All ids.
-    """
+    """The resources of one bridge, by their ``ids``."""
 
     def __init__(self) -> None:
         self._by_id: dict[str, Fields] = {}

@@ -104,7 +104,7 @@ class BridgeRunner(DeviceRunner):
         """Connect, and follow the bridge until the connection is lost."""
         pairing = self.pairing
         if pairing is None:
-            raise PeerError(f"it is not paired: press its button, then run `homebot pair '{self.name}'`")
+            raise PeerError(f"it is not paired: {self._remedy}")
         failed: LinkError | PeerError = LinkError("it has no address")
         for origin in self.origins:
             self._has_answered = False
@@ -112,7 +112,7 @@ class BridgeRunner(DeviceRunner):
                 await self._follow(origin, pairing)
             except CertificateError:
                 changed = f"its certificate at {origin.removeprefix('https://')} is not that of its pairing"
-                failed = PeerError(f"{changed}; if it was reset, press its button and run `homebot pair '{self.name}'`")
+                failed = PeerError(f"{changed}; if it was reset, {self._remedy}")
             except LinkError as exc:
                 failed = failed if isinstance(failed, PeerError) else exc
             if self._has_answered:
@@ -130,7 +130,10 @@ class BridgeRunner(DeviceRunner):
             raise RefusedError(command.capability, "it cannot be set")
         body = row.write(self._resources.get(service.id), command.value.plain(), command.transition)
         kind, rid = ("device", device.id) if row.at_owner else (service.part.advertised, service.id)
-        await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
+        try:
+            await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
+        except RefusedError as exc:
+            raise self._explained(exc) from None
 
     def list_unheard(self) -> None:
         """Publish the bridge by its id and name alone."""
@@ -141,6 +144,15 @@ class BridgeRunner(DeviceRunner):
         """Publish that there is no connection."""
         super().on_end()
         self._on_state()
+
+    @property
+    def _remedy(self) -> str:
+        return f"press its button, then run `homebot pair '{self.name}'`"
+
+    def _explained(self, exc: RefusedError) -> PeerError:
+        return (
+            PeerError(f"the bridge does not know homebot any more: {self._remedy}") if exc.code in _NO_ACCESS else exc
+        )
 
     async def _follow(self, origin: str, pairing: HuePairing) -> None:
         from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
@@ -161,10 +173,7 @@ class BridgeRunner(DeviceRunner):
                             async for event in events:
                                 await self._on_event(event)
         except RefusedError as exc:
-            if exc.code not in _NO_ACCESS:
-                raise
-            remedy = f"press its button, then run `homebot pair '{self.name}'`"
-            raise PeerError(f"it does not know homebot any more: {remedy}") from exc
+            raise self._explained(exc) from None
         finally:
             self._link = None
 

@@ -230,7 +230,8 @@ class SimulatedHueBridge:
         self._end_scenes()
         actions = scene["actions"]
         for one in actions if isinstance(actions, list) else ():
-            self._light(one["target"]["rid"], one["action"], [])
+            if one["target"]["rid"] in self.resources:
+                self._light(one["target"]["rid"], one["action"], [])
         self.change(str(scene["id"]), {"status": {"active": "static", "last_recall": CHANGED}})
 
     def _end_scenes(self) -> None:
