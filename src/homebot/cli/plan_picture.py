@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from typing import Final, NamedTuple, TypeAlias
 
@@ -26,6 +26,7 @@ _WALLS: Final = " ╴╶─╵┘└┴╷┐┌┬│┤├┼"
 """The character for each sum of the directions in which a wall goes on."""
 
 _LIT, _DARK = "yellow", "dim"
+_EMPTY: Final = (" ", "")
 
 
 class _Box(NamedTuple):
@@ -35,6 +36,40 @@ class _Box(NamedTuple):
     top: int
     right: int
     bottom: int
+
+    def has_space_for(self, name: str) -> bool:
+        """Return whether *name* fits inside."""
+        return self.bottom - self.top >= 2 and self.right - self.left - 3 >= len(name)
+
+    def label(self, text: str, style: str) -> dict[tuple[int, int], _Segment]:
+        """Return *text*, cut to fit, in the cells of the middle line."""
+        line = (self.top + self.bottom) // 2
+        shown = printable(text, self.right - self.left - 2)
+        return {(self.left + 2 + place, line): (sign, style) for place, sign in enumerate(shown)}
+
+
+class _Scale(NamedTuple):
+    """The way from metres to characters.
+
+    Attributes:
+        across: Columns of a metre.
+        down: Lines of a metre.
+        lines: Lines of the whole plan.
+    """
+
+    west: float
+    north: float
+    across: float
+    down: float
+    lines: int
+
+    def at(self, x: float, y: float) -> tuple[int, int]:
+        """Return the column and the line of a place."""
+        return round((x - self.west) * self.across), round((self.north - y) * self.down)
+
+    def box(self, west: float, south: float, east: float, north: float) -> _Box:
+        """Return the walls of a room."""
+        return _Box(*self.at(west, north), *self.at(east, south))
 
 
 class PlanPicture(NamedTuple):
@@ -61,28 +96,27 @@ class PlanPicture(NamedTuple):
         """
         if not self.rooms or height < LEAST_LINES:
             return []
-        west, east = min(one[0] for one in self.rooms.values()), max(one[2] for one in self.rooms.values())
-        south, north = min(one[1] for one in self.rooms.values()), max(one[3] for one in self.rooms.values())
-        across, down = (width - 1) / (east - west), (north - south) / (east - west) * width / _ASPECT
-        count = min(height, _MOST_LINES, max(LEAST_LINES, round(down)))
-        down = (count - 1) / (north - south)
-
-        def at(x: float, y: float) -> tuple[int, int]:
-            return round((x - west) * across), round((north - y) * down)
-
-        boxes = {name: _Box(*at(one[0], one[3]), *at(one[2], one[1])) for name, one in self.rooms.items()}
-        if any(one.bottom - one.top < 2 or one.right - one.left - 3 < len(name) for name, one in boxes.items()):
+        scale = self._scale(width, height)
+        boxes = {name: scale.box(*walls) for name, walls in self.rooms.items()}
+        if not all(box.has_space_for(name) for name, box in boxes.items()):
             return []
         cells = {place: (_WALLS[ways], _DARK) for place, ways in _walls(boxes.values()).items()}
-        for column, line in (at(*door) for door in self.doors):
-            half = round(self.door_width * across / 2) if cells.get((column, line), ("",))[0] == "─" else 0
-            cells |= {(one, line): (" ", "") for one in range(column - half, column + half + 1)}
+        for door in self.doors:
+            column, line = scale.at(*door)
+            half = round(self.door_width * scale.across / 2) if cells.get((column, line), ("",))[0] == "─" else 0
+            cells |= {(one, line): _EMPTY for one in range(column - half, column + half + 1)}
         for name, box in boxes.items():
-            text = printable(f"{name} {signs.get(name, '')}", box.right - box.left - 2)
-            style, line = _LIT if name in lit else _DARK, (box.top + box.bottom) // 2
-            cells |= {(box.left + 2 + place, line): (sign, style) for place, sign in enumerate(text)}
-        rows = ([cells.get((column, line), (" ", "")) for column in range(width)] for line in range(count))
-        return [[("".join(sign for sign, _ in some), style) for style, some in _by_style(row)] for row in rows]
+            cells |= box.label(f"{name} {signs.get(name, '')}", _LIT if name in lit else _DARK)
+        rows = ([cells.get((column, line), _EMPTY) for column in range(width)] for line in range(scale.lines))
+        return [_joined(row) for row in rows]
+
+    def _scale(self, width: int, height: int) -> _Scale:
+        wests, souths, easts, norths = zip(*self.rooms.values(), strict=True)
+        west, north = min(wests), max(norths)
+        metres_across, metres_down = max(easts) - west, north - min(souths)
+        wanted = round(metres_down / metres_across * width / _ASPECT)
+        lines = min(height, _MOST_LINES, max(LEAST_LINES, wanted))
+        return _Scale(west, north, (width - 1) / metres_across, (lines - 1) / metres_down, lines)
 
 
 def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:
@@ -100,5 +134,6 @@ def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:
     return walls
 
 
-def _by_style(row: Sequence[_Segment]) -> Iterator[tuple[str, Iterator[_Segment]]]:
-    return groupby(row, lambda cell: cell[1])
+def _joined(row: Sequence[_Segment]) -> Line:
+    """Return *row* with neighbours of one style in one part."""
+    return [("".join(sign for sign, _ in some), style) for style, some in groupby(row, lambda cell: cell[1])]

@@ -85,33 +85,7 @@ Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot run``."""
     set_command(parser, run, _EXAMPLES, ("door",))
-    parser.add_argument(
-        "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
-    )
-    parser.add_argument(
-        "--house",
-        metavar="NAME|FILE",
-        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, where neither "
-        "--config nor --mqtt is given: family; with --app or --root thesis)",
-    )
-    parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
-    parser.add_argument(
-        "--root",
-        metavar="NAME",
-        help="first MQTT topic level of devices without announcements, such as home425 (default: any)",
-    )
-    parser.add_argument(
-        "--app",
-        metavar="NAME",
-        type=_app,
-        action="append",
-        default=[],
-        help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
-        "light service in the simulated house, none on a broker of your own)",
-    )
-    parser.add_argument(
-        "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an outside broker"
-    )
+    _add_sources(parser)
     parser.add_argument(
         "--door",
         metavar="HOST:PORT",
@@ -138,6 +112,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     parser.add_argument(
         "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+    )
+
+
+def _add_sources(parser: argparse.ArgumentParser) -> None:
+    """Add the options for the house, the broker and the apps."""
+    parser.add_argument(
+        "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
+    )
+    parser.add_argument(
+        "--house",
+        metavar="NAME|FILE",
+        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, where neither "
+        "--config nor --mqtt is given: family; with --app or --root thesis)",
+    )
+    parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
+    parser.add_argument(
+        "--root",
+        metavar="NAME",
+        help="first MQTT topic level of devices without announcements, such as home425 (default: any)",
+    )
+    parser.add_argument(
+        "--app",
+        metavar="NAME",
+        type=_app,
+        action="append",
+        default=[],
+        help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
+        "light service in the simulated house, none on a broker of your own)",
+    )
+    parser.add_argument(
+        "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an outside broker"
     )
 
 
