@@ -68,14 +68,8 @@ def configure_logging(
     """
     if level not in _LEVELS:
         raise UsageError(f"{level!r} is not a log level; choose one of {', '.join(_LEVELS)}")
-    out = stream or sys.stderr
-    if isinstance(out, CleanText):
-        out = out.raw  # as it is written: a queue may be below
-    renderer: Processor = (
-        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=wants_colour(out))
-    )
-    if isinstance(out, QueuedText):
-        out.queue.loss_text = partial(_loss_line, renderer)
+    out = _raw(stream or sys.stderr)
+    renderer = _renderer(log_format, out)
     _forward_stdlib_lines()
     writer = LineWriter(out)
     structlog.configure(
@@ -91,6 +85,21 @@ def configure_logging(
         logger_factory=lambda *_: writer,
         cache_logger_on_first_use=False,
     )
+
+
+def _raw(stream: TextIO) -> TextIO:
+    """Return the stream that is written, below which a queue may be."""
+    return stream.raw if isinstance(stream, CleanText) else stream
+
+
+def _renderer(log_format: LogFormat, out: TextIO) -> Processor:
+    """Return the renderer of lines for *out*, which also renders the lines that a queue lost."""
+    renderer: Processor = (
+        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=wants_colour(out))
+    )
+    if isinstance(out, QueuedText):
+        out.queue.loss_text = partial(_loss_line, renderer)
+    return renderer
 
 
 def _loss_line(renderer: Processor, lines: int) -> str:

@@ -65,13 +65,13 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
     word = command.strip()
     word = _SAME_WORDS.get(word.casefold(), word)
     found: dict[str, PlainValue] = {}
-    given = [(_capability(one.key, part), one.value) for one in values]
-    is_light_on = word == "on" and bool(given) and part.service_type == "light"  # a level turns a lamp on
+    is_light_on = word == "on" and bool(values) and part.service_type == "light"  # a level turns a lamp on
     if word != SET and not is_light_on:
         capability, value = _decoded(word, part, target)
         found[capability] = value
-    for name, text in given:
-        found[name] = _value(name, text, part, target)
+    for one in values:
+        name = _capability(one.key, part)
+        found[name] = _value(name, one.value, part, target)
     for name, value in found.items():
         check_setting(target, part, name, value)
     if not found:

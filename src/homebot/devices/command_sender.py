@@ -120,9 +120,14 @@ def _routes(
     if len(part.routes) == 1:
         return part.routes
     approved = [route for route in part.routes if route.approved] or part.routes
-    routes = [route for route in approved if route.can(capability)] or approved
+    routes: Sequence[Route] = [route for route in approved if route.can(capability)] or approved
     if ineffective:
-        facts = [one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)]
-        prefer = facts[0] if facts else ()
-        routes = sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)
+        routes = _working_first(routes, device, ineffective)
     return (*routes[1:], routes[0]) if is_repeated else routes
+
+
+def _working_first(routes: Sequence[Route], device: Device, ineffective: Collection[str]) -> Sequence[Route]:
+    """Return *routes*, the *ineffective* ones last, unless the owner prefers their gateway."""
+    facts = [one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)]
+    prefer = facts[0] if facts else ()
+    return sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple, final
 
@@ -98,10 +98,7 @@ class FloorPlan:
         away = distances.get(last, math.inf)
         if (away or holding is None or holding.polygon.border_distance(x, y)) <= _HYSTERESIS:
             return RoomAt(last, is_nearest=away > 0, distance=away)
-        if holding is not None:
-            return RoomAt(holding.room)
-        distance, room = min(((distances[one], one) for one in distances), default=(math.inf, ""))
-        return RoomAt(room, is_nearest=True, distance=distance) if distance <= _NEARBY else None
+        return _nearest_room(distances) if holding is None else RoomAt(holding.room)
 
     def level(self, floor: str) -> str:
         """Return *floor* as the plan spells it; for an empty one the sole floor that has areas."""
@@ -244,3 +241,10 @@ def _passages(ends: tuple[Point, ...]) -> list[Point]:
     count = math.ceil(width / _STEP) if width > _WIDE else 1
     shares = sorted(((2 * index + 1) / (2 * count) for index in range(count)), key=lambda one: abs(one - 0.5))
     return [(x1 + (x2 - x1) * share, y1 + (y2 - y1) * share) for share in shares]
+
+
+def _nearest_room(distances: Mapping[str, float]) -> RoomAt | None:
+    """Return the nearest room, by the distances of rooms in metres; None if it is too far away."""
+    room = min(distances, key=distances.__getitem__, default="")
+    distance = distances.get(room, math.inf)
+    return RoomAt(room, is_nearest=True, distance=distance) if distance <= _NEARBY else None

@@ -74,14 +74,8 @@ class TrackedRobot:
             by_robot: Whether the robot states it, so that it lives.
             place: Further fields of the pose: ``error``, ``room``, ``floor``, ``is_nearest_room``.
         """
-        values: dict[str, object] = {
-            "robot": self.name,
-            "source": source,
-            "limit": limit,
-            "error": _ROOM_ERROR,
-            **place,
-        }
-        values["received_at"] = Time.from_seconds(self.now() - age)
+        values: dict[str, object] = {"robot": self.name, "source": source, "limit": limit, "error": _ROOM_ERROR}
+        values |= place | {"received_at": Time.from_seconds(self.now() - age)}
         if at is not None:
             values.update(has_position=True, x=at.x, y=at.y, yaw=at.yaw)
         before, pose = self._poses.pop(source, None), RobotPose.model_validate(values)
@@ -91,13 +85,16 @@ class TrackedRobot:
         if before is not None and (jump := _jump(before, pose)):
             self.doubt(f"{source} jumped by {jump:.1f} m")
         elif self.unsure_because and pose.has_position:
-            self._consistent += 1
-            if self._consistent >= _CONSISTENT:
-                self.unsure_because = ""
+            self._regain_trust()
         if by_robot:
             self.add_life(age)
         else:
             self._on_change()
+
+    def _regain_trust(self) -> None:
+        self._consistent += 1
+        if self._consistent >= _CONSISTENT:
+            self.unsure_because = ""
 
     def add_life(self, age: float = 0.0) -> None:
         """Take a message of the robot, which came *age* seconds ago, as a sign that it lives."""

@@ -144,12 +144,14 @@ class Vacuum:
         if found is None or at is None or self._state != "ready":
             robot.drop(self._source)
             return
-        place: dict[str, object] = {} if self._lies_at is None else {"error": _ERROR}
+        position: MapPose | None = None
+        place: dict[str, object] = {}
+        if self._lies_at is not None:
+            position, place["error"] = self._lies_at.then(at), _ERROR
         if (here := found.segment_at(at.x, at.y)) is not None:
             room = self._name_of(here[0]) or f"{robot.name} room {here[0].id}"
             place.update(room=room, is_nearest_room=here[1] > 0)
         if place:
-            position = None if self._lies_at is None else self._lies_at.then(at)
             limit = _ACTIVE_LIMIT if self._status in _ACTIVE else _IDLE_LIMIT
             age = robot.now() - self._received_at
             robot.place(self._source, limit, position, age=age, by_robot=True, **place)
