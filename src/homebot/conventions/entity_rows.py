@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
+from homebot.conventions.command_values import require_number
+from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.units import Quantity
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -17,9 +21,19 @@ __all__ = [
     "Fields",
     "ReadField",
     "WriteField",
+    "alarm_commands",
+    "class_of",
+    "condition_component",
     "has_feature",
+    "number_component",
+    "opening_type",
     "options_of",
+    "push_row",
+    "quantity_of_entity",
+    "quantity_row",
     "read_flag",
+    "switch_type",
+    "text_component",
     "text_of",
     "whole_of",
     "writer_of",
@@ -128,3 +142,93 @@ def has_feature(field: str, bits: int) -> Callable[[Fields], bool]:
 def read_flag(field: str) -> ReadField:
     """Return a reader of a boolean field."""
     return lambda _info, state: value if isinstance(value := state.get(field), bool) else None
+
+
+def class_of(info: Fields) -> str:
+    """Return the device class; empty for none."""
+    return text_of(info, "device_class")
+
+
+def opening_type(info: Fields) -> str:
+    """Return the type of a cover: doors and gates are closures."""
+    return "closure" if class_of(info) in CLOSURE_CLASSES else "window_covering"
+
+
+def switch_type(info: Fields) -> str:
+    """Return the type of a switch."""
+    return "plug" if class_of(info) == "outlet" else "switch"
+
+
+def alarm_commands(info: Fields) -> tuple[str, ...]:
+    """Return the states that an alarm panel can be commanded to; Home Assistant and ESPHome have the same features."""
+    features = whole_of(info, "supported_features")
+    return tuple(state for state, bit in _ALARM_FEATURES.items() if not bit or features & bit)
+
+
+def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None = None) -> EntityRow:
+    """Return the row of an action without state."""
+
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        if value is not True:
+            raise RefusedError(f"{name} {shown(value)}", "it takes only true")
+        return command
+
+    return EntityRow(name, None, write, "", when)
+
+
+def quantity_of_entity(info: Fields) -> Quantity:
+    """Return the quantity that a sensor measures, by its class and unit."""
+    return quantity_of(class_of(info), text_of(info, "unit_of_measurement"))
+
+
+def quantity_row(read: ReadField, when: Callable[[Fields], object] | None = None) -> EntityRow:
+    """Return the row of a sensor, whose number *read* returns."""
+
+    def read_quantity(info: Fields, state: Fields) -> PlainValue:
+        number = read(info, state)
+        return quantity_of_entity(info).value(number) if isinstance(number, float) else None
+
+    return EntityRow(
+        lambda info: quantity_of_entity(info).capability,
+        read_quantity,
+        when=when,
+        unit=lambda info: quantity_of_entity(info).unit,
+    )
+
+
+def condition_component(read: ReadField) -> EntityComponent:
+    """Return the component of sensors that are on or off."""
+    row = EntityRow(lambda info: condition_of(class_of(info))[1], read)
+    return EntityComponent(lambda info: condition_of(class_of(info))[0], (row,))
+
+
+def number_component(
+    read: ReadField, bounds: Callable[[Fields], tuple[float, ...]], command: Callable[[float], Fields]
+) -> EntityComponent:
+    """Return the component of numbers, with the *command* that sets one within its *bounds*."""
+
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        least, most = bounds(info) or _ANY_NUMBER
+        return command(require_number("number", value, least, most))
+
+    unit = partial(text_of, name="unit_of_measurement")
+    return EntityComponent("x_setting", (EntityRow("number", read, write, bounds=bounds, unit=unit),))
+
+
+def text_component(read: ReadField, write: WriteField, is_secret: Callable[[Fields], object]) -> EntityComponent:
+    """Return the component of texts; a secret one can be set but is never read."""
+    secret = EntityRow("text", None, write, when=is_secret)
+    return EntityComponent("x_setting", (secret, EntityRow("text", read, write, when=lambda info: not is_secret(info))))
+
+
+_ANY_NUMBER = (-1e15, 1e15)
+_ALARM_FEATURES: Mapping[str, int] = {
+    "disarmed": 0,
+    "armed_home": 1,
+    "armed_away": 2,
+    "armed_night": 4,
+    "armed_vacation": 32,
+    "armed_custom_bypass": 16,
+    "triggered": 8,
+}
+"""The bit of ``supported_features`` that each command needs."""

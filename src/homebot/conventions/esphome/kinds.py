@@ -10,17 +10,25 @@ from datetime import UTC, date, datetime, time
 from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
+from homebot.conventions.command_values import require_bool, require_option
 from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
     Fields,
+    alarm_commands,
+    class_of,
+    condition_component,
     has_feature,
+    number_component,
+    opening_type,
     options_of,
+    push_row,
+    quantity_of_entity,
+    quantity_row,
     read_flag,
+    switch_type,
+    text_component,
     text_of,
-    whole_of,
 )
 from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
 from homebot.conventions.esphome.entity import (
@@ -37,7 +45,6 @@ from homebot.conventions.esphome.entity import (
 from homebot.conventions.esphome.light import LIGHT
 from homebot.conventions.payload import shown
 from homebot.conventions.secrets import names_secret
-from homebot.conventions.units import Quantity
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 
@@ -47,27 +54,22 @@ _OPERATIONS = {1: "opening", 2: "closing"}
 _LOCK_STATES = dict(enumerate(("locked", "unlocked", "jammed", "locking", "unlocking", "opening", "open"), 1))
 _ALARMS = ("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation", "armed_custom_bypass")
 _ALARM_STATES = (*_ALARMS, "pending", "arming", "disarming", "triggered")
-_ALARM_COMMANDS: Mapping[str, tuple[int, int]] = {
-    "disarmed": (0, 0),
-    "armed_away": (1, 2),
-    "armed_home": (2, 1),
-    "armed_night": (3, 4),
-    "armed_vacation": (4, 32),
-    "armed_custom_bypass": (5, 16),
-    "triggered": (6, 8),
-}
-"""State to the number of its command, and to the bit of the feature that it needs."""
+_ALARM_COMMANDS = (
+    "disarmed",
+    "armed_away",
+    "armed_home",
+    "armed_night",
+    "armed_vacation",
+    "armed_custom_bypass",
+    "triggered",
+)
+"""States in the order of the numbers of their commands."""
 
 _PLAYER_STATES = dict(enumerate(("idle", "playing", "paused", "announcing", "off", "on"), 1))
 _PLAYER_VOLUME, _PLAYER_SWITCHES = 4, 128 | 256
 _PLAYER_COMMANDS = {True: {"command": 12}, False: {"command": 13}}
 _PASSWORD = 1
-_ANY_NUMBER = (-1e30, 1e30)
 _MOST_SECONDS = 2**32
-
-
-def _class_of(info: Fields) -> str:
-    return text_of(info, "device_class")
 
 
 def _listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
@@ -111,31 +113,20 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
 
 def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     """Write an alarm state; the device checks the code if it needs one."""
-    features = whole_of(info, "supported_features")
-    commands = {name: number for name, (number, bit) in _ALARM_COMMANDS.items() if not bit or features & bit}
-    state = require_option("alarm", value, commands)
+    state = require_option("alarm", value, alarm_commands(info))
     field = {"disarmed": "requires_code", "triggered": ""}.get(state, "requires_code_to_arm")
     if not code and info.get(field) is True:
         raise WrongCodeError(f"alarm {state}", "it needs a code")
-    return _with_code(commands[state], code)
+    return _with_code(_ALARM_COMMANDS.index(state), code)
 
 
-def _quantity(info: Fields) -> Quantity:
-    return quantity_of(_class_of(info), text_of(info, "unit_of_measurement"))
-
-
-def _read_quantity(info: Fields, state: Fields) -> PlainValue:
-    number = number_of(state, "state")
-    return None if number is None else _quantity(info).value(number)
+def _read_number(_info: Fields, state: Fields) -> PlainValue:
+    return number_of(state, "state")
 
 
 def _number_bounds(info: Fields) -> tuple[float, float] | tuple[()]:
     low, high = number_of(info, "min_value"), number_of(info, "max_value")
     return (low, high) if low is not None and high is not None and low < high else ()
-
-
-def _write_number(info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"state": require_number("number", value, *(_number_bounds(info) or _ANY_NUMBER))}
 
 
 def _is_secret(info: Fields) -> bool:
@@ -148,15 +139,6 @@ def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
     if not isinstance(value, str) or not least <= len(value.encode(errors="replace")) <= most:
         raise RefusedError("text", f"it takes a text of {least} to {most} characters")
     return {"state": value}
-
-
-def _push_row(name: str, when: Callable[[Fields], object] | None = None) -> EntityRow:
-    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
-        if value is not True:
-            raise RefusedError(f"{name} {shown(value)}", "it takes only true")
-        return {}
-
-    return EntityRow(name, None, write, "", when)
 
 
 def _read_event(info: Fields, state: Fields) -> PlainValue:
@@ -231,15 +213,13 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
     "water_heater": WATER_HEATER,
     "light": LIGHT,
     "cover": EntityComponent(
-        lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
+        opening_type,
         (*_movement_rows("movement"), percent_row("tilt", "tilt", "supports_tilt")),
     ),
     "lock": EntityComponent("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
     "valve": EntityComponent("water_valve", _movement_rows("valve")),
     "fan": FAN,
-    "switch": EntityComponent(
-        lambda info: "plug" if _class_of(info) == "outlet" else "switch", (flag_row("on_off", "state"),)
-    ),
+    "switch": EntityComponent(switch_type, (flag_row("on_off", "state"),)),
     "siren": EntityComponent(  # it only reports whether it is on; tone and volume also turn it on
         "siren",
         (
@@ -279,37 +259,14 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
     "event": EntityComponent(
         "generic_switch", (EntityRow("press", _read_event, options=lambda info: options_of(info, "event_types")),)
     ),
-    "binary_sensor": EntityComponent(
-        lambda info: condition_of(_class_of(info))[0],
-        (EntityRow(lambda info: condition_of(_class_of(info))[1], read_flag("state")),),
-    ),
-    "sensor": EntityComponent(
-        lambda info: _quantity(info).service_type,
-        (EntityRow(lambda info: _quantity(info).capability, _read_quantity, unit=lambda info: _quantity(info).unit),),
-    ),
+    "binary_sensor": condition_component(read_flag("state")),
+    "sensor": EntityComponent(lambda info: quantity_of_entity(info).service_type, (quantity_row(_read_number),)),
     "text_sensor": EntityComponent("x_sensor", (EntityRow("value", read_text("state")),)),
-    "number": EntityComponent(
-        "x_setting",
-        (
-            EntityRow(
-                "number",
-                lambda _info, state: number_of(state, "state"),
-                _write_number,
-                bounds=_number_bounds,
-                unit=lambda info: text_of(info, "unit_of_measurement"),
-            ),
-        ),
-    ),
+    "number": number_component(_read_number, _number_bounds, lambda number: {"state": number}),
     "select": EntityComponent("x_setting", (choice_row("option", "state", _listed("options")),)),
-    "text": EntityComponent(  # a password can be set but is never read
-        "x_setting",
-        (
-            EntityRow("text", None, _write_text, when=_is_secret),
-            EntityRow("text", read_text("state"), _write_text, when=lambda info: not _is_secret(info)),
-        ),
-    ),
+    "text": text_component(read_text("state"), _write_text, _is_secret),
     "button": EntityComponent(
-        "x_setting", (_push_row("push"), _push_row("locate", lambda info: _class_of(info) == "identify"))
+        "x_setting", (push_row("push", {}), push_row("locate", {}, lambda info: class_of(info) == "identify"))
     ),
     "date": _moment("date"),
     "time": _moment("time"),

@@ -9,16 +9,24 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, date, datetime, time
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, is_quantity, quantity_of
+from homebot.conventions.command_values import require_option
+from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
     Fields,
+    alarm_commands,
+    class_of,
+    condition_component,
     has_feature,
+    number_component,
+    opening_type,
     options_of,
-    text_of,
-    whole_of,
+    push_row,
+    quantity_of_entity,
+    quantity_row,
+    switch_type,
+    text_component,
 )
 from homebot.conventions.homeassistant.states.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
 from homebot.conventions.homeassistant.states.rows import (
@@ -28,27 +36,20 @@ from homebot.conventions.homeassistant.states.rows import (
     has,
     moves,
     percent,
-    push,
     read_number,
     read_state,
     read_text,
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
-from homebot.conventions.units import Quantity
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.support.numbers import to_number
 
 __all__ = ["DOMAINS"]
 
-_ANY_NUMBER = (-1e15, 1e15)
 _COLORS = frozenset({"hs", "xy", "rgb", "rgbw", "rgbww"})
 _USUAL_KELVINS = (2_000, 6_535)
-
-
-def _class_of(info: Fields) -> str:
-    return text_of(info, "device_class")
 
 
 def _named(*states: str) -> Mapping[str, PlainValue]:
@@ -145,28 +146,26 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     return {"service": service, **({"code": code} if code else {})}
 
 
-_ALARM_COMMANDS: Mapping[str, tuple[int, str]] = {
-    "disarmed": (0, "alarm_disarm"),
-    "armed_home": (1, "alarm_arm_home"),
-    "armed_away": (2, "alarm_arm_away"),
-    "armed_night": (4, "alarm_arm_night"),
-    "armed_vacation": (32, "alarm_arm_vacation"),
-    "armed_custom_bypass": (16, "alarm_arm_custom_bypass"),
-    "triggered": (8, "alarm_trigger"),
+_ALARM_COMMANDS: Mapping[str, str] = {
+    "disarmed": "alarm_disarm",
+    "armed_home": "alarm_arm_home",
+    "armed_away": "alarm_arm_away",
+    "armed_night": "alarm_arm_night",
+    "armed_vacation": "alarm_arm_vacation",
+    "armed_custom_bypass": "alarm_arm_custom_bypass",
+    "triggered": "alarm_trigger",
 }
-"""State to the feature that it needs, and its service."""
+"""State to its service."""
 
 _ALARM_STATES = (*_ALARM_COMMANDS, "pending", "arming", "disarming")
 
 
 def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
-    features = whole_of(info, "supported_features")
-    services = {state: service for state, (bit, service) in _ALARM_COMMANDS.items() if not bit or features & bit}
-    state = require_option("alarm", value, services)
+    state = require_option("alarm", value, alarm_commands(info))
     is_coded = state == "disarmed" or (state != "triggered" and info.get("code_arm_required") is not False)
     if info.get("code_format") and is_coded and not code:
         raise WrongCodeError(f"alarm {state}", "it needs a code")
-    return {"service": services[state], **({"code": code} if code else {})}
+    return {"service": _ALARM_COMMANDS[state], **({"code": code} if code else {})}
 
 
 _VACUUM = {
@@ -192,7 +191,7 @@ def _tones(info: Fields) -> tuple[str, ...]:
 _PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", "standby", "buffering"), True)}
 
 _MEDIA_PLAYER: Final = EntityComponent(
-    lambda info: "video_player" if _class_of(info) == "tv" else "speaker",
+    lambda info: "video_player" if class_of(info) == "tv" else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
         percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
@@ -202,40 +201,16 @@ _MEDIA_PLAYER: Final = EntityComponent(
 )
 
 
-def _quantity(info: Fields) -> Quantity:
-    return quantity_of(_class_of(info), text_of(info, "unit_of_measurement"))
-
-
 def _is_number(info: Fields) -> bool:
-    device_class = _class_of(info)
+    device_class = class_of(info)
     has_unit = any(info.get(one) is not None for one in ("unit_of_measurement", "state_class"))
     return device_class not in {"date", "enum", "timestamp"} and (is_quantity(device_class) or has_unit)
 
 
-def _read_quantity(info: Fields, state: Fields) -> PlainValue:
-    number = to_number(state.get("state"))
-    return None if number is None else _quantity(info).value(number)
-
-
-def _number_bounds(info: Fields) -> tuple[float, float] | tuple[()]:
-    return bounds_of(info, "min", "max")
-
-
-def _write_number(info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"service": "set_value", "value": require_number("number", value, *(_number_bounds(info) or _ANY_NUMBER))}
-
-
-_NUMBER: Final = EntityComponent(
-    "x_setting",
-    (
-        EntityRow(
-            "number",
-            read_number("state"),
-            _write_number,
-            bounds=_number_bounds,
-            unit=lambda info: text_of(info, "unit_of_measurement"),
-        ),
-    ),
+_NUMBER: Final = number_component(
+    read_number("state"),
+    lambda info: bounds_of(info, "min", "max"),
+    lambda number: {"service": "set_value", "value": number},
 )
 _SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
 
@@ -247,15 +222,10 @@ def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "set_value", "value": value}
 
 
-_TEXT: Final = EntityComponent(  # a password can be set but is never read
-    "x_setting",
-    (
-        EntityRow("text", None, _write_text, when=lambda info: info.get("mode") == "password"),
-        EntityRow("text", read_text("state"), _write_text, when=lambda info: info.get("mode") != "password"),
-    ),
-)
+_TEXT: Final = text_component(read_text("state"), _write_text, lambda info: info.get("mode") == "password")
+_PRESS: Final = {"service": "press"}
 _BUTTON: Final = EntityComponent(
-    "x_setting", (push("push", "press"), push("locate", "press", lambda info: _class_of(info) == "identify"))
+    "x_setting", (push_row("push", _PRESS), push_row("locate", _PRESS, lambda info: class_of(info) == "identify"))
 )
 
 _MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
@@ -283,7 +253,7 @@ def _moment(kind: str) -> EntityComponent:
 def _read_value(info: Fields, state: Fields) -> PlainValue:
     """Read the text of a sensor; a timestamp is that of UTC."""
     text = state.get("state")
-    if _class_of(info) != "timestamp" or not isinstance(text, str):
+    if class_of(info) != "timestamp" or not isinstance(text, str):
         return read_text("state")(info, state)
     try:
         return datetime.fromisoformat(text[:40]).astimezone(UTC).isoformat(timespec="seconds")
@@ -296,7 +266,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "water_heater": WATER_HEATER,
     "light": _LIGHT,
     "cover": EntityComponent(
-        lambda info: "closure" if _class_of(info) in CLOSURE_CLASSES else "window_covering",
+        opening_type,
         (
             *_opening("movement", "cover"),
             percent("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
@@ -312,7 +282,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             *moves("vacuum", _VACUUM, "cleaning", "docked", "paused", "idle", "returning", "error"),
             choice("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
             percent("battery", "battery_level", when=has(64)),
-            push("locate", "locate", has(512)),
+            push_row("locate", {"service": "locate"}, has(512)),
         ),
     ),
     "lawn_mower": EntityComponent(
@@ -330,30 +300,22 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
         ),
     ),
-    "switch": EntityComponent(lambda info: "plug" if _class_of(info) == "outlet" else "switch", (SWITCH,)),
+    "switch": EntityComponent(switch_type, (SWITCH,)),
     "media_player": _MEDIA_PLAYER,
     "event": EntityComponent(
         "generic_switch",
         (EntityRow("press", read_text("event_type"), options=lambda info: options_of(info, "event_types")),),
     ),
-    "binary_sensor": EntityComponent(
-        lambda info: condition_of(_class_of(info))[0],
-        (EntityRow(lambda info: condition_of(_class_of(info))[1], read_state({"on": True, "off": False})),),
-    ),
+    "binary_sensor": condition_component(read_state({"on": True, "off": False})),
     "sensor": EntityComponent(
-        lambda info: _quantity(info).service_type if _is_number(info) else "x_sensor",
+        lambda info: quantity_of_entity(info).service_type if _is_number(info) else "x_sensor",
         (
-            EntityRow(
-                lambda info: _quantity(info).capability,
-                _read_quantity,
-                when=_is_number,
-                unit=lambda info: _quantity(info).unit,
-            ),
+            quantity_row(lambda _info, state: to_number(state.get("state")), _is_number),
             EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
         ),
     ),
     "device_tracker": EntityComponent("x_tracker", (EntityRow("place", read_text("state")),)),
-    "scene": EntityComponent("x_scene", (push("scene", "turn_on"),)),
+    "scene": EntityComponent("x_scene", (push_row("scene", {"service": "turn_on"}),)),
     "number": _NUMBER,
     "input_number": _NUMBER,
     "select": _SELECT,

@@ -18,9 +18,8 @@ from homebot.conventions.entity_rows import (
     options_of,
     whole_of,
 )
-from homebot.conventions.payload import shown, text_of
+from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
 __all__ = [
@@ -31,7 +30,6 @@ __all__ = [
     "has",
     "moves",
     "percent",
-    "push",
     "read_number",
     "read_state",
     "read_text",
@@ -118,17 +116,6 @@ def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> t
 
     read, can_move = read_state({one: one for one in states}), has(*(bit for bit, _ in services.values()))
     return EntityRow(name, read, when=lambda info: not can_move(info)), EntityRow(name, read, write, "", can_move)
-
-
-def push(name: str, service: str, when: Condition | None = None) -> EntityRow:
-    """Return the row of an action without state."""
-
-    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
-        if value is not True:
-            raise RefusedError(f"{name} {shown(value)}", "it takes only true")
-        return {"service": service}
-
-    return EntityRow(name, None, write, "", when)
 
 
 def sensed(name: str, field: str, read: ReadField, write: WriteField | None = None, unit: str = "") -> EntityRow:
