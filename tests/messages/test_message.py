@@ -116,9 +116,9 @@ def test_messages_of_checked_values_share_no_value() -> None:
     assert Int32.of_checked(data=1).model_fields_set == {"data"} == one.model_fields_set
 
 
-def test_a_message_with_checked_changes_differs_from_the_one_it_was_made_of() -> None:
+def test_a_copy_with_changes_differs_from_the_message_it_was_made_of() -> None:
     before = Time(sec=1, nanosec=2)
-    after = before.with_checked(sec=3)
+    after = before.model_copy(update={"sec": 3})
 
     assert (after, before) == (Time(sec=3, nanosec=2), Time(sec=1, nanosec=2))
     assert after.model_fields_set == {"sec", "nanosec"}

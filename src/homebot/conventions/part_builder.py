@@ -178,7 +178,7 @@ def moved(
                 "reads": tuple([topics[one] for one in part.reads]),
                 "writes": tuple([topics[one] for one in part.writes]),
             }
-        ).slimmed(),
+        ),
         codec.moved(topics),
         tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
         described.expiries,

@@ -9,7 +9,7 @@ Modules of messages do without ``from __future__ import annotations``: pydantic 
 its base classes, when the class is made, and as text each has to be compiled first (15 µs a field).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar
 
@@ -149,10 +149,15 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         _set_fields(message, fields)
         return message
 
-    def with_checked(self, /, **changes: object) -> Self:
-        """Return the message with *changes*, without a look at their values; see :meth:`of_checked`."""
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return the message with the fields of *update*, without a look at their values, as pydantic does.
+
+        A shallow copy takes a quarter of the time of pydantic's, which copies the set of given fields as well.
+        """
+        if deep:
+            return super().model_copy(update=update, deep=True)
         message = _new(type(self))
-        _set_fields(message, {**self.__dict__, **changes})
+        _set_fields(message, {**self.__dict__, **(update or {})})
         return message
 
     def slimmed(self) -> Self:

@@ -203,7 +203,7 @@ class Entity(PartBuilder[StateMessage]):
 
 def _echoed(capability: Capability) -> Capability:
     is_echoed = capability.readable and capability.settable
-    return capability.model_copy(update={"echoed": True}).slimmed() if is_echoed else capability
+    return capability.model_copy(update={"echoed": True}) if is_echoed else capability
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}

@@ -181,8 +181,15 @@ class StoredAnnouncement:
         self, kind: SightingKind, why: str, *, at: Time, until: Time, heard_at: float, confirmed: bool
     ) -> Sighting:
         """Return a sighting of it."""
-        return self.template.with_checked(
-            kind=kind, why=why, confirmed=confirmed, seen_at=at, expires_at=until, heard_at=heard_at
+        return self.template.model_copy(
+            update={
+                "kind": kind,
+                "why": why,
+                "confirmed": confirmed,
+                "seen_at": at,
+                "expires_at": until,
+                "heard_at": heard_at,
+            }
         )
 
     def copy_state(self, before: StoredAnnouncement) -> None:
@@ -236,15 +243,17 @@ class StoredAnnouncement:
             described.convention if text is None else "",
             described.native or text is not None,
             described.whole_device,
-        ).with_checked(
-            key=self.key,
-            service_type=endpoint.service_type,
-            address=endpoint.address,
-            command_address=endpoint.command_address,
-            parts=parts,
-            metadata=_metadata(tuple(described.facts.items())),
-            owns=described.owns,
-            announced_on=announced_on,
+        ).model_copy(
+            update={
+                "key": self.key,
+                "service_type": endpoint.service_type,
+                "address": endpoint.address,
+                "command_address": endpoint.command_address,
+                "parts": parts,
+                "metadata": _metadata(tuple(described.facts.items())),
+                "owns": described.owns,
+                "announced_on": announced_on,
+            }
         )
 
 
