@@ -244,4 +244,7 @@ def _own_name(part: DevicePart) -> str:
 
 
 def _model(device: Device) -> str:
-    return next((fact.value for fact in device.metadata if fact.key == "model"), "")
+    for fact in device.metadata:  # a generator would cost each announcement more
+        if fact.key == "model":
+            return fact.value
+    return ""

@@ -330,22 +330,13 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
         if announced == before:
             continue
         before = announced
+        at = source.first_seen
+        like = Fact(name="", value="", gateway=gateway, convention=convention, key=sighting.key, said_at=at)
         for name, value in (("name", sighting.name), ("area", sighting.area), *map(_PAIR, sighting.metadata)):
             if value and (fact := (name, value, gateway, convention)) not in found:
-                found[fact] = _fact(source, name, value)
+                changed_value, changed_at = source.facts.get(name, ("", at))
+                said_at = changed_at if changed_value == value else at
+                found[fact] = like.model_copy(update={"name": name, "value": value, "said_at": said_at})
         if len(found) >= MAX_FACTS:
             break
     return tuple(found.values())[:MAX_FACTS]
-
-
-def _fact(source: SourceRecord, name: str, value: str) -> Fact:
-    sighting = source.sighting
-    first_value, at = source.facts.get(name, ("", source.first_seen))
-    return Fact(
-        name=name,
-        value=value,
-        gateway=sighting.gateway,
-        convention=sighting.convention,
-        key=sighting.key,
-        said_at=at if first_value == value else source.first_seen,
-    ).slimmed()

@@ -81,7 +81,7 @@ class Expose:
     @property
     def title(self) -> str:
         """The label, with the endpoint unless it is part of the label."""
-        is_titled = set(words_of(self.endpoint)) <= set(words_of(self.label))
+        is_titled = not self.endpoint or set(words_of(self.endpoint)) <= set(words_of(self.label))
         return self.label if is_titled else clean_text(f"{self.label} {self.endpoint}", _MAX_TEXT)
 
     @cached_property

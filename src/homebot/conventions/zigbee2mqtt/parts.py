@@ -134,12 +134,13 @@ class _PartsBuilder:
         """Return :meth:`_parts_of`, described once for all devices that have the expose."""
         own = topics.below()
         shape = self._shape.of(expose)
-        if shape not in expose.shapes:
+        parts = expose.shapes.get(shape)
+        if parts is None:
             parts = tuple(self._parts_of(shape, expose))
             if len(expose.shapes) >= _MOST_SHAPES or not all(is_movable(part, own) for part in parts):
                 return self._parts_of(topics, expose)
             expose.shapes[shape] = parts
-        return [moved(part, own) for part in expose.shapes[shape]]
+        return [moved(part, own) for part in parts]
 
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
@@ -205,7 +206,7 @@ class _PartsBuilder:
 
 
 def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    part = described.part.model_copy(update={"payloads": payload_digest(announced)}).slimmed()
+    part = described.part.model_copy(update={"payloads": payload_digest(announced)})
     return described._replace(part=part)
 
 

@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain, combinations
 from operator import attrgetter
 from typing import Final, TypeAlias, final
@@ -314,6 +315,7 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
     return bool(mine) and bool(others) and mine.isdisjoint(others)
 
 
+@lru_cache(maxsize=4096)  # a device is announced in dozens of messages
 def _names_in(identifiers: tuple[str, ...]) -> tuple[bool, bool]:
     """Return whether a host is among *identifiers*, and whether anything else that is specific is."""
     host = device = False

@@ -75,7 +75,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
                 name=fold(part.name),
                 words=words,
                 prefix=max(prefix, _leading(words, known)),
-                suffix=max(suffix, _leading(words[::-1], known)),
+                suffix=max(suffix, _leading(reversed(words), known)),
                 topics=frozenset([topic for topic in part.writes or part.reads if used[topic] == 1]),
                 is_alone=not part.category and types[part.service_type] == 1,
             )
@@ -286,15 +286,18 @@ def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
 def _common(ids: set[tuple[str, ...]]) -> int:
     """Count the words that all *ids* begin with, before the last word of the shortest."""
     count = 0
-    for column in zip(*(one[:-1] for one in ids), strict=False):
-        if len(set(column)) > 1:
+    shortest = min(map(len, ids)) - 1
+    for word, other in zip(min(ids), max(ids), strict=False):  # what the first and the last in order share, all do
+        if word != other or count >= shortest:
             break
         count += 1
     return count
 
 
-def _leading(words: tuple[str, ...], known: frozenset[str]) -> int:
+def _leading(words: Iterable[str], known: frozenset[str]) -> int:
     count = 0
-    while count < len(words) and words[count] in known:
+    for word in words:
+        if word not in known:
+            break
         count += 1
     return count
