@@ -131,13 +131,13 @@ class CommandExecutor:
         elif device is None or part is None:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
-            outcome = await self._carry_out(self._issued(name, request, device, part))
+            outcome = await self._carry_out(self._issued(name, request, device, part, asked_at))
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by rights or policies at this moment; nothing is recorded."""
-        command = self._issued("", request, device, part)
+        command = self._issued("", request, device, part, self._clock.now())
         if command.is_client and (problem := self._policies.client_refusal(command)):
             return Refused(CLIENT_RIGHTS, problem)
         return self._policies.check(command, is_recorded=False)
@@ -173,7 +173,7 @@ class CommandExecutor:
             )
         return outcome
 
-    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart) -> IssuedCommand:
+    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
         return IssuedCommand(
             name,
             device,
@@ -183,7 +183,7 @@ class CommandExecutor:
             self._policies.rights(request.issuer),
             cause=request.cause,
             trigger=request.trigger,
-            issued_at=self._clock.now(),
+            issued_at=at,
             transition=request.transition,
             code=request.code,
             scope=request.scope,

@@ -49,6 +49,7 @@ CHANGED: Final = "changed_since_approval"
 """The name of the fact that an approved announcement is different now; its value is the change."""
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
+_TELLING = _CAPABILITIES | {"heating_setpoint", "on_off"}
 _ARMED = frozenset({"Armed", "armed"})
 _SCALDING = 100.0
 """Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
@@ -165,7 +166,7 @@ def _why_declared(part: Part) -> str:
     if part.advertised and not part.category and matching_words(part.advertised, HEAT):
         return f"it calls itself {part.advertised}"
     for one in part.capabilities:  # a generator would cost each announcement and command more
-        if one.settable and (reason := _why_settable(one, part)):
+        if one.settable and one.name in _TELLING and (reason := _why_settable(one, part)):
             return reason
     return ""
 

@@ -71,15 +71,13 @@ class CommandFolding:
 
     def add(self, note: JournalNote) -> Sequence[JournalNote]:
         """Return the entries to store after *note*."""
-        if note.kind in _STEPS and note.command not in self._open:  # of a stored command
+        if note.command in self._open:
+            return self._continue(note)
+        if note.kind in _STEPS:  # of a stored command
             return (note,)
         ended = tuple(self._ended(note.at))
-        if note.command in self._open:
-            stored = self._continue(note)
-        elif note.issuer and (note.kind != "denied" or note.settings):  # denials of the door are bounded already
-            stored = self._begin(note)
-        else:
-            stored = (note,)
+        is_bounded = not note.issuer or (note.kind == "denied" and not note.settings)  # as denials of the door are
+        stored = (note,) if is_bounded else self._begin(note)
         return (*ended, *stored) if ended else stored
 
     def waiting(self) -> list[JournalNote]:

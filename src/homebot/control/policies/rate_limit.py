@@ -14,6 +14,8 @@ __all__ = ["RateLimitSettings"]
 
 NAME: Final = "rate_limit"
 
+_WITHIN: Final = Verdict(NAME, allowed=True)
+
 
 class RateLimitSettings(PolicyTable):
     """The table ``[control.rate_limit]``.
@@ -29,7 +31,7 @@ class RateLimitSettings(PolicyTable):
         """Refuse a command that turns a value once more than is allowed."""
         turns = facts.turns.count(command, facts.monotonic, self.seconds)
         if turns < self.changes:
-            return Verdict(NAME, allowed=True)
+            return _WITHIN
         used = FactUsed(f"changes of {command.target} in {self.seconds:g} s", float(turns))
         reason = f"{command.label} was switched to and fro {turns} times within {self.seconds:g} s"
         return Verdict(NAME, allowed=False, reason=reason, facts=(used,))

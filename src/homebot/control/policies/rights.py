@@ -30,6 +30,9 @@ GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
 APPROVAL: Final = "approval"
 
+_GRANTED: Final = Verdict(GRANTS, allowed=True)
+_APPROVED: Final = Verdict(APPROVAL, allowed=True)
+
 _SAFE: Final = ("lock", "turn off")
 _SAFE_SETTING: Final = ("lock",)
 """Off is unsafe for a setting, such as the one by which a lock locks itself, for a part that arms the alarm, and for a
@@ -43,7 +46,7 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
     """
     why = command.why_it_asks
     if command.rights.may_command(command.device, command.part, asks=bool(why)):
-        return Verdict(GRANTS, allowed=True)
+        return _GRANTED
     if not why:
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
@@ -57,7 +60,7 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
 def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse every command to a part that can hurt, unless the owner approved a route that takes it."""
     if not _waits_for_approval(command):
-        return Verdict(APPROVAL, allowed=True)
+        return _APPROVED
     device, why = command.device, command.why_it_asks
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
     reason = f"{command.label} can hurt ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"

@@ -76,7 +76,7 @@ class DeviceProfile:
         longest, is_known = 0.0, True
         for capability in capabilities:
             times = self.times.get(capability, ())
-            longest = max((longest, *times))
+            longest = max(longest, max(times, default=0.0))
             is_known = is_known and len(times) >= _ENOUGH
         limit = durations.ANSWER_FACTOR * longest + durations.ANSWER_SPARE
         if not is_known:

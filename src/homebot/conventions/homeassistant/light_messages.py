@@ -68,8 +68,8 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCom
         message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
     if light.transition is not None:
         message["transition"] = light.transition
-    if light.brightness is not None:
-        message["brightness"] = max(round(light.brightness * scale / 255), 1)
+    if (brightness := light.brightness) is not None:
+        message["brightness"] = max(round(brightness * scale / 255), 1)
     if light.kelvin is not None:
         message["color_temp"] = light.kelvin if in_kelvin else kelvin_mired(light.kelvin)
     if light.effect:
