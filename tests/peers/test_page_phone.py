@@ -70,7 +70,7 @@ async def copy(source: ByteStream, sink: ByteStream) -> None:
     try:
         async for chunk in source:
             await sink.send(chunk)
-    except anyio.BrokenResourceError:
+    except (anyio.BrokenResourceError, anyio.EndOfStream):  # the latter by TLS, if its reader has closed
         return
 
 
