@@ -45,19 +45,6 @@ async def test_the_light_service_switches_lamps_of_every_family(dialect: str) ->
         assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
 
 
-@pytest.mark.virtual_time
-async def test_a_mixed_house_is_known_device_by_device() -> None:
-    """Each device is there once, in its room, whichever family it is of."""
-    world = parse_world(MIXED, "mixed.toml")
-    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
-        await house.run_for("6m")  # each device has said its state again
-        lamps = await Devices(judge).find("lights")
-        found = await Devices(judge).find()
-    assert len(found) == len(world.devices)
-    assert len(lamps) == sum(placed.device.service_type == "lights" for placed in world.devices.values())
-    assert {device.freshness for device in found} == {"fresh"}
-
-
 @pytest.mark.no_cover
 @pytest.mark.virtual_time
 async def test_a_day_of_a_mixed_house_loses_nothing() -> None:

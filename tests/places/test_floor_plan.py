@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from homebot.errors import ConfigError
-from homebot.places import FloorPlan, HouseDoor, HousePlan, HouseRoom, Position, places_text, read_places
+from homebot.places import FloorPlan, HouseDoor, HousePlan, HouseRoom, places_text, read_places
 from homebot.places.floor_plan import RoomAt
 from homebot.places.path import PathFinder, Spot
 from homebot.places.polygon import Polygon
@@ -62,23 +62,6 @@ def test_rooms_of_a_configuration_are_found_by_point(case: dict[str, object]) ->
     areas = [Polygon(room["polygon"], room.get("holes", ())) for room in CASES["rooms"].values()]
     distance = min(area.border_distance(float(str(case["x"])), float(str(case["y"]))) for area in areas)
     assert distance == pytest.approx(case["border_m"], abs=1e-6)
-
-
-def test_the_lamp_behind_the_wall_is_farther_in_a_configured_house() -> None:
-    plan = FloorPlan.of(house())
-    finder = path_finder(plan)
-    for name, position in (("kitchen lamp", Position(4.5, 1)), ("hall lamp", Position(1, 1))):
-        place = plan.place_of(position)
-        assert place is not None
-        finder.put(name, place)
-
-    routes = list(finder.nearest(Spot("Hall", (3.5, 1.0)), lambda _: 3.0))
-
-    assert [(one.target, round(one.path + one.extra, 2)) for one in routes] == [
-        ("hall lamp", 2.5),
-        ("kitchen lamp", 10.07),
-    ]
-    assert routes[1].doors == ("Hall–Kitchen",)  # noqa: RUF001 - as it is named
 
 
 def test_a_wide_opening_is_passed_at_the_nearest_of_several_points() -> None:

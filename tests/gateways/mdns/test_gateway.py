@@ -190,19 +190,6 @@ async def test_the_health_service_counts_the_dropped_addresses_of_a_host() -> No
         assert (await home.counted())["addresses_refused"] == 9
 
 
-async def test_a_device_that_lost_its_power_is_removed_when_its_record_has_run_out_and_found_again_later() -> None:
-    async with house(drivers={}) as home:
-        await home.computer.announce("Hall", 80, ttl=5)
-        await home.seen()
-        await home.computer.vanish()
-        begun = anyio.current_time()
-        gone = await home.seen(kind="removed")
-        assert gone.why == "its announcement has run out, and it does not answer"
-        assert anyio.current_time() - begun < 5 + 3 + 5
-        await home.computer.announce("Hall", 80, ttl=5)
-        assert (await home.seen()).kind == "appeared"
-
-
 async def test_a_device_that_does_not_answer_by_multicast_is_kept_only_while_it_is_connected() -> None:
     lamp = LampServer()
     async with house() as home:

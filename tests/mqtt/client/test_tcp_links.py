@@ -15,7 +15,6 @@ import pytest
 from structlog.testing import capture_logs
 from tests.mqtt.client.conftest import ClientKind
 from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
-from tests.ports import reserve_port
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient
@@ -164,12 +163,6 @@ async def test_a_login_is_refused_or_put_off_and_no_secret_is_told(
     while chain is not None:
         assert "hunter2" not in f"{chain!r} {chain.args}"
         chain = chain.__cause__ or chain.__context__
-
-
-async def test_an_absent_broker_is_a_link_error(make: MakeClient) -> None:
-    with pytest.raises(LinkError, match="nothing is listening there"):
-        async with make(reserve_port()).connected():
-            pass
 
 
 async def test_a_broker_that_does_not_answer_connect_is_a_link_error(
