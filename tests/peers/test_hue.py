@@ -24,6 +24,8 @@ import sys
 
 from aiohue.util import create_app_key
 from aiohue.v2 import HueBridgeV2
+from aiohue.v2.models.feature import ColorFeatureBase, ColorPoint, GradientFeatureBase, GradientPoint
+from aiohue.v2.models.light import LightPut
 
 WITHIN = 30
 
@@ -63,13 +65,19 @@ async def main(host):
             "scenes": sorted(one.metadata.name for one in bridge.scenes),
             "sensors": sorted({one.type.value for one in bridge.sensors}),
         }
-        light = next(one for one in bridge.lights if one.supports_color)
+        light = next(one for one in bridge.lights if one.supports_color and not one.gradient)
+        strip = next(one for one in bridge.lights if one.gradient)
         plug = next(one for one in bridge.lights if not one.supports_dimming)
         await bridge.lights.set_state(light.id, on=True, brightness=50)
         await bridge.lights.set_state(light.id, color_temp=300)
         await until(lambda: light.is_on and light.brightness == 50 and light.color_temperature.mirek == 300)
         await bridge.lights.set_state(light.id, color_xy=(0.3, 0.3))
         await until(lambda: not light.color_temperature.mirek_valid and light.color.xy.x == 0.3)
+        points = [GradientPoint(ColorFeatureBase(ColorPoint(x, 0.3))) for x in (0.2, 0.4, 0.6)]
+        await bridge.lights.update(strip.id, LightPut(gradient=GradientFeatureBase(points)))
+        await until(lambda: len(strip.gradient.points) == 3 and strip.color.xy.x == 0.2)
+        await bridge.lights.set_state(strip.id, color_xy=(0.5, 0.3))
+        await until(lambda: not strip.gradient.points and strip.color.xy.x == 0.5)
         await bridge.lights.turn_on(plug.id)
         await until(lambda: plug.is_on)
         scene = next(one for one in bridge.scenes if one.metadata.name == "Dimmed")
@@ -108,7 +116,7 @@ def device(bridge: SimulatedHueBridge, kind: str, at: str = "") -> HueHouseDevic
 
 async def test_aiohue_pairs_reads_and_commands_without_a_complaint(hue_python: str) -> None:
     bridge, _ = await anyio.to_thread.run_sync(bridge_with_certificate)
-    kinds = (("lamp", ""), ("lamp", "plug"), ("motion", ""), ("lux", ""), ("contact", ""))
+    kinds = (("lamp", ""), ("lamp", "plug"), ("lamp", "gradient"), ("motion", ""), ("lux", ""), ("contact", ""))
     async with anyio.create_task_group() as tasks:
         await tasks.start(bridge.serve)
         for kind, at in kinds:
@@ -129,8 +137,17 @@ async def test_aiohue_pairs_reads_and_commands_without_a_complaint(hue_python: s
     assert last.startswith("{"), printed
     assert json.loads(last) == {
         "bridge": bridge.id,
-        "devices": ["Dimmer", "Hue bridge", "The contact", "The lamp", "The lux", "The motion", "The plug"],
-        "rooms": {"Hall": 5},
+        "devices": [
+            "Dimmer",
+            "Hue bridge",
+            "The contact",
+            "The gradient",
+            "The lamp",
+            "The lux",
+            "The motion",
+            "The plug",
+        ],
+        "rooms": {"Hall": 6},
         "scenes": ["Bright", "Dimmed"],
         "sensors": ["button", "contact", "device_power", "light_level", "motion", "tamper", "zigbee_connectivity"],
         "pressed": ["short_release"],

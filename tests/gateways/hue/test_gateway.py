@@ -20,6 +20,7 @@ from structlog.testing import capture_logs
 from tests.gateways.hue.bridges import BUTTONS, KEY, bridge_with_certificate, button, buttons, pairings_of, self_signed
 from tests.patience import PATIENCE
 
+from homebot.conventions.light_color import to_hue_saturation
 from homebot.devices import GatewayState, KeyValue, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest
@@ -38,6 +39,7 @@ from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow
 
+WHITES = (2000, 6500)
 MessageT = TypeVar("MessageT", bound=Message)
 
 
@@ -294,6 +296,21 @@ async def test_a_plug_is_a_plug_and_a_sensor_has_its_values(tmp_path: Path) -> N
         await home.install("contact", DeviceState(text="open"))
         await reading(reports, "contact", lambda one: one is True)
         await reading(reports, "tamper", lambda one: one is False)
+
+
+async def test_a_gradient_light_shows_its_first_colour_and_takes_one_for_all(tmp_path: Path) -> None:
+    async with house(tmp_path) as home:
+        reports = home.reports()
+        strip = await home.install("lamp", DeviceState(text="off"), at="gradient")
+        await home.sighting("The lamp")
+        points = [{"color": {"xy": {"x": x, "y": 0.3}}} for x in (0.7, 0.2)]
+        strip.obey({"gradient": {"points": points}})
+        await reading(reports, "color", lambda one: one == pytest.approx(to_hue_saturation("xy", (0.7, 0.3), WHITES)))
+        assert (await home.send(strip.owner_id, "color", (30.0, 60.0))).success
+        await reading(reports, "color", lambda one: one == pytest.approx((30.0, 60.0), abs=1.0))
+        gradient = home.bridge.resources[strip.resource_id("light")]["gradient"]
+        assert isinstance(gradient, dict)
+        assert gradient["points"] == []
 
 
 async def test_each_press_is_one_event_and_none_comes_from_a_list(tmp_path: Path) -> None:

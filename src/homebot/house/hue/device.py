@@ -22,7 +22,8 @@ class HueHouseDevice(ServedDevice):
         device: Its name and kind.
         on_command: Gets each command for it.
         bridge: The bridge.
-        kind: Its kind at the bridge, where it is another: ``plug`` for a lamp at a plug.
+        kind: Its kind at the bridge, where it is another: ``plug`` for a lamp at a plug, ``gradient`` for one with
+            several colours.
     """
 
     def __init__(
@@ -70,8 +71,11 @@ class HueHouseDevice(ServedDevice):
         """Carry out a command to its light; the house knows nothing of colours and effects."""
         light = self._bridge.resources[self.resource_id("light")]
         changed: Resource = {}
-        if isinstance(body.get("color"), dict):
-            changed["color"] = _joined(light["color"], body["color"])
+        color = _first_color(body)
+        if "gradient" in light and (color or "color_temperature" in body):
+            changed["gradient"] = _joined(light["gradient"], body.get("gradient", {"points": []}))
+        if color:
+            changed["color"] = _joined(light["color"], color)
             changed["color_temperature"] = _joined(light["color_temperature"], {"mirek": None, "mirek_valid": False})
         elif "color_temperature" in body:
             changed["color_temperature"] = _joined(light["color_temperature"], {"mirek_valid": True})
@@ -92,6 +96,13 @@ class HueHouseDevice(ServedDevice):
             if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
                 found["color_temperature"] = now
         return found
+
+
+def _first_color(body: Mapping[str, object]) -> object:
+    """Return the colour that a request asks for; of a gradient that of its first point."""
+    points = _joined(None, body.get("gradient")).get("points")
+    first = points[0] if isinstance(points, list) and points else body
+    return first.get("color") if isinstance(first, dict) else None
 
 
 def _joined(before: object, change: object) -> Resource:

@@ -36,18 +36,27 @@ _GAMUT: Final = {
     "green": {"x": 0.17, "y": 0.7},
     "blue": {"x": 0.1532, "y": 0.0475},
 }
+_GRADIENT: Final = {
+    "points": [],
+    "mode": "interpolated_palette",
+    "points_capable": 5,
+    "mode_values": ["interpolated_palette", "interpolated_palette_mirrored", "random_pixelated"],
+    "pixel_count": 10,
+}
 _SERVICES: Final[Mapping[str, tuple[str, ...]]] = {
     "lamp": ("light",),
     "plug": ("light",),
+    "gradient": ("light",),
     "motion": ("motion", "device_power"),
     "lux": ("light_level", "device_power"),
     "contact": ("contact", "tamper", "device_power"),
 }
-"""By kind: the house's, and ``plug``, at which there is a lamp."""
+"""By kind: the house's, ``plug``, at which there is a lamp, and ``gradient``, a lamp with several colours."""
 
 _PRODUCTS: Final = {
     "lamp": ("LCA001", "Hue color lamp", "sultan_bulb"),
     "plug": ("LOM001", "Hue smart plug", "plug"),
+    "gradient": ("LCX004", "Hue gradient lightstrip", "hue_lightstrip"),
     "motion": ("SML003", "Hue motion sensor", "unknown_archetype"),
     "lux": ("SML003", "Hue motion sensor", "unknown_archetype"),
     "contact": ("SOC001", "Hue secure contact sensor", "unknown_archetype"),
@@ -78,6 +87,8 @@ def device_resources(
     for one in found:
         if one["type"] == "zigbee_connectivity":
             one |= {"status": "connected", "mac_address": radio_address(device)}
+        if kind == "gradient" and one["type"] == "light":
+            one["gradient"] = dict(_GRADIENT)
         if one["type"] == "light":
             one |= {"metadata": {"name": device.device_id, "archetype": _PRODUCTS[kind][2], "function": "mixed"}}
     return [_device(owner["rid"], device.device_id, kind, found), *found]
