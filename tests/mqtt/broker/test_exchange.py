@@ -114,6 +114,16 @@ def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Jo
     assert len(loner.messages()) == len(other_group.messages()) == 6
 
 
+def test_a_member_of_a_group_gets_the_retain_flag_as_it_asked_for_it(join: Join) -> None:
+    plain, exact = join("plain"), join("exact")
+    plain.subscribe("$share/plain/t")
+    exact.subscribe(FilterRequest("$share/exact/t", 0, retain_as_published=True))
+    for retain in (True, False):
+        plain.publish("t", b"1", retain=retain)
+    assert [message.retain for message in plain.messages()] == [False, False]
+    assert [message.retain for message in exact.messages()] == [True, False]
+
+
 def test_a_shared_subscription_prefers_those_who_are_there_and_not_slow(join: Join) -> None:
     absent = join("absent", session_expiry_interval=FOREVER)
     slow, quick = join("slow", receive_maximum=1), join("quick")

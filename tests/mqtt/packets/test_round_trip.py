@@ -34,6 +34,12 @@ def test_a_message_survives_older_versions_without_its_properties(packet: Publis
     assert list(PacketReader(version).feed(encode(packet, version))) == [expected]
 
 
+def test_a_topic_may_be_longer_than_255_bytes() -> None:
+    packet = Publish("t" * 700, b"x")
+    assert encode(packet)[3:5] == b"\x02\xbc"
+    assert list(PacketReader().feed(encode(packet))) == [packet]
+
+
 def test_the_table_has_every_property_once() -> None:
     names = [row.name for row in _TABLE]
     assert sorted(names) == sorted(field.name for field in fields(Properties))
