@@ -197,7 +197,7 @@ class BridgeRunner(DeviceRunner):
 
     def _describe(self, why: str, ids: Collection[str]) -> None:
         """Publish the devices with these ids, and remove those that the bridge no longer has."""
-        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, ids)}
+        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, sorted(ids))}
         before = {key for key, one in self._described.items() if one.id in ids}
         for gone in before - devices.keys():
             del self._described[gone]
