@@ -89,7 +89,7 @@ class Notifier:
         settings: The table; without it they are logged alone.
 
     Attributes:
-        failed: Number of those that a service did not take.
+        failed: Number of notifications that a service did not take.
         trouble: The reason why the last one was not sent; empty if it was.
     """
 

@@ -45,14 +45,7 @@ MOST_IN_MEMORY: Final = 10_000
 class ControlLayer:
     """The parts of the control layer, each with those that it calls.
 
-    Args:
-        settings: The table ``[control]``; None for its defaults.
-        grants: The scope of each node that may not command everything, by its full name.
-        trusts_apps: Whether nodes without a scope may command devices that always ask.
-        approves_all: Whether no device needs an approval, regardless of the settings.
-        journal_file: The file of the journal; None for memory.
-        store: The store of the journal, in place of the file.
-        rehearsal: Answers commands in place of the devices; None if they are sent.
+    The arguments are those of :class:`homebot.control.Control`.
     """
 
     def __init__(

@@ -56,7 +56,7 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
         command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
             and its value, such as ``level 40``; :data:`SET` for none. Capitals make no difference.
         values: Further values by capability, as text: ``level`` is ``40``.
-        target: Its name, for errors.
+        target: The name of the part, for errors.
 
     Raises:
         RefusedError: It takes no such word, capability or value, or there is none; the message names those that it

@@ -223,7 +223,7 @@ def with_approvals(
     """Return the description with the owner's approvals: each approved route, and the changes since elsewhere.
 
     Args:
-        approvals: Its approved parts, each with the changes since as text.
+        approvals: The approved parts of the device, each with the changes since as text.
     """
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
     facts = [_owner_fact(CHANGED, change, place, approval) for place, approval, change in approvals if change]

@@ -42,7 +42,8 @@ class SendingPlan:
         keeps_for: Seconds for which the network may store a sending before the next one.
         echo_patience: Seconds after an echo in which the device's own report is waited for; inf without echoes.
         attempts: How often it was sent, or was to be.
-        began: When the first of them ended: a gateway may have had to connect before.
+        asked_at: When the last sending ended.
+        began: When the first sending ended: a gateway may have had to connect before.
         lost_at: When the connection was last lost; -inf for never.
     """
 

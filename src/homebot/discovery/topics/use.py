@@ -38,6 +38,7 @@ class Place(NamedTuple):
 
     Attributes:
         levels: Whole levels of the topic that name a device.
+        words: All words in it that name a device.
         leads: For each level the first of them, which devices name their announcements by.
         numbers: Those of the words that are a number of the device, such as a hardware address.
     """
