@@ -213,11 +213,11 @@ async def test_a_bridge_that_forgot_homebot_is_named_with_the_next_step(tmp_path
         await home.sighting("The lamp")
         home.bridge.keys.clear()
         refused = await home.send(lamp.owner_id, "on_off", True)
-        assert "does not know homebot any more: press its button" in refused.message
+        assert "has forgotten homebot: press its button" in refused.message
         await home.kill()
         states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
         await home.tasks.start(home.serve)
-        state = await receive(states, lambda one: "does not know homebot any more" in one.reason)
+        state = await receive(states, lambda one: "has forgotten homebot" in one.reason)
         assert KEY not in state.reason
 
 

@@ -111,8 +111,7 @@ class BridgeRunner(DeviceRunner):
             try:
                 await self._follow(origin, pairing)
             except CertificateError:
-                changed = f"its certificate at {origin.removeprefix('https://')} is not that of its pairing"
-                failed = PeerError(f"{changed}; if it was reset, {self._remedy}")
+                failed = PeerError(f"{origin} has another certificate than at its pairing; if reset, {self._remedy}")
             except LinkError as exc:
                 failed = failed if isinstance(failed, PeerError) else exc
             if self._has_answered:
@@ -150,9 +149,7 @@ class BridgeRunner(DeviceRunner):
         return f"press its button, then run `homebot pair '{self.name}'`"
 
     def _explained(self, exc: RefusedError) -> PeerError:
-        return (
-            PeerError(f"the bridge does not know homebot any more: {self._remedy}") if exc.code in _NO_ACCESS else exc
-        )
+        return PeerError(f"the bridge has forgotten homebot: {self._remedy}") if exc.code in _NO_ACCESS else exc
 
     async def _follow(self, origin: str, pairing: HuePairing) -> None:
         from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
