@@ -34,8 +34,8 @@ class AccessSettings(BaseModel):
         port: TCP port; 0 takes a free one.
         token: The required token, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
         allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
-            ``https://panel.example.org``; ``null`` is a page opened from a file. The names in them are names of this
-            server too, such as behind a proxy.
+            ``https://panel.example.org``; ``null`` is a page opened from a file. Where every client needs a token,
+            the names in them are names of this server too, such as behind a proxy.
         max_clients: Clients at a time; one more is turned away.
     """
 
@@ -63,7 +63,7 @@ def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[st
         return "exactly one Host and at most one Origin header are expected"
     host = _host_of(f"//{hosts[0]}") if _HOST.fullmatch(hosts[0]) else ""
     if not _is_ours(settings, host):
-        return f"this server does not accept the host name {(host or hosts[0])[:100]!a}; see allowed_origins"
+        return f"this server does not accept the host name {(host or hosts[0])[:100]!a}; see token and allowed_origins"
     if origins and origins[0] not in settings.allowed_origins:
         origin = _host_of(origins[0])
         if origin != host and not is_loopback(origin):
@@ -95,7 +95,10 @@ def name_of_token(tokens: Mapping[str, SecretStr], shown: str) -> str:
 
 
 def _is_ours(settings: AccessSettings, host: str) -> bool:
-    if is_loopback(host) or host in {settings.host.lower(), *map(_host_of, settings.allowed_origins)} - {""}:
+    if is_loopback(host) or host == settings.host.lower():
+        return True
+    needs_token = settings.token is not None or not is_loopback(settings.host)
+    if needs_token and host in set(map(_host_of, settings.allowed_origins)) - {""}:
         return True
     try:
         _address(host)
