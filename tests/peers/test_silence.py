@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from pathlib import Path
 
 import anyio
 import pytest
@@ -29,7 +28,7 @@ DRIVERS: dict[str, tuple[type[Driver], str]] = {
     "thing": (ThingDriver, "_wot._tcp.local."),
     "wled": (WledDriver, "_wled._tcp.local."),
 }
-DEVICES = Path(__file__).with_name("silent_devices.py")
+DEVICES = "tests.peers.silent_devices"
 HANGS_AFTER = 150.0
 """Far more than any driver needs on the slowest machine."""
 
@@ -61,7 +60,7 @@ class Watched:
 async def test_a_device_that_says_nothing_any_more_is_noticed(how: str, lan: Lan, hub: Machine) -> None:
     del hub
     machine = lan.machine("dev")
-    async with machine.program(sys.executable, str(DEVICES), machine.address) as program:
+    async with machine.program(sys.executable, "-m", DEVICES, machine.address) as program:
         printed = await program.prints("ports")
         ports: dict[str, int] = json.loads(printed.partition("ports")[2].splitlines()[0])
         watched = [Watched(name, machine.address, port) for name, port in sorted(ports.items())]
