@@ -358,6 +358,21 @@ async def test_after_a_gap_it_knows_what_changed_and_what_is_gone(tmp_path: Path
         await receive(sightings, lambda one: (one.key, one.kind) == (BUTTONS, "removed"))
 
 
+async def test_what_is_behind_a_lost_bridge_is_unreachable_until_that_returns(tmp_path: Path) -> None:
+    def lamp_is(reachable: object) -> Callable[[Report], bool]:
+        said = ("reachable", reachable)
+        return lambda one: one.key == lamp.owner_id and said in [(a.capability, a.value.plain()) for a in one.readings]
+
+    async with house(tmp_path) as home:
+        lamp = await home.install("lamp", DeviceState(text="off"))
+        reports = home.reports()
+        await receive(reports, lamp_is(True))
+        await home.kill()
+        await receive(reports, lamp_is(False))
+        await home.tasks.start(home.serve)
+        await receive(reports, lamp_is(True))
+
+
 async def test_commands_around_a_restart_come_once_or_not_at_all(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
         lamp = await home.install("lamp", DeviceState(text="off"))

@@ -140,8 +140,10 @@ class BridgeRunner(DeviceRunner):
         self._devices.put(device, "it was found", confirmed=False)
 
     def on_end(self) -> None:
-        """Publish that there is no connection."""
+        """Publish that there is no connection to the bridge and to what is behind it."""
         super().on_end()
+        for key in self._described:
+            self._devices.report_reachable(key, reachable=False)
         self._on_state()
 
     @property
@@ -207,7 +209,7 @@ class BridgeRunner(DeviceRunner):
             self.name, devices = name, self._described
         for key, device in devices.items():
             self._put(key, device, why)
-            if device.reachable is not None and not device.is_bridge:
+            if not device.is_bridge:
                 self._devices.report_reachable(key, reachable=device.reachable)
 
     def _put(self, key: str, device: HueDevice, why: str) -> None:
