@@ -163,7 +163,7 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
         async with opened(path) as stores:
             assert dict(stores.of("hall")) == {}
             stores.of("hall")["armed"] = True
-    assert [line["event"] for line in lines] == ["app.store_damaged"]
+    assert [line["event"] for line in lines] == ["file.damaged"]
     assert len(list(tmp_path.glob("apps.sqlite.damaged-*"))) == 1
     assert rows(path) == {("hall", "armed"): True}
 
@@ -177,8 +177,8 @@ async def test_a_file_that_breaks_or_goes_while_it_is_used_is_written_anew(tmp_p
         shutil.rmtree(path.parent)
         stores.of("hall")["three"] = 3
         await stores.flush()
-        assert stores._file is not None
-        stores._file._opened().execute("DROP TABLE store")  # as good as damaged
+        assert stores._kept is not None
+        stores._kept.file._opened().execute("DROP TABLE store")  # as good as damaged
         stores.of("hall")["four"] = 4
         await stores.flush()
         await stores.flush()
@@ -200,7 +200,7 @@ async def test_a_file_that_cannot_be_read_is_not_written_over(tmp_path: Path) ->
     assert path.read_bytes() == before
     (line,) = lines
     assert "written by a newer homebot" in line["message"]
-    assert line["message"].endswith("until the next start, what apps keep is in memory alone")
+    assert line["message"].endswith("until the next start what apps keep is in memory alone")
 
 
 async def test_what_cannot_be_written_now_is_written_later(tmp_path: Path) -> None:
@@ -215,10 +215,10 @@ async def test_what_cannot_be_written_now_is_written_later(tmp_path: Path) -> No
         async with opened(path) as stores:
             stores.of("hall")["armed"] = False
             await stores.flush()
-            assert stores._file is not None
-            stores._file._opened().execute("DROP TRIGGER full")
+            assert stores._kept is not None
+            stores._kept.file._opened().execute("DROP TRIGGER full")
     assert rows(path) == {("hall", "armed"): False}
-    assert [line["event"] for line in lines] == ["app.store_not_written"]
+    assert [line["event"] for line in lines] == ["file.not_written", "file.written_again"]
 
 
 async def test_an_app_without_a_runtime_keeps_its_values_in_memory() -> None:

@@ -159,8 +159,8 @@ async def test_a_file_that_is_removed_while_it_is_used_is_begun_anew_and_told(tm
     async with opened(path) as store:
         assert await read(store) == (entry(1), entry(2))
         assert store.problem == ""
-    (line,) = [one for one in lines if one["event"] == "control.journal_removed"]
-    assert line["message"].endswith("stop homebot before you move it; a new one is begun")
+    (line,) = [one for one in lines if one["event"] == "file.removed"]
+    assert line["message"].endswith("a new one is begun; stop homebot before you move it")
 
 
 async def test_a_file_of_a_newer_homebot_is_left_alone(tmp_path: Path) -> None:

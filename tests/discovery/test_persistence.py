@@ -107,7 +107,7 @@ async def test_a_damaged_file_is_told_and_what_is_known_goes_into_a_new_one(
     with capture_logs() as lines:
         async with directory_with(path) as directory:
             directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
-    assert "discovery.index_file_damaged" in [line["event"] for line in lines]
+    assert "file.damaged" in [line["event"] for line in lines]
     assert len(list(path.parent.glob("*.damaged-*"))) >= 1
     async with directory_with(path) as directory:
         assert len(directory.index) == 1
@@ -124,8 +124,8 @@ async def test_a_file_that_is_removed_while_it_is_used_is_written_anew_with_all_
             for file in path.parent.glob(f"{path.name}*"):
                 file.unlink()
             directory.index.observe(announce("p", part(id="p"), ids=("id:plug",), name="Plug"))
-    (line,) = [one for one in lines if one["event"] == "discovery.index_file_removed"]
-    assert line["message"].endswith("a new one is written; stop homebot before you move it")
+    (line,) = [one for one in lines if one["event"] == "file.removed"]
+    assert line["message"].endswith("a new one is begun; stop homebot before you move it")
     async with directory_with(path) as directory:
         assert sorted(one.id for one in directory.index.devices()) == ["lamp", "plug"]
 
@@ -151,7 +151,7 @@ async def test_a_place_that_cannot_be_written_is_told_and_costs_no_device(
         async with directory_with(path / "index.sqlite") as directory:
             directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
             assert len(directory.index.devices()) == 1
-    assert "discovery.index_file_not_written" in [line["event"] for line in lines]
+    assert "file.not_written" in [line["event"] for line in lines]
 
 
 async def test_a_device_that_no_file_can_hold_costs_itself_alone(
@@ -184,7 +184,7 @@ async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:
     with capture_logs() as lines:
         async with directory_with(path):
             pass
-    assert "discovery.index_file_not_used" in [line["event"] for line in lines]
+    assert "file.not_used" in [line["event"] for line in lines]
 
 
 async def test_a_disk_that_has_room_again_is_written_within_ten_seconds(
@@ -204,7 +204,7 @@ async def test_a_disk_that_has_room_again_is_written_within_ten_seconds(
             with anyio.fail_after(PATIENCE):
                 while (await health.call(HealthRequest())).troubles:  # noqa: ASYNC110 - a thread of SQLite tells nobody
                     await anyio.sleep(0.01)
-            assert "discovery.index_file_written_again" in [line["event"] for line in lines]
+            assert "file.written_again" in [line["event"] for line in lines]
             assert path.is_file()
 
 
@@ -218,9 +218,9 @@ async def test_what_could_not_be_written_is_written_when_it_can_be(
             directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
             assert "lamp" in directory.index.unsaved
             path.rmdir()
-    assert [line["event"] for line in lines if "index_file" in line["event"]] == [
-        "discovery.index_file_not_written",
-        "discovery.index_file_written_again",
+    assert [line["event"] for line in lines if line["event"].startswith("file.")] == [
+        "file.not_written",
+        "file.written_again",
     ]
     async with directory_with(path) as directory:
         assert [one.id for one in directory.index.devices()] == ["lamp"]

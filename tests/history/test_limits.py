@@ -113,10 +113,10 @@ async def test_the_loop_goes_on_while_a_hundred_thousand_values_are_written(tmp_
             while collector.batch.new:
                 await anyio.sleep(0.001)
                 longest, before, turns = max(longest, time.thread_time() - before), time.thread_time(), turns + 1
-        assert store.problem == ""
+        assert store.kept.problem == ""
         assert turns > 5
         assert longest < LONGEST_TURN
-        await store.close()
+        await store.kept.close()
 
 
 async def test_devices_that_are_gone_leave_room_for_new_ones() -> None:

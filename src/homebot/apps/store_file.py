@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeAlias, final
@@ -45,10 +44,8 @@ class StoreFile(SqliteFile):
             LinkError: It cannot be read now.
             WireError: It is damaged.
         """
-        try:
-            rows = self._opened().execute("SELECT app, key, value FROM store").fetchall()
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "read") from exc
+        with self._used("read") as connection:
+            rows = connection.execute("SELECT app, key, value FROM store").fetchall()
         found: dict[str, dict[str, str]] = {}
         for app, key, value in rows:
             if isinstance(app, str) and isinstance(key, str) and _is_json(value):
@@ -62,15 +59,11 @@ class StoreFile(SqliteFile):
             LinkError: It cannot be written now; nothing was written.
             WireError: It is damaged; nothing was written.
         """
-        connection = self._opened()
         gone = [place for place, text in changes.items() if text is None]
         rows = [(*place, text) for place, text in changes.items() if text is not None]
-        try:
-            with connection:
-                connection.executemany("DELETE FROM store WHERE app = ? AND key = ?", gone)
-                connection.executemany("INSERT OR REPLACE INTO store VALUES (?, ?, ?)", rows)
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "written") from exc
+        with self._used("written") as connection, connection:
+            connection.executemany("DELETE FROM store WHERE app = ? AND key = ?", gone)
+            connection.executemany("INSERT OR REPLACE INTO store VALUES (?, ?, ?)", rows)
 
 
 def _is_json(value: object) -> bool:

@@ -6,6 +6,7 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -19,20 +20,16 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.errors import LinkError, UsageError, WireError
+from homebot.errors import LinkError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 
 if TYPE_CHECKING:
     from homebot.discovery.store import IndexFile
+    from homebot.support.kept_file import KeptFile
 
 __all__ = ["IndexPersistence"]
 
-DAMAGED = "discovery.index_file_damaged"
-REMOVED = "discovery.index_file_removed"
-NOT_WRITTEN = "discovery.index_file_not_written"
-WRITTEN_AGAIN = "discovery.index_file_written_again"
-NOT_USED = "discovery.index_file_not_used"
 LOADED = "discovery.index_file_loaded"
 BAD_RECORD = "discovery.index_record_rejected"
 
@@ -83,36 +80,40 @@ class IndexPersistence:
 
     Attributes:
         file: Where the file is; empty for nowhere.
-        state: ``off``, ``ok``, or the problem with the file, in words.
-        failures: How often it could not be written or read.
-        damaged: How many damaged files were set aside.
     """
 
     def __init__(self, node: Node, index: DeviceIndex, path: Path | None, known: Sequence[IndexRow] = ()) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._index = index
-        self._file = _index_file(path) if path is not None else None
         self._known = known
         self._limit = LogLimit(self._clock)
-        self.failures = 0
-        self.damaged = 0
+        self._rejected = 0
         self.file = str(path or "")
-        self.state = "off" if path is None else "ok"
+        self._kept = None if path is None else self._kept_file(path)
         self._owner: Mapping[str, OwnerRecord] = {DECISIONS: index.decisions, PLACES: index.owner}
         index.is_saved = path is not None
 
+    @property
+    def problem(self) -> str:
+        """The trouble of the file, as text; empty if there is none."""
+        return "" if self._kept is None else self._kept.problem
+
+    def counts(self) -> Mapping[str, int]:
+        """Return how often the file or a record could not be written, and how many damaged files were moved aside."""
+        kept = self._kept
+        failures, damaged = (0, 0) if kept is None else (kept.failures, kept.damaged)
+        return {"index_file_failures": failures + self._rejected, "index_file_damaged": damaged}
+
     async def load(self) -> None:
         """Take in the content of the file, as unconfirmed; an unusable file costs no more than its content."""
-        if self._file is None:
+        if self._kept is None:
             await self._restore_entries(_understood(_records_of(self._known)))
             return
-        if not await self._open(self._file):
-            return
         try:
-            known = await to_thread.run_sync(_read, self._file)
-        except LinkError as exc:
-            await self._set_aside(self._file, str(exc))
+            async with self._kept.opened() as file:
+                known = await to_thread.run_sync(_read, file)
+        except LinkError:
             return
         await self._restore_entries(known)
 
@@ -157,99 +158,53 @@ class IndexPersistence:
                 self._node.log.warning(BAD_RECORD, message=f"the record {name!r} in {self.file}: {exc}")
         return rejected
 
-    def _save_owner(self) -> None:
-        """Note that nothing that the owner decided is in the index file."""
+    def _save_all(self) -> None:
+        """Note that nothing of what is known is in the index file."""
+        self._index.save_all()
         for owner in self._owner.values():
             owner.is_unsaved = True
 
     async def run(self) -> None:
         """Write the changes until cancelled, then once more."""
-        if self._file is None:
+        if self._kept is None:
             await anyio.sleep_forever()
             return
         try:
             while True:
-                await anyio.sleep(SAVE_EVERY if self.state == "ok" else RETRY_AFTER)
-                await self._save(self._file)
+                await anyio.sleep(RETRY_AFTER if self._kept.problem else SAVE_EVERY)
+                await self._save(self._kept)
         finally:
             with anyio.move_on_after(_LAST_CHANCE, shield=True):
-                await self._save(self._file)
-                await to_thread.run_sync(self._file.close)
+                await self._save(self._kept)
+                await self._kept.close()
 
-    async def _open(self, file: IndexFile) -> bool:
-        try:
-            damaged = await to_thread.run_sync(file.open, self._clock.now())
-        except UsageError as exc:
-            self._node.log.warning(NOT_USED, message=f"{exc}; devices are not remembered", file=self.file)
-            self.state, self._file, self._index.is_saved = str(exc), None, False
-            return False
-        except LinkError as exc:
-            self._log_failure(exc)
-            return False
-        if damaged is not None:
-            self._log_damage(damaged)
-            self._index.save_all()
-            self._save_owner()
-        return True
+    async def _save(self, kept: KeptFile[IndexFile]) -> None:
+        with suppress(LinkError):
+            while self._is_unsaved and not kept.is_unusable:
+                async with kept.opened(writes=True) as file:
+                    await self._save_batch(file)
 
-    async def _save(self, file: IndexFile) -> None:
-        if self._is_unsaved and self.state == "ok" and await to_thread.run_sync(file.is_lost):
-            await self._begin_anew(file)
-        while self._is_unsaved:
-            if not await self._save_batch(file):
-                return
-
-    async def _save_batch(self, file: IndexFile) -> bool:
-        """Write some unsaved devices, and the unsaved records of the owner; return whether they are saved now."""
+    async def _save_batch(self, file: IndexFile) -> None:
+        """Write some unsaved devices, and the unsaved records of the owner."""
         batch = tuple(islice(self._index.unsaved, _BATCH))
         for device_id in batch:
             del self._index.unsaved[device_id]
         unsaved = [name for name, owner in self._owner.items() if owner.is_unsaved]
         for name in unsaved:
             self._owner[name].is_unsaved = False
-        is_written = False
         try:
-            is_written = await self._write(file, batch, unsaved)
-        finally:
-            if not is_written:
-                self._index.unsaved.update(dict.fromkeys(batch))
-                for name in unsaved:
-                    self._owner[name].is_unsaved = True
-        return is_written
+            records = await self._records(batch)
+            records = records._replace(owner=tuple((name, self._owner[name].record()) for name in unsaved))
+            await to_thread.run_sync(file.write, records, batch)
+        except BaseException:
+            self._index.unsaved.update(dict.fromkeys(batch))
+            for name in unsaved:
+                self._owner[name].is_unsaved = True
+            raise
 
     @property
     def _is_unsaved(self) -> bool:
         return bool(self._index.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
-
-    async def _begin_anew(self, file: IndexFile) -> None:
-        """Begin a new file, with all that is known now, in place of one that was removed."""
-        self._node.log.warning(
-            REMOVED,
-            message=f"the index file {self.file} was removed or replaced while homebot ran; a new one is written; "
-            "stop homebot before you move it",
-            file=self.file,
-        )
-        self._index.save_all()
-        self._save_owner()
-        await self._open(file)
-
-    async def _write(self, file: IndexFile, batch: tuple[str, ...], owner: Iterable[str]) -> bool:
-        records = await self._records(batch)
-        records = records._replace(owner=tuple((name, self._owner[name].record()) for name in owner))
-        if self.state != "ok" and not await self._open(file):
-            return False
-        try:
-            await to_thread.run_sync(file.write, records, batch)
-        except WireError as exc:
-            await self._set_aside(file, str(exc))
-            return False
-        except LinkError as exc:
-            self._log_failure(exc)
-            return False
-        if self.state != "ok":
-            self.state = "ok"
-            self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} can be written again", file=self.file)
-        return True
 
     async def _records(self, batch: tuple[str, ...]) -> Records:
         """Make the records; a device that changes during a pause is unsaved again, and in the next batch."""
@@ -270,38 +225,28 @@ class IndexPersistence:
         try:
             return None if entry is None else (device_id, entry_record(entry))
         except WireError as exc:
-            self.failures += 1
+            self._rejected += 1
             if self._limit.allows(BAD_RECORD) is not None:
                 self._node.log.warning(BAD_RECORD, message=f"a device is not remembered: {exc}")
             return None
 
-    async def _set_aside(self, file: IndexFile, why: str) -> None:
-        """Begin a new file with all that is known now."""
-        self.state = why
-        try:
-            self._log_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
-        except OSError as exc:
-            self._log_failure(LinkError(f"{self.file} cannot be set aside: {exc}"))
-            return
-        self._index.save_all()
-        self._save_owner()
-        if await self._open(file):
-            self.state = "ok"
+    def _kept_file(self, path: Path) -> KeptFile[IndexFile]:
+        from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
+        from homebot.support.kept_file import KeptFile  # noqa: PLC0415 - as above
 
-    def _log_damage(self, where: Path) -> None:
-        self.damaged += 1
-        self._node.log.warning(
-            DAMAGED,
-            message=f"the index file was damaged; it was moved to {where}, and a new one is used",
-            file=str(where),
+        return KeptFile(
+            IndexFile(path),
+            "the index file",
+            "devices are not remembered",
+            self._node.log,
+            self._clock.now,
+            self._limit.allows,
+            on_new=self._save_all,
+            on_end=self._end,
         )
 
-    def _log_failure(self, exc: LinkError) -> None:
-        self.failures += 1
-        self.state = str(exc)
-        held_back = self._limit.allows(NOT_WRITTEN)
-        if held_back is not None:
-            self._node.log.warning(NOT_WRITTEN, message=f"{exc}; trying again", file=self.file, held_back=held_back)
+    def _end(self) -> None:
+        self._index.is_saved = False
 
 
 class _SavedState(NamedTuple):
@@ -342,9 +287,3 @@ def _understood(records: Records) -> _SavedState:
     entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
     tombstones.sort(key=lambda one: (one.at, one.id))
     return _SavedState(tuple(entries), tuple(tombstones), dict(records.owner), rejected)
-
-
-def _index_file(path: Path) -> IndexFile:
-    from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
-
-    return IndexFile(path)

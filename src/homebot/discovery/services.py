@@ -304,10 +304,9 @@ class DirectoryServices:
             "devices": len(self._index),
             "forgotten_devices": len(self._index.tombstones),
             **self._index.counts(),
-            "index_file_failures": self._persistence.failures,
-            "index_file_damaged": self._persistence.damaged,
+            **self._persistence.counts(),
         }
-        troubles = () if self._persistence.state in {"off", "ok"} else (self._persistence.state,)
+        troubles = (self._persistence.problem,) if self._persistence.problem else ()
         plan = self._index.owner.plan
         overlaps = homebot.places.FloorPlan.of(plan).overlaps if plan.has_areas else ()
         notes = [

@@ -11,7 +11,7 @@ from typing import final
 from platformdirs import user_data_path
 
 from homebot.discovery.record import Records
-from homebot.errors import LinkError
+from homebot.errors import WireError
 from homebot.names import escape_token
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
@@ -78,7 +78,8 @@ class IndexFile(SqliteFile):
         """Return all rows, devices in the order of their ids.
 
         Raises:
-            LinkError: It cannot be read.
+            LinkError: It is not open.
+            WireError: It cannot be read, which nothing but a new file would mend.
         """
         connection = self._opened()
         try:
@@ -86,7 +87,7 @@ class IndexFile(SqliteFile):
             tombstones = connection.execute("SELECT id, record FROM tombstones ORDER BY id").fetchall()
             owner = connection.execute("SELECT name, record FROM owner ORDER BY name").fetchall()
         except sqlite3.Error as exc:
-            raise LinkError(f"{self._title} cannot be read: {exc}") from exc
+            raise WireError(f"{self._title} cannot be read: {exc}") from exc
         return Records(_texts(devices), _texts(tombstones), _texts(owner))
 
     def write(self, records: Records, ids: Sequence[str]) -> None:
@@ -98,8 +99,7 @@ class IndexFile(SqliteFile):
             LinkError: It cannot be written now; nothing of it was.
             WireError: The file is damaged; nothing was written.
         """
-        connection = self._opened()
-        try:
+        with self._used("written") as connection:
             connection.execute(f"PRAGMA synchronous = {'FULL' if records.owner else 'NORMAL'}")
             with connection:
                 stones = [(one, record) for one, record in records.tombstones if _is_text(one)]
@@ -116,8 +116,6 @@ class IndexFile(SqliteFile):
                         rows,
                     )
                 connection.executemany("INSERT OR REPLACE INTO owner VALUES (?, ?)", records.owner)
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "written") from exc
 
 
 def _is_text(device_id: str) -> bool:

@@ -85,24 +85,24 @@ class HistoryKeeper:
             with anyio.move_on_after(_LAST_CHANCE, shield=True):
                 if self._service.collector is not None:
                     await self._store.write(self._collector)
-                await self._store.close()
+                await self._store.kept.close()
 
     def health(self, _: HealthRequest) -> HealthResponse:
         """Return the counters of the history, and the trouble of its file."""
-        collector, store = self._collector, self._store
+        collector, file = self._collector, self._store.kept
         counts = {
             "history_series": len(collector.series),
             "history_lost": collector.lost,
             "history_left_out": collector.left_out,
             "history_folded": collector.folded,
-            "history_failures": store.failures,
+            "history_failures": file.failures,
         }
-        return HealthResponse(counts=Count.each(counts), troubles=(store.problem,) if store.problem else ())
+        return HealthResponse(counts=Count.each(counts), troubles=(file.problem,) if file.problem else ())
 
     async def _open(self) -> None:
         """Open the file; wait while it cannot be used."""
         while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
-            await anyio.sleep(math.inf if self._store.is_unusable else _LOOK_EVERY)
+            await anyio.sleep(math.inf if self._store.kept.is_unusable else _LOOK_EVERY)
         self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)
         self._store.file.write_rest = partial(self._store.write, self._collector)
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final, NamedTuple, final
 
+from homebot.errors import HomebotError
 from homebot.history.batch import Batch, Place, Series
 from homebot.history.buckets import COUNTERS, HOUR
 from homebot.history.codec import decode_values, encode_batch
@@ -77,6 +78,11 @@ class HistoryFile(SqliteFile):
         self._recent_hour: int | None = None
         self._open_days: set[int] = set()
 
+    def open(self, now: float) -> Path | None:
+        """Open the file; see :meth:`.SqliteFile.open`."""
+        self._counters, self._recent_hour, self._open_days = set(), None, set()
+        return super().open(now)
+
     @property
     def connection(self) -> sqlite3.Connection:
         """The open connection.
@@ -93,8 +99,7 @@ class HistoryFile(SqliteFile):
             LinkError: It cannot be read now.
             WireError: The file is damaged.
         """
-        connection = self._opened()
-        try:
+        with self._used("read") as connection:
             rows = connection.execute("SELECT s, device, part, capability, unit FROM series").fetchall()
             series = {(row[1], row[2], row[3]): Series(row[0], (row[1], row[2], row[3]), row[4]) for row in rows}
             self._counters = {one.number for place, one in series.items() if place[2] in COUNTERS}
@@ -104,8 +109,6 @@ class HistoryFile(SqliteFile):
             self._open_days = set() if five is None else {(five >> BITS) // HOURS}
             self._close_states(newest, five)
             return StoredSeries(series, self._last_of_counters())
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "read") from exc
 
     def write(self, batch: Batch, now: int) -> None:
         """Write *batch* in one transaction; seal the hours and days that are over, and drop what is too old.
@@ -117,18 +120,19 @@ class HistoryFile(SqliteFile):
             LinkError: It cannot be written now; nothing was written.
             WireError: The file is damaged; nothing was written.
         """
-        connection, state = self._opened(), (self._recent_hour, set(self._open_days))
+        state = self._recent_hour, set(self._open_days)
         try:
-            with connection:
-                self._write_series(batch.new)
-                rows = [(key_of(at, series), row.until, row.value) for (at, series), row in batch.states.items()]
-                connection.executemany(_UPSERT_STATE, rows)
-                is_over = self._write_values(batch, now)
-            if is_over:
-                self._shrink()
-        except sqlite3.Error as exc:
+            with self._used("written") as connection:
+                with connection:
+                    self._write_series(batch.new)
+                    rows = [(key_of(at, series), row.until, row.value) for (at, series), row in batch.states.items()]
+                    connection.executemany(_UPSERT_STATE, rows)
+                    is_over = self._write_values(batch, now)
+                if is_over:
+                    self._shrink()
+        except HomebotError:
             self._recent_hour, self._open_days = state
-            raise self._failure(exc, "written") from exc
+            raise
 
     def _write_series(self, new: Iterable[Series]) -> None:
         rows = [(one.number, *one.place, one.unit) for one in new]

@@ -18,7 +18,7 @@ from homebot.devices.history_messages import (
 from homebot.devices.names import FIND_DEVICES
 from homebot.devices.query.terms import QueryTerm
 from homebot.devices.services import FindDevices, FindDevicesRequest
-from homebot.errors import LinkError, ServiceError, WireError
+from homebot.errors import LinkError, ServiceError
 from homebot.graph import Node
 from homebot.history.batch import Series
 from homebot.history.buckets import COUNTERS
@@ -64,7 +64,7 @@ class HistoryService:
     async def read(self, request: ReadHistoryRequest) -> ReadHistoryResponse:
         """Return the history of the devices that fit *request*."""
         if self.collector is None:
-            return ReadHistoryResponse(success=False, message=self._store.problem or _NOT_YET)
+            return ReadHistoryResponse(success=False, message=self._store.kept.problem or _NOT_YET)
         since, until = self._bounds(request.since, request.until, _DAY)
         if since >= until:
             return ReadHistoryResponse(success=False, message="since must be before until")
@@ -75,7 +75,7 @@ class HistoryService:
             series = await self._store.read(
                 self.collector, lambda reader: _read(reader, wanted[:_MOST_SERIES], found.names, span)
             )
-        except (LinkError, WireError, ServiceError) as exc:
+        except (LinkError, ServiceError) as exc:
             return ReadHistoryResponse(success=False, message=str(exc))
         return ReadHistoryResponse(
             success=True,
@@ -88,7 +88,7 @@ class HistoryService:
     async def energy(self, request: ReadEnergyRequest) -> ReadEnergyResponse:
         """Return the energy of each day of the home that *request* touches."""
         if self.collector is None:
-            return ReadEnergyResponse(success=False, message=self._store.problem or _NOT_YET)
+            return ReadEnergyResponse(success=False, message=self._store.kept.problem or _NOT_YET)
         since, until = self._bounds(request.since, request.until, 6 * _DAY)
         span = Span(round(self._midnight(since) * 1000), round(until * 1000), 1)
         try:
@@ -97,7 +97,7 @@ class HistoryService:
             days = await self._store.read(
                 self.collector, lambda reader: _energy(reader, counters, found.names, span, self._zone)
             )
-        except (LinkError, WireError, ServiceError) as exc:
+        except (LinkError, ServiceError) as exc:
             return ReadEnergyResponse(success=False, message=str(exc))
         return ReadEnergyResponse(success=True, days=tuple(days))
 

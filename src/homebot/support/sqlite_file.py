@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import sqlite3
 import time
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
@@ -288,11 +288,20 @@ class SqliteFile:
         else:
             _apply(connection, schema.statements if version == 0 else (), schema.version)
 
-    def _failure(self, exc: sqlite3.Error, what: str) -> LinkError | WireError:
-        """Return the error for a failed operation *what*, for example ``written``: of the file or of the disk."""
-        if _is_damage(exc):
-            return WireError(f"{self._title} is damaged: {exc}", b"")
-        return LinkError(f"{self._title} cannot be {what}: {exc}")
+    @contextmanager
+    def _used(self, what: str) -> Iterator[sqlite3.Connection]:
+        """Yield the connection for an operation, for example ``written``.
+
+        Raises:
+            LinkError: It failed by the disk or another program, or the file is not open.
+            WireError: It failed by the file, which is damaged.
+        """
+        try:
+            yield self._opened()
+        except sqlite3.Error as exc:
+            if _is_damage(exc):
+                raise WireError(f"{self._title} is damaged: {exc}") from exc
+            raise LinkError(f"{self._title} cannot be {what}: {exc}") from exc
 
     @property
     def _title(self) -> str:

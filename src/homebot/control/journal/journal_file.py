@@ -90,20 +90,16 @@ class JournalFile(SqliteFile):
             LinkError: It cannot be written now; nothing was written.
             WireError: The file is damaged; nothing was written.
         """
-        connection = self._opened()
         rows = [(one.at.to_seconds(), one.device, one.command, _to_json(one)) for one in map(JournalNote.entry, notes)]
-        try:
-            with connection:
-                connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)
-                _write_learnt(connection, learnt)
-                connection.execute("DELETE FROM learnt WHERE at < ?", (oldest,))
-                dropped = connection.execute(_DROP_OLDER, (oldest,)).rowcount
-                for _ in range(_ROUNDS):
-                    if _size(connection) <= most_bytes:
-                        break
-                    dropped += _drop_oldest(connection)
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "written") from exc
+        with self._used("written") as connection, connection:
+            connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)
+            _write_learnt(connection, learnt)
+            connection.execute("DELETE FROM learnt WHERE at < ?", (oldest,))
+            dropped = connection.execute(_DROP_OLDER, (oldest,)).rowcount
+            for _ in range(_ROUNDS):
+                if _size(connection) <= most_bytes:
+                    break
+                dropped += _drop_oldest(connection)
         return dropped
 
     def read_learnt(self) -> tuple[LearntRow, ...]:
@@ -114,10 +110,8 @@ class JournalFile(SqliteFile):
             WireError: The file is damaged.
         """
         query = "SELECT kind, name, record, at, command FROM learnt ORDER BY at DESC LIMIT ?"
-        try:
-            rows = self._opened().execute(query, (_MOST_LEARNT,)).fetchall()
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "read") from exc
+        with self._used("read") as connection:
+            rows = connection.execute(query, (_MOST_LEARNT,)).fetchall()
         return tuple([_learnt_row(*row) for row in reversed(rows)])
 
     def read_entries(self, request: ReadJournalRequest) -> ReadJournalResponse:
@@ -127,15 +121,12 @@ class JournalFile(SqliteFile):
             LinkError: It cannot be read now.
             WireError: The file is damaged.
         """
-        connection = self._opened()
         limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
         conditions, values = _conditions(request)
         query = f"SELECT at, device, command, entry FROM entries{conditions} ORDER BY number DESC LIMIT ?"  # noqa: S608 - of our own texts
-        try:
+        with self._used("read") as connection:
             rows = connection.execute(query, (*values, limit + 1)).fetchall()
             first = connection.execute("SELECT at FROM entries ORDER BY number LIMIT 1").fetchone()
-        except sqlite3.Error as exc:
-            raise self._failure(exc, "read") from exc
         found = [entry for row in reversed(rows[:limit]) if (entry := _entry(*row)) is not None]
         begins = Time.from_seconds(first[0]) if first else Time(sec=0, nanosec=0)
         return ReadJournalResponse(entries=tuple(found), complete=len(rows) <= limit, begins=begins)

@@ -88,7 +88,6 @@ class JournalStore:
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
         failures: Entries, and rows, that could not be stored.
-        problem: The trouble of the store, as text; empty if there is none.
         remembers: Whether it may have rows of an earlier run.
     """
 
@@ -98,8 +97,12 @@ class JournalStore:
         self._longest = longest
         self.dropped = 0
         self.failures = 0
-        self.problem = ""
         self.remembers = False
+
+    @property
+    def problem(self) -> str:
+        """The trouble of the store, as text; empty if there is none."""
+        return ""
 
     def add(self, note: JournalNote) -> None:
         """Add an entry; never blocks, and does no input or output."""
