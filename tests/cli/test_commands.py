@@ -158,8 +158,8 @@ def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices") == 0
     head, row = capsys.readouterr().out.splitlines()
-    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "COMMAND", "TOPIC", "AVAILABILITY", "LAST", "SEEN"]
-    assert row.split()[:5] == ["lights/lamp", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
+    assert head.split() == ["DEVICE", "NAME", "TYPE", "GATEWAY", "COMMAND", "TOPIC", "AVAILABILITY", "LAST", "SEEN"]
+    assert row.split()[:6] == ["lights/lamp", "Lamp\\x1b[31m", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
     assert row.endswith("d ago")
     assert run(homebot, "devices", "--type", "locks") == 0
     assert capsys.readouterr().out == "no device offers locks now\n"

@@ -173,7 +173,7 @@ def test_progress_is_shown_and_taken_away(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> None:
     reads, writes = pty.openpty()
-    fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 48, 0, 0))
+    fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 64, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
     command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices"]
     done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=120, check=True)
@@ -182,9 +182,9 @@ def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> No
     os.close(reads)
     lines = re.sub(r"\x1b\[[\d;]*m", "", text).splitlines()
     assert done.returncode == 0
-    assert lines[0].split() == ["DEVICE", "TYPE", "AVAILABILITY", "LAST", "SEEN"]
-    assert lines[-2].rstrip() == "columns hidden, as the terminal is too narrow:"
-    assert max(map(len, lines)) <= 48
+    assert lines[0].split() == ["DEVICE", "NAME", "TYPE", "AVAILABILITY", "LAST", "SEEN"]
+    assert lines[-2].rstrip() == "columns hidden, as the terminal is too narrow: GATEWAY, COMMAND"
+    assert max(map(len, lines)) <= 64
 
 
 @pytest.mark.parametrize(

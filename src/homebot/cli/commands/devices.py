@@ -25,8 +25,8 @@ __all__ = ["add_arguments"]
 
 T = TypeVar("T")
 
-_HEAD = ("DEVICE", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
-_IF_ANY = ("AREA", "STATE", "COMMAND TOPIC")
+_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
+_IF_ANY = ("NAME", "AREA", "STATE", "COMMAND TOPIC")
 _IF_ROOM = ("GATEWAY", "COMMAND TOPIC")
 _WRONG_COMMAND_LINE = 2
 _EXAMPLES = """\
@@ -35,7 +35,8 @@ _EXAMPLES = """\
   homebot devices --json
   homebot devices --td things/
 
-STATE is what the device last reported. COMMAND TOPIC is where it takes commands, empty if it takes none; send one with
+NAME is left out where it is the same as DEVICE. STATE is what the device last reported. COMMAND TOPIC is where it takes
+commands, empty if it takes none; send one with
 `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
 if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
 if it has been silent for too long, `unreachable` if it or its last will says offline, and `partly unreachable` if
@@ -117,6 +118,7 @@ def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]
     first = device.endpoints[0] if device.endpoints else None
     return (
         device.id,
+        "" if device.name == device.id else device.name,
         types(device),
         device.area,
         state_text(device),
