@@ -207,12 +207,15 @@ async def test_a_device_of_another_gateway_is_one_with_that_of_home_assistant(ca
 async def test_an_accessory_that_is_paired_with_home_assistant_is_one_with_it(tmp_path: Path) -> None:
     """``homekit_controller/connection.py`` has the pairing ID in lower case, and one for each bridged accessory."""
     server = f"{PAIRING_ID.lower()}:aid"
-    bridge, bridged = ((("homekit_controller:accessory-id", f"{server}:{aid}"),) for aid in (1, 2))
-    registered = {"bridge": Entry(bridge, (), "1_1_8"), "desk": Entry(bridged, (), "1_2_8")}
+    aids = {"bridge": 1, "lamp": 2, "desk": 3}
+    registered = {
+        name: Entry((("homekit_controller:accessory-id", f"{server}:{aid}"),), (), f"1_{aid}_8")
+        for name, aid in aids.items()
+    }
     async with two_ways(tmp_path, "homekit", "lamp", registered) as node:
         found = await lamps(node, lambda found: len(of_home_assistant(found)) == len(registered))
     assert {one.name: {place.gateway for place in one.endpoints} for one in found} == {
-        "lamp": {"homekit"},
+        "lamp": {"homekit", "homeassistant"},
         "Simulated bridge 000001": {"homekit", "homeassistant", "mdns"},
         "desk": {"homeassistant"},
     }

@@ -248,9 +248,9 @@ def test_the_main_part_comes_first_and_ids_are_unique() -> None:
         ("light_x", "Lamp", ""),
         ("switch_x", "Indicator", "config"),
         ("sensor_x", "Signal", "diagnostic"),
-        ("sensor_x_2", "Shed Signal", ""),
+        ("sensor_x@7", "Shed Signal", ""),
     ]
-    assert device.part_of("sensor", {"key": 1, "device_id": 7}) == "sensor_x_2"
+    assert device.part_of("sensor", {"key": 1, "device_id": 7}) == "sensor_x@7"
     assert device.part_of("sensor", {"key": 9}) is None
 
 

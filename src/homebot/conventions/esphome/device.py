@@ -55,7 +55,7 @@ class EsphomeDevice:
         known = [(kind, fields) for kind, fields in listed if kind in KINDS and _is_to_be_read(kind, fields)]
         self.left_out = max(0, len(known) - MAX_ENTITIES)
         for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda one: _ORDER[one[0]]):
-            self._add(EsphomeEntity(kind, fields, KINDS[kind]), text_of(fields, "object_id")[:_MAX_ID])
+            self._add(EsphomeEntity(kind, fields, KINDS[kind]), _object_id(fields))
 
     @property
     def name(self) -> str:
@@ -70,9 +70,14 @@ class EsphomeDevice:
 
     @property
     def identifiers(self) -> tuple[str, ...]:
-        """Its hardware addresses, or its name without one."""
-        addresses = [text_of(self._info, "mac_address"), text_of(self._info, "bluetooth_mac_address")]
-        return identifiers(addresses if any(addresses) else [text_of(self._info, "name")])
+        """Its hardware addresses, or its name without one; and those of its sub-devices, as Home Assistant has them.
+
+        Source: Home Assistant core 2026.1, ``components/esphome/manager.py``.
+        """
+        mac = text_of(self._info, "mac_address")
+        addresses = [mac, text_of(self._info, "bluetooth_mac_address")]
+        owned = [f"esphome:{mac}_{number}" for number in _names(self._info.get("devices"))] if mac else []
+        return identifiers([*addresses, *owned] if any(addresses) else [text_of(self._info, "name")])
 
     @property
     def metadata(self) -> dict[str, str]:
@@ -124,6 +129,12 @@ def _is_to_be_read(kind: str, fields: Fields) -> bool:
 
 
 _MAX_ID = 120
+
+
+def _object_id(fields: Fields) -> str:
+    """Return the id of an entity, with its sub-device: two of these may have entities of one name."""
+    name, owner = text_of(fields, "object_id")[:_MAX_ID], whole_of(fields, "device_id")
+    return f"{name}@{owner}" if name and owner else name
 
 
 def _names(listed: object) -> dict[int, str]:

@@ -82,7 +82,11 @@ class _Gen1Device:
     def describe(self, topic: str) -> DeviceAnnounced:
         """Return its description, perhaps without parts; *topic* is that of its last message."""
         topics = self.topics
-        declared = (in_pairs(self.mac), topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
+        declared = (
+            in_pairs(self.mac),
+            topics.name if _HARDWARE_ID.fullmatch(topics.name) else "",
+            *self._channels(),
+        )
         return DeviceAnnounced(
             key=topics.topic,
             convention="shelly",
@@ -100,6 +104,14 @@ class _Gen1Device:
             implies_alive=True,
         )
 
+    def _channels(self) -> list[str]:
+        """Return the identifiers of its channels, where another program may have each as a device of its own.
+
+        Source: Home Assistant core 2026.1, ``components/shelly/utils.py``: ``get_block_device_info``.
+        """
+        blocks = sorted({_BLOCKS[found[1]] + found[2] for found in map(_BLOCK.match, self.known()) if found})
+        return [f"shelly:{self.mac.upper()}-{block}" for block in blocks] if self.mac and len(blocks) > 1 else []
+
     def _announced_facts(self) -> tuple[str, ...]:
         return self.model_name, self.mode, self.mac, self.version, self.address
 
@@ -115,6 +127,12 @@ class _Gen1Device:
 
 
 _HARDWARE_ID = re.compile(r"shelly[a-z0-9-]*-(?:[0-9a-f]{6}|[0-9a-f]{12})", re.IGNORECASE)
+
+
+_BLOCKS = {"relay": "relay_", "emeter": "emeter_", **dict.fromkeys(("light", "white", "color"), "light_")}
+"""Topics of channels, with the names of their blocks in CoIoT."""
+
+_BLOCK = re.compile(rf"({'|'.join(_BLOCKS)})/([0-9])(?:/|$)")
 
 
 def _kind(suffix: str) -> str:

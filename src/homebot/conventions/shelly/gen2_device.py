@@ -154,6 +154,8 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
 }
+_CHANNEL = re.compile(rf"(?:switch|cover|em1|{'|'.join(LIGHTS)}):[0-9]{{1,2}}")
+_PHASES = re.compile("em:[0-9]{1,2}")
 _RANKS = {kind: rank for rank, kind in enumerate(_BUILDERS)}
 
 
@@ -312,7 +314,7 @@ class Gen2Device:
             native=True,
             whole_device=True,
             identifiers=identifiers(
-                (in_pairs(self.mac), device_id if device_id.casefold().startswith("shelly") else "")
+                (in_pairs(self.mac), device_id if device_id.casefold().startswith("shelly") else "", *self._channels())
             ),
             name=self._name(),
             parts=_build_parts(
@@ -326,6 +328,16 @@ class Gen2Device:
             owns=(self.prefix,),
             implies_alive=True,
         )
+
+    def _channels(self) -> list[str]:
+        """Return the identifiers of its channels, where another program may have each as a device of its own.
+
+        Source: Home Assistant core 2026.1, ``components/shelly/utils.py``: ``get_rpc_device_info``.
+        """
+        channels = [key for key in self.status if _CHANNEL.fullmatch(key)]
+        phases = [f"{key}-{phase}" for key in self.status if _PHASES.fullmatch(key) for phase in "abc"]
+        found = [*channels, *phases] if self.mac and len(channels) + len(phases) > 1 else []
+        return [f"shelly:{self.mac.upper()}-{key}" for key in found]
 
     def _name(self) -> str:
         configured = as_fields(as_fields(self.config.get("sys")).get("device")).get("name")

@@ -14,6 +14,7 @@ Nothing depends on the order in which parts or sources came.
 
 from __future__ import annotations
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
@@ -59,8 +60,8 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     Args:
         identifiers: The identifiers of the device in the source: ids of parts are often made of them.
     """
-    ids = [tuple(fold(part.id).split()[:MAX_WORDS]) for part in parts]
-    known = frozenset(chain.from_iterable(fold(one.partition(":")[2]).split() for one in identifiers))
+    ids = [_words(part.id)[:MAX_WORDS] for part in parts]
+    known = frozenset(chain.from_iterable(_words(one.partition(":")[2]) for one in identifiers))
     prefix, suffix = _shared_ends(set(ids))
     writes = Counter(chain.from_iterable([part.writes for part in parts]))
     reads = Counter(chain.from_iterable([part.reads for part in parts]))
@@ -68,13 +69,14 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     found = []
     for part, words in zip(parts, ids, strict=True):
         used = writes if part.writes else reads
+        kinds = frozenset(chain.from_iterable(_kinds(part)))
         found.append(
             Candidate(
                 part=part,
                 abilities={one.name: one for one in part.capabilities},
                 name=fold(part.name),
                 words=words,
-                prefix=max(prefix, _leading(words, known)),
+                prefix=max(prefix, _leading(words, known | kinds)),
                 suffix=max(suffix, _leading(reversed(words), known)),
                 topics=frozenset([topic for topic in part.writes or part.reads if used[topic] == 1]),
                 is_alone=not part.category and types[part.service_type] == 1,
@@ -170,11 +172,24 @@ def _letters_of_id(short: Candidate, long: Candidate, start: int) -> int:
 
 def _named_by_type(long: Candidate, start: int) -> int:
     """Count the words before *start* that only name the kind of part, as in ``0x17_switch_child_lock``."""
-    for kind in (long.part.advertised, long.part.service_type):
-        words = tuple(fold(kind).split())
+    for words in _kinds(long.part):
         if words and long.words[max(0, start - len(words)) : start] == words:
             return len(words)
     return 0
+
+
+def _kinds(part: Part) -> tuple[tuple[str, ...], ...]:
+    return tuple(_words(kind) for kind in (part.advertised, part.service_type))
+
+
+_ADDRESS = re.compile(r"(?<![0-9a-z])[0-9a-f]{2}(?::[0-9a-f]{2}){5}(?:(?::[0-9a-f]{2}){2})?(?![0-9a-z])")
+_SEPARATORS = str.maketrans(":/", "  ")
+
+
+def _words(text: str) -> tuple[str, ...]:
+    """Return the words of an id; a hardware address is one."""
+    digits = _ADDRESS.sub(lambda match: match[0].replace(":", ""), fold(text))
+    return tuple(digits.translate(_SEPARATORS).split())
 
 
 def _by_topic(mine: _Numbered, theirs: _Numbered) -> _Pairs:

@@ -66,6 +66,7 @@ def describe(
     facts = {fact: information.text(kind) for fact, kind in _FACTS.items()}
     facts["model"] = facts["model"] or found.model
     facts["via_device"] = "" if is_first else found.id
+    own = "pairing" if is_first else f"aid {known.aid}"
     serial = information.text(_SERIAL)
     serials = [one.information.text(_SERIAL) for one in all_of]
     is_own = len(serial) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
@@ -74,9 +75,7 @@ def describe(
         information.text(_NAME) or found.name,
         tuple(one.part for one in parts.values()),
         {fact: text for fact, text in facts.items() if text},
-        identifiers(
-            [f"homekit {found.id.upper()} pairing"] * is_first + [serial] * (is_own and serials.count(serial) == 1)
-        ),
+        identifiers([f"homekit {found.id.upper()} {own}"] + [serial] * (is_own and serials.count(serial) == 1)),
         authenticated=accessory is not None,  # it has proved the key of its pairing
         service_type="" if parts else found.service_type,
         raw_address=f"homekit/{key}",

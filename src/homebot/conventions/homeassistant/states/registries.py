@@ -146,6 +146,7 @@ def _identifier(domain: str, identifier: str) -> str:
             return identifier
         case "matter" if identifier.startswith("serial_"):
             return identifier.removeprefix("serial_")
-        case "homekit_controller:accessory-id" if identifier.endswith(":aid:1"):
-            return f"homekit {identifier.removesuffix(':aid:1').upper()} pairing"
+        case "homekit_controller:accessory-id":
+            server, _, aid = identifier.upper().partition(":AID:")
+            return f"homekit {server} pairing" if aid == "1" else f"homekit {server} aid {aid}"
     return f"{domain}:{identifier}"
