@@ -42,11 +42,7 @@ Phase: TypeAlias = Literal["commanding", "held", "outranked"]
 
 @final
 class ControlActions:
-    """Serves the actions of the control layer.
-
-    Args:
-        layer: Returns its parts.
-    """
+    """Serves the actions of the control layer."""
 
     def __init__(self, node: Node, layer: Callable[[], ControlLayer]) -> None:
         self._node = node

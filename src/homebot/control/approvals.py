@@ -9,7 +9,7 @@ from homebot.devices import Device
 from homebot.devices.always_ask import waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.device import KeyValue
-from homebot.devices.query import FactIs, IsUnapproved
+from homebot.devices.query import IsUnapproved
 from homebot.errors import ServiceError
 
 __all__ = ["Approvals"]
@@ -21,11 +21,8 @@ _MOST_NAMED: Final = 5
 class Approvals:
     """List of the devices that wait for approval.
 
-    Args:
-        is_needed: Whether devices need an approval at all.
-
     Attributes:
-        is_needed: Likewise; may be changed.
+        is_needed: Whether devices need an approval at all; may be changed.
     """
 
     def __init__(self, lookup: DeviceLookup, *, is_needed: bool) -> None:
@@ -35,7 +32,8 @@ class Approvals:
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
         """Return the devices that wait, and the reasons why devices always ask."""
         if request.device:
-            found = tuple(one for one in await self._find(request.device) if one.id == request.device)
+            device = await self._lookup.device(request.device)
+            found = [] if device is None else [device]
         else:
             found = await self._waiting()
         return UnapprovedResponse(
@@ -51,15 +49,11 @@ class Approvals:
             return ()
         return (_waiting_note(waiting),) if waiting else ()
 
-    async def _waiting(self) -> tuple[Device, ...]:
-        return await self._find() if self.is_needed else ()
-
-    async def _find(self, device: str = "") -> tuple[Device, ...]:
-        query = FactIs("id", device.casefold()) if device else IsUnapproved()
-        return await self._lookup.devices(query)
+    async def _waiting(self) -> list[Device]:
+        return list(await self._lookup.devices(IsUnapproved())) if self.is_needed else []
 
 
-def _waiting_note(waiting: tuple[Device, ...]) -> str:
+def _waiting_note(waiting: list[Device]) -> str:
     named = ", ".join(f"{one.id} ({why_device_asks(one)})" for one in waiting[:_MOST_NAMED])
     named += ", …" if len(waiting) > _MOST_NAMED else ""
     count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"

@@ -37,11 +37,7 @@ Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], Refused | No
 
 @final
 class CommandService:
-    """Finds the devices that a command in words is for, and commands all of them at once.
-
-    Args:
-        perform: Carries out each command.
-    """
+    """Finds the devices that a command in words is for, and commands all of them at once."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform, preview: Preview) -> None:
         self._perform = perform

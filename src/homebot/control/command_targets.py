@@ -16,7 +16,6 @@ from homebot.devices.query import (
     And,
     HasText,
     IsNear,
-    NameIs,
     Or,
     PartFacets,
     Query,
@@ -27,7 +26,6 @@ from homebot.devices.query import (
 )
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.readings import Readings, readings_of
-from homebot.devices.query.terms import FactIs
 from homebot.devices.services import QueryDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -99,11 +97,9 @@ class CommandTargets:
 
     async def _called(self, target: str) -> list[_Target]:
         device_id, _, part_id = target.partition("#")
-        named = await self._lookup.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(target)))))
-        own = [one for one in named if one.id == device_id]
-        if part_id and own:
-            return [(own[0], _part(own[0], part_id))]
-        called = own or named
+        called = await self._lookup.called(target, device_id)
+        if part_id and called and called[0].id == device_id:
+            return [(called[0], _part(called[0], part_id))]
         if len(called) > 1:
             ids = ", ".join(one.id for one in called[:10])
             raise NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")

@@ -113,7 +113,7 @@ class Control:
                 await self._layer.run()
             finally:
                 if self._begun.is_set():
-                    await self._layer.journal.close()
+                    await self._layer.close()
 
     def register(self) -> None:
         """Create the services and subscriptions."""

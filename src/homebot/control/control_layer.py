@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Final, final
 
@@ -64,8 +63,6 @@ class ControlLayer:
         store: JournalStore | None,
         rehearsal: Rehearsal | None,
     ) -> None:
-        self._node = node
-        self._lookup = lookup
         settings = settings or ControlSettings()
         if approves_all:
             settings = settings.model_copy(update={"approvals": False})
@@ -86,13 +83,13 @@ class ControlLayer:
             detected=detected,
         )
         leases = Leases(settings.hand_time)
-        self.journal.add_counter("leases_refused", lambda: leases.refused)
         self.executor = CommandExecutor(
             node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
         )
         self.words = CommandService(node, lookup, self.executor.perform, self.executor.preview)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
+        self.denied = DeniedRequests(node, lookup, self.journal)
         self.approvals = Approvals(lookup, is_needed=settings.approvals)
         self.explanations = Explanations(
             self.journal.read,
@@ -113,15 +110,17 @@ class ControlLayer:
             tasks.start_soon(self.journal.run)
             await self.leases.run()
 
-    @cached_property
-    def denied(self) -> DeniedRequests:
-        """The requests that the door refused."""
-        return DeniedRequests(self._node, self._lookup, self.journal)
+    async def close(self) -> None:
+        """Write the last entries of the journal, cancelled or not."""
+        self.denied.record_counts()
+        await self.journal.close()
 
     async def health(self) -> HealthResponse:
         """Return the health of the journal, with notes for the owner."""
         notes = await self.approvals.notes() + self.executor.witnesses.notes() + self.policies.notes()
-        return self.journal.health().model_copy(update={"notes": notes})
+        executor = self.executor
+        counts = {"leases_refused": executor.leases.refused, **executor.witnesses.counts, **self.policies.counts}
+        return self.journal.health(counts, notes)
 
 
 def _store(node: Node, settings: ControlSettings, journal_file: Path | None) -> JournalStore:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Final, TypeAlias, final
 
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.query import NameIs, Query, query_terms
+from homebot.devices.query import FactIs, NameIs, Or, Query, query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -37,12 +37,14 @@ class DeviceLookup:
         found = (await self._find.call(_request_for(device_id))).devices
         return found[0] if found else None
 
-    async def named(self, name: str) -> Device | None:
-        """Return the device with that id, else the only one with that name; None if there is none, or several."""
-        if (device := await self.device(name)) is not None:
-            return device
-        found = await self.devices(NameIs(fold(name)))
-        return found[0] if len(found) == 1 else None
+    async def called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
+        """Return the device with the id *device_id*, or *name* if it is empty; else all devices with that name or id.
+
+        Of the latter, capitals in the id make no difference.
+        """
+        device_id = device_id or name
+        found = await self.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(name)))))
+        return tuple(one for one in found if one.id == device_id) or found
 
     async def devices(self, query: Query | None = None) -> tuple[Device, ...]:
         """Return the devices that fit *query*, or all."""

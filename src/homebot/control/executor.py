@@ -74,10 +74,6 @@ class CommandExecutor:
     """Carries commands out, any number at once.
 
     Args:
-        settings: The time limits, the number of repetitions, and the witnesses.
-        policies: Checks each command.
-        journal: Records each step.
-        timelines: The facts of each part.
         rehearsal: Answers commands in place of the devices; None if they are sent.
     """
 
@@ -112,8 +108,6 @@ class CommandExecutor:
         timelines.on_report, timelines.on_end, timelines.on_undone = self._on_report, self._on_end, self._on_undone
         feed.on_answer = self._on_answer
         self.witnesses = Witnesses(node, settings, feed, lookup)
-        for name, read in self.witnesses.counters.items():
-            journal.add_counter(name, read)
 
     async def perform(self, request: CommandRequest) -> Outcome:
         """Carry a command out, and return its outcome."""
@@ -137,18 +131,21 @@ class CommandExecutor:
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by rights or policies at this moment; nothing is recorded."""
-        command = self._issued("", request, device, part, self._clock.now())
-        if command.is_client and (problem := self._policies.client_refusal(command)):
-            return Refused(CLIENT_RIGHTS, problem)
-        return self._policies.check(command, is_recorded=False)
+        return self.check(self._issued("", request, device, part, self._clock.now()), is_preview=True)
 
-    def check(self, command: IssuedCommand) -> Refused | None:
-        """Return the refusal of *command* by rights, leases or policies; None if it may be sent now."""
+    def check(self, command: IssuedCommand, *, is_preview: bool = False) -> Refused | None:
+        """Return the refusal of *command* by rights, leases or policies; None if it may be sent now.
+
+        Args:
+            is_preview: Whether leases do not matter, and the journal does not record the verdicts.
+        """
         if command.is_client and (problem := self._policies.client_refusal(command)):
             return Refused(CLIENT_RIGHTS, problem, command_id=command.id)
-        is_leased = command.place in self.leases.parts
-        held = self.leases.refuse(command, self._clock.monotonic()) if is_leased else None
-        return held or self._policies.check(command)
+        if not is_preview and command.place in self.leases.parts:
+            held = self.leases.refuse(command, self._clock.monotonic())
+            if held is not None:
+                return held
+        return self._policies.check(command, is_recorded=not is_preview)
 
     def record_text(self, command: IssuedCommand) -> None:
         """Record that *command* is sent as a text: no outcome is awaited, and older commands for the same are over."""

@@ -108,7 +108,6 @@ class Explanations:
 
     Args:
         find_device: Returns a device by its id; None if there is none.
-        find_fights: Returns the fights over a device, by its id.
         find_ineffective: Returns the routes of a device that are tried last, by part.
     """
 

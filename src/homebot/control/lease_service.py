@@ -51,11 +51,7 @@ _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
 @final
 class LeaseService:
-    """Commands the held values, watches them, and commands them again.
-
-    Args:
-        journal: Records each step of each lease.
-    """
+    """Commands the held values, watches them, and commands them again."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor, journal: CommandJournal) -> None:
         self._node = node
@@ -81,9 +77,10 @@ class LeaseService:
     async def hold(self, request: HoldRequest) -> LeaseState:
         """Command a value and hold it; return when the outcome of the command is known."""
         try:
-            device = await self._lookup.named(request.device)
+            called = await self._lookup.called(request.device)
         except ServiceError as exc:
             return LeaseState(held=False, outcome=NoAnswer(0.0, str(exc)))
+        device = called[0] if len(called) == 1 else None
         part = commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))

@@ -24,7 +24,7 @@ from homebot.devices import DeviceChange, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.house_view import HouseView
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import Query, facets_of, fits
+from homebot.devices.query import facets_of, fits
 from homebot.graph import Node
 
 __all__ = ["PolicyEngine"]
@@ -63,8 +63,7 @@ class PolicyEngine:
         self._clock = node.graph.clock
         self._settings = settings
         self._grants = grants
-        self._watcher: _NeededDevices | None = None
-        self._guards_presence = False
+        self._watches = self._guards_presence = False
         self._journal = journal
         self._trusts_apps = trusts_apps
         self.rights = lru_cache(maxsize=256)(self._rights)
@@ -81,15 +80,12 @@ class PolicyEngine:
         """Use the policies of *settings*, and the scopes in the mapping of grants as they are now."""
         self._settings, self._policies, self._zone = settings, Policies(settings), _zone(settings.time_zone)
         self.rights.cache_clear()
-        if self._watcher is not None:
+        if self._watches or settings.needs_house:
             self._watch()
-        elif settings.needs_house:
-            self._node.create_task(self._follow)
         if settings.presence_guard is not None and not self._guards_presence:
             self._guards_presence = True
             self._learnt.add(DETECTION, self._house.detections)
             self._node.create_task(self._learnt.load)
-            self._journal.add_counter("detections_forgotten", lambda: self._house.detections.forgotten)
 
     def check(self, command: IssuedCommand, *, is_recorded: bool = True) -> Refused | None:
         """Return the refusal of *command*; None if it may be sent now.
@@ -113,6 +109,11 @@ class PolicyEngine:
         """Return why the client that gave *command* has no right to the part, with the remedy; empty if it has."""
         return client_refusal(command, needs_approval=self._settings.approvals)
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """The counters for the health of the node, by name."""
+        return {"detections_forgotten": self._house.detections.forgotten} if self._guards_presence else {}
+
     def notes(self) -> tuple[str, ...]:
         """Return a note on the motion sensors that the presence guard does not trust yet."""
         names = self._house.unproven() if self._settings.presence_guard is not None else ()
@@ -133,6 +134,24 @@ class PolicyEngine:
         """Record that *command* is sent."""
         self._turns.record(command, self._clock.monotonic())
 
+    def on_device(self, change: DeviceChange) -> None:
+        """See :class:`HouseWatcher`."""
+        view = HouseView.of(self._node).get(change.device.id)
+        if view is not None and fits(self._policies.needs, facets_of(view.device)):
+            self._house.put(view)
+        else:
+            self._house.remove(change.device.id)
+
+    def on_values(self, change: StateChange) -> None:
+        """See :class:`HouseWatcher`."""
+        self._house.record_values(change)
+
+    def on_event(self, change: StateChange) -> None:
+        """See :class:`HouseWatcher`."""
+
+    def close(self) -> None:
+        """See :class:`HouseWatcher`."""
+
     def _rights(self, issuer: str) -> ClientRights:
         if is_client(issuer):
             return ALL_RIGHTS
@@ -140,48 +159,17 @@ class PolicyEngine:
             return read_scope(scope)
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
-    async def _follow(self) -> None:
-        self._watch()
+    def _watch(self) -> None:
+        """Put the devices that the policies need now into the house."""
+        if not self._watches:
+            self._watches = True
+            self._node.create_task(self._await_house)
+        HouseView.of(self._node).add(self)
+
+    async def _await_house(self) -> None:
         await HouseView.of(self._node).wait_until_complete()
         self._house.is_known = True
 
-    def _watch(self) -> None:
-        """Put the devices that the policies need now into the house."""
-        view, before = HouseView.of(self._node), self._watcher
-        self._watcher = _NeededDevices(self._house, view, self._policies.needs)
-        view.add(self._watcher)
-        if before is not None:
-            view.remove(before)
-
-
-@final
-class _NeededDevices:
-    """Watcher of the house that puts the devices which policies need into their house."""
-
-    def __init__(self, house: House, view: HouseView, needs: Query) -> None:
-        self._house = house
-        self._view = view
-        self._needs = needs
-
-    def on_device(self, change: DeviceChange) -> None:
-        view = self._view.get(change.device.id)
-        if view is not None and fits(self._needs, facets_of(view.device)):
-            self._house.put(view)
-        else:
-            self._house.remove(change.device.id)
-
-    def on_values(self, change: StateChange) -> None:
-        self._house.record_values(change)
-
-    def on_event(self, change: StateChange) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
-
 
 def _zone(name: str) -> tzinfo | None:
-    if not name:
-        return None
-
-    return ZoneInfo(name)
+    return ZoneInfo(name) if name else None

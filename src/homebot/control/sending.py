@@ -67,10 +67,6 @@ class Sending:
 
     A command is sent again only if the last sending cannot have an effect any more: the network has dropped its copy
     for an unreachable device, and after a lost connection the device has to report another value first.
-
-    Args:
-        policies: Checks each repetition.
-        journal: Records each sending.
     """
 
     def __init__(

@@ -36,12 +36,7 @@ _UNREADABLE: Final = "it always asks, and this text cannot be read as a command;
 
 @final
 class TextCommands:
-    """Serves the texts of applications.
-
-    Args:
-        executor: Knows the devices, the leases and the commands under way.
-        journal: Records each text.
-    """
+    """Serves the texts of applications."""
 
     def __init__(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, TypeAlias, final
@@ -16,8 +16,7 @@ from homebot.control.settings import ControlSettings
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
-from homebot.devices.query import NameIs, Or, PartFacets, fits
-from homebot.devices.query.terms import FactIs
+from homebot.devices.query import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -58,10 +57,8 @@ _Sensor: TypeAlias = tuple[Witness, DevicePart]
 class Witnesses:
     """Sensors that observe commands.
 
-    Args:
-        settings: The sensors that the owner names, and for how long they are waited for.
-
     Attributes:
+        counts: The counters for the health of the node, by name.
         contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts
             it.
     """
@@ -73,13 +70,8 @@ class Witnesses:
         self._timeout = settings.timeout
         self._feed = feed
         self._lookup = lookup
-        self._counts = {"commands_witnessed": 0, "commands_disproved": 0}
+        self.counts = {"commands_witnessed": 0, "commands_disproved": 0}
         self.contradicted: dict[tuple[str, str], str] = {}
-
-    @property
-    def counters(self) -> Mapping[str, Callable[[], int]]:
-        """The functions that read each counter, by its name in the health of the node."""
-        return {name: partial(self._counts.__getitem__, name) for name in self._counts}
 
     def notes(self) -> tuple[str, ...]:
         """Return a note on the devices that a witness contradicts, for people."""
@@ -152,7 +144,7 @@ class Witnesses:
         if not name:
             return []
         try:
-            devices = await self._lookup.devices(Or((FactIs("id", name), NameIs(name))))
+            devices = await self._lookup.called(name)
         except ServiceError:
             return []
         return [one for device in devices for one in _sensors(device, wanted, is_named=True)][:_MOST_FOR_ONE]
@@ -167,7 +159,7 @@ class Witnesses:
 
     def _confirmed(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
         command = opened.command
-        self._counts["commands_witnessed"] += 1
+        self.counts["commands_witnessed"] += 1
         self.contradicted.pop(command.place, None)
         reported = outcome.latency if isinstance(outcome, Confirmed) else 0.0
         latency = max(reported, witness.seen_at - opened.progress.given_at)
@@ -177,7 +169,7 @@ class Witnesses:
 
     def _contradict(self, opened: OpenCommand, witness: Witness) -> Outcome:
         command = opened.command
-        self._counts["commands_disproved"] += 1
+        self.counts["commands_disproved"] += 1
         self.contradicted[command.place] = witness.name
         saw = f"{witness.name} measured no change"
         self._node.log.warning(

@@ -11,11 +11,8 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
-from homebot.devices.query import NameIs, Or
-from homebot.devices.query.terms import FactIs
 from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.support.folding import fold
 
 __all__ = ["DeniedRequests"]
 
@@ -59,7 +56,6 @@ class DeniedRequests:
         self._lookup = lookup
         self._journal = journal
         self._clients: dict[str, _DeniedOfClient] = {}
-        journal.before_close(self._record_counts)
 
     async def record(self, refused: AccessRefused) -> None:
         """Record a refused request."""
@@ -78,9 +74,9 @@ class DeniedRequests:
 
     async def _end_hour(self) -> None:
         await anyio.sleep(_HOUR)
-        self._record_counts()
+        self.record_counts()
 
-    def _record_counts(self) -> None:
+    def record_counts(self) -> None:
         """Record the counts of all clients, and reset them."""
         clients, self._clients = self._clients, {}
         for client in clients.values():
@@ -99,13 +95,11 @@ class DeniedRequests:
         return await self._named(refused.subject) if target in _WITH_DEVICE else ""
 
     async def _named(self, subject: str) -> str:
-        device = subject.partition("#")[0]
         try:
-            found = await self._lookup.devices(Or((FactIs("id", device.casefold()), NameIs(fold(subject)))))
+            found = await self._lookup.called(subject, subject.partition("#")[0])
         except ServiceError:
             return ""
-        own = [one.id for one in found if one.id == device] or [one.id for one in found]
-        return own[0] if len(own) == 1 else ""
+        return found[0].id if len(found) == 1 else ""
 
 
 def _request(refused: AccessRefused) -> _Request:

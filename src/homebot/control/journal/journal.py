@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import count
 from typing import TYPE_CHECKING, Literal, TypeAlias, final
 
@@ -80,8 +80,6 @@ class CommandJournal:
         self._folding = CommandFolding()
         self._log = CommandLog(node, lookup)
         self.fights = self._log.fights
-        self._counters: dict[str, Callable[[], int]] = {}
-        self._before_close: list[Callable[[], None]] = []
         self._lookup = lookup
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
 
@@ -91,28 +89,17 @@ class CommandJournal:
 
     async def close(self) -> None:
         """Write the last entries, cancelled or not."""
-        for record in self._before_close:
-            record()
         self._log.write()
         for left in self._folding.close():
             self._store.add(left)
         await self._store.close()
 
-    def before_close(self, record: Callable[[], None]) -> None:
-        """Call *record* before the journal closes, for the last entries."""
-        self._before_close.append(record)
-
-    def add_counter(self, name: str, read: Callable[[], int]) -> None:
-        """Add the counter *name* to the health of the node."""
-        self._counters[name] = read
-
-    def health(self) -> HealthResponse:
-        """Return the counters of the journal, and the added ones."""
+    def health(self, counts: Mapping[str, int], notes: tuple[str, ...]) -> HealthResponse:
+        """Return the counters and the troubles of the journal, after *counts* of others, and with *notes*."""
         store = self._store
-        counts = {"journal_expired": store.dropped, "journal_failures": store.failures}
-        counts |= {name: read() for name, read in self._counters.items()}
         return HealthResponse(
-            counts=Count.each(counts),
+            counts=Count.each({"journal_expired": store.dropped, "journal_failures": store.failures, **counts}),
+            notes=notes,
             troubles=(
                 *((store.problem,) if store.problem else ()),
                 *(f"{one.text}; see homebot why {one.device}" for one in self.fights.recent(self._clock.now())),

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Final, final
 
-from homebot.control.timeline.facts import Order
+from homebot.control.timeline.facts import Order, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.values import END_POSITIONS, fits, is_other_end, is_same
+from homebot.control.values import END_POSITIONS, STOPPED, changes, fits, is_other_end, is_same, related
 from homebot.devices.value import PlainValue
 
-__all__ = ["NOTHING", "Motion", "Nothing", "WantedValue"]
+__all__ = ["NOTHING", "Motion", "Nothing", "WantedValue", "side_role"]
 
 
 class Nothing(Enum):
@@ -82,6 +82,11 @@ class WantedValue:
             return False
         return self._known != value or is_same(self._capability, self.value, value) or self._is_answer(value)
 
+    def refine(self, value: PlainValue) -> None:
+        """Record that the confirmed value is now reported as *value*: the device's own answer."""
+        self.seen = value
+        self._profile.learn_answer(self._capability, self.value, value)
+
     def depart(self, at: float) -> None:
         """Record that another value is reported."""
         self.met_at = None
@@ -130,3 +135,13 @@ class Motion:
     def _begin(self, capability: str, value: PlainValue) -> None:
         if isinstance(value, float):
             self._now[capability] = value
+
+
+def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:
+    """Return the role of a report of a capability that *order* does not want."""
+    settings = order.settings
+    if STOPPED in settings.values():
+        return ReportRole.AGREES
+    own = [one for one in related(capability) if one in settings and one != capability]
+    is_against = any(changes(capability, value, one, settings[one]) for one in own)
+    return ReportRole.ASIDE if is_against else ReportRole.AGREES

@@ -13,7 +13,7 @@ from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
-from homebot.control.timeline.goal import NOTHING, Motion, WantedValue
+from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.settling import Settling
 from homebot.control.values import POWERS, STOPPED, changes, is_intermediate, related
@@ -207,7 +207,7 @@ class CommandProgress:
         """Record the outcome; a confirmed one has to hold for *settle* seconds."""
         self.outcome, self.ended_at = outcome, min(self.ended_at, now)
         if isinstance(outcome, Confirmed):
-            self.settling = Settling(self, now, settle)
+            self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
 
     def supersede(self, newer: Order, now: float) -> None:
         """End it, or the watch of some values after it, for a *newer* command to the same part."""
@@ -229,24 +229,6 @@ class CommandProgress:
         """Record a live report, and return its role."""
         role = self.roles[fact.number] = self._role_of(fact)
         return role
-
-    def fits(self, capability: str, value: PlainValue) -> bool:
-        """Return whether *value* is the wanted one, as the device rounds."""
-        return self.wanted[capability].fits(value)
-
-    def refine(self, capability: str, value: PlainValue) -> None:
-        """Record that a confirmed value is now reported as *value*: the device's own answer."""
-        self.wanted[capability].seen = value
-        self._profile.learn_answer(capability, self.wanted[capability].value, value)
-
-    def side_role(self, capability: str, value: PlainValue) -> ReportRole:
-        """Return the role of a report of a capability that is not wanted."""
-        settings = self.order.settings
-        if STOPPED in settings.values():
-            return ReportRole.AGREES
-        own = [one for one in related(capability) if one in settings and one != capability]
-        is_against = any(changes(capability, value, one, settings[one]) for one in own)
-        return ReportRole.ASIDE if is_against else ReportRole.AGREES
 
     def _settings_were_so(self) -> bool:
         """Return whether the settings were certain before, of which the part reports none."""
@@ -307,7 +289,7 @@ class CommandProgress:
         if self._is_nearer(capability, value):
             self.moved_at = fact.at
             return ReportRole.STEP
-        role = self.side_role(capability, value)
+        role = side_role(self.order, capability, value)
         is_against = role is ReportRole.ASIDE and capability in _TURNED and self.last.get(capability, value) != value
         if is_against or self._opposed:
             self._opposed = self._opposed | {capability} if is_against else self._opposed - {capability}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Final, Literal, NamedTuple, Protocol, TypeAlias, final
+from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
-from homebot.control.timeline.goal import WantedValue
+from homebot.control.timeline.goal import WantedValue, side_role
 from homebot.control.values import departs, is_intermediate
 from homebot.devices.value import PlainValue
 
@@ -34,35 +34,16 @@ class Undoing(NamedTuple):
     after: float
 
 
-class SettledCommand(Protocol):
-    """The progress of a confirmed command, as far as its settling needs it; see `CommandProgress`."""
-
-    order: Order
-    known: Mapping[str, PlainValue]
-    last: Mapping[str, PlainValue]
-    roles: dict[int, ReportRole]
-
-    @property
-    def wanted(self) -> Mapping[str, WantedValue]:
-        """The values that the part is to report."""
-        ...
-
-    def fits(self, capability: str, value: PlainValue) -> bool:
-        """Return whether *value* is the wanted one."""
-        ...
-
-    def refine(self, capability: str, value: PlainValue) -> None:
-        """Record a further report of a confirmed value."""
-        ...
-
-    def side_role(self, capability: str, value: PlainValue) -> ReportRole:
-        """Return the role of a report of a capability that is not wanted."""
-        ...
-
-
 @final
 class Settling:
     """Judgement of the reports after a confirmation: further steps of a transition, or the end of the value.
+
+    Args:
+        known: The values that were certain before the command.
+        last: The values that the part reported last before, certain or not.
+        roles: The roles of the reports, by number; a step that leads nowhere gets another one.
+        at: When it was confirmed.
+        seconds: For how long the values have to hold.
 
     Attributes:
         until: When it ends, unless further steps come.
@@ -70,14 +51,22 @@ class Settling:
         has_held: Whether the values held until the end.
     """
 
-    def __init__(self, progress: SettledCommand, at: float, seconds: float) -> None:
-        order = progress.order
-        self._progress = progress
+    def __init__(
+        self,
+        order: Order,
+        wanted: Mapping[str, WantedValue],
+        known: Mapping[str, PlainValue],
+        last: Mapping[str, PlainValue],
+        roles: dict[int, ReportRole],
+        at: float,
+        seconds: float,
+    ) -> None:
+        self._order, self._wanted, self._known, self._roles = order, wanted, known, roles
         self._confirmed_at = at
         self._seconds = seconds
         self._steps_until = at + order.transition + durations.LAST_STEPS
         self._fades_until = self._steps_until if order.transition else -math.inf
-        self._fade = FadeOut(progress.last.get("level")) if order.settings.get(_ON) is False else None
+        self._fade = FadeOut(last.get("level")) if order.settings.get(_ON) is False else None
         self._is_fading = False
         self._step = ""  # the capability of which a value on the way was reported last
         self._step_value: PlainValue = None
@@ -91,7 +80,7 @@ class Settling:
     @property
     def is_over(self) -> bool:
         """True if nothing can undo it any more, or something did."""
-        return self.undoing is not None or self.has_held or self._released >= self._progress.order.settings.keys()
+        return self.undoing is not None or self.has_held or self._released >= self._order.settings.keys()
 
     @property
     def next_at(self) -> float:
@@ -101,7 +90,7 @@ class Settling:
     def release(self, capabilities: set[str], at: float) -> None:
         """Watch *capabilities* no more: a newer command is about them."""
         self._released |= capabilities
-        if self._released >= self._progress.order.settings.keys():
+        if self._released >= self._order.settings.keys():
             self.until = min(self.until, at)
 
     def advance(self, now: float) -> None:
@@ -130,35 +119,34 @@ class Settling:
         return self._step_role(fact.number)
 
     def _kept_role(self, fact: Reported) -> ReportRole:
-        progress = self._progress
         if self._step == fact.capability:
             self._end_steps()
-        if fact.capability not in progress.wanted:
-            return progress.side_role(fact.capability, fact.value)
-        progress.refine(fact.capability, fact.value)
+        if fact.capability not in self._wanted:
+            return side_role(self._order, fact.capability, fact.value)
+        self._wanted[fact.capability].refine(fact.value)
         return ReportRole.EFFECT
 
     def _departs(self, capability: str, value: PlainValue) -> bool:
         """Return whether *value* is not the wanted one, nor on the way there."""
-        progress = self._progress
-        is_commanded = capability in progress.order.settings
-        if capability not in progress.wanted or (is_commanded and capability in self._released):
+        is_commanded = capability in self._order.settings
+        if capability not in self._wanted or (is_commanded and capability in self._released):
             return False
         if capability == _ON and not is_commanded:
             return False  # a newer command may have turned it off
-        return departs(capability, progress.wanted[capability].value, value) and not progress.fits(capability, value)
+        wanted = self._wanted[capability]
+        return departs(capability, wanted.value, value) and not wanted.fits(value)
 
     def _may_move_on(self, fact: Reported) -> bool:
         """Return whether a dimmer or a motor that reported the wanted value may still be on its way there."""
-        progress, capability, value = self._progress, fact.capability, fact.value
-        before, wanted = progress.known.get(capability), progress.wanted[capability].value
+        capability, value = fact.capability, fact.value
+        before, wanted = self._known.get(capability), self._wanted[capability].value
         if not (isinstance(wanted, float) and isinstance(value, float)):
             return False
         if is_intermediate(capability, wanted, value):
             return True
         if fact.at > self._steps_until:
             return False
-        if capability == "level" and progress.order.turns_on and value < wanted:
+        if capability == "level" and self._order.turns_on and value < wanted:
             return True  # it fades up from nothing
         return not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
 
@@ -203,7 +191,7 @@ class Settling:
 
     def _undo(self, capability: str, at: float) -> None:
         for number in self._steps:
-            self._progress.roles[number] = ReportRole.UNDONE
+            self._roles[number] = ReportRole.UNDONE
         self._steps.clear()
         self.undoing = Undoing(at, capability, at - self._confirmed_at)
         self.until = at
